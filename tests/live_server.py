@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from teamformer.commands.addresses import Address
 from teamformer.live.mission_with_past import Mission
 from teamformer.live.session import Session
 from teamformer.live.workshop import Workshop
@@ -18,6 +19,8 @@ from teamformer.model import Scenario
 from teamformer.scenarios.files import scenario_from_tree
 from teamformer.trials.methods import load_method
 from teamformer.viewer.html import live_page
+
+HERE = Address()
 
 
 @dataclass
@@ -61,10 +64,14 @@ def serving(
     speed: float = 20.0,
     token: str | None = None,
     method: str = "join-fitting",
+    address: Address = HERE,
 ) -> Iterator[Served]:
-    """Serve a mission that runs by a method while the block runs."""
+    """Serve a mission that runs by a method while the block runs.
+
+    `address` is where the page is to be asked for; it is served here on a free port.
+    """
     mission = Mission(scenario, lambda: load_method(method), 0)
-    with serving_session(Session(mission, folder, speed), token) as served:
+    with serving_session(Session(mission, folder, speed), token, address) as served:
         yield served
 
 
@@ -80,16 +87,23 @@ def serving_editor(folder: Path, speed: float = 20.0) -> Iterator[Served]:
 
 
 @contextmanager
-def serving_session(session: Session | Workshop, token: str | None = None) -> Iterator[Served]:
-    """Serve what pages speak to while the block runs."""
+def serving_session(
+    session: Session | Workshop,
+    token: str | None = None,
+    port: int = 0,
+    address: Address = HERE,
+) -> Iterator[Served]:
+    """Serve what pages speak to while the block runs, at a port that is free if none is given."""
     import uvicorn
 
-    from teamformer.live.server import Doors, configure, make_app
+    from teamformer.live.doors import Doors
+    from teamformer.live.server import configure, make_app
 
     with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        probe.bind(("127.0.0.1", port))
         port = int(probe.getsockname()[1])
-    doors = Doors(frozenset({f"127.0.0.1:{port}"}), token)
+    doors = Doors(address.names, token, frozenset(address.further))
     app = make_app(session, lambda: live_page("test"), doors, session.save)
     server = uvicorn.Server(configure(app, "127.0.0.1", port))
     thread = threading.Thread(target=server.run)

@@ -151,6 +151,36 @@ def test_a_mission_with_a_cost_is_judged_by_it(
     assert shown[4].endswith(f"least cost {min(costs):g}")
 
 
+def test_a_mission_with_windows_is_judged_by_its_lateness_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The heuristic is done first and late by 9; the plan goes to the urgent task first."""
+    path = tmp_path / "urgent.yaml"
+    path.write_text(
+        "teamformer: 1\nname: urgent\nworld: {grid: [12, 1]}\ncapabilities: [a]\n"
+        "robots: [{at: [4, 0], can: [a]}]\n"
+        "tasks:\n  - {at: [0, 0], needs: [a], name: near}\n"
+        "  - {at: [11, 0], needs: [a], name: urgent, between: [0, 7]}\n"
+    )
+    assert teamformer("compare", str(path), "--methods", "plan,heuristic", "--json") == 0
+    planned, simple = map(json.loads, capsys.readouterr().out.splitlines())
+    assert (planned["makespan"], planned["late"]) == (18, {})
+    [by] = simple["late"].values()
+    worth = simple["makespan"] + 2 * by
+    assert simple["makespan"] < 18 < worth
+    over = round(100 * (worth / 18 - 1), 2)
+    assert (planned["percent_over_best"], simple["percent_over_best"]) == (0, over)
+    assert teamformer("compare", str(path), "--methods", "plan,heuristic") == 0
+    shown = capsys.readouterr().out.splitlines()
+    assert shown[1].split()[:5] == ["method", "seed", "makespan", "late", "to"]
+    assert shown[2].split()[2:5] == ["18", "-", "+0%"]
+    assert shown[3].split()[2:7] == [str(simple["makespan"]), "1", "by", f"{by:g}", f"{over:+.0f}%"]
+    assert (
+        "`to best` counts the makespan, and 2 times its weight for each step that a task is late"
+        in shown
+    )
+
+
 def test_ctrl_c_between_trials_keeps_what_was_run(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

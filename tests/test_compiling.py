@@ -21,13 +21,13 @@ def test_what_is_compiled_is_neither_announced_nor_compiled_again(
     monkeypatch.setattr(sys, "argv", ["compiling", "crews"])
     compiling.main()
     monkeypatch.setattr(subprocess, "Popen", None)  # calling it would fail
-    compiling.announce_compiling([load_method("crews")])
+    compiling.compile_ahead([load_method("crews")])
     assert capsys.readouterr().err == ""
 
 
 @pytest.mark.slow
 def test_a_first_run_leaves_everything_compiled(tmp_path: Path) -> None:
-    """With a cache of its own a first run announces twice, and the next one says nothing."""
+    """With a cache of its own a first run says what it compiles, and the next one says nothing."""
     told = []
     for _ in range(2):
         done = subprocess.run(
@@ -38,4 +38,5 @@ def test_a_first_run_leaves_everything_compiled(tmp_path: Path) -> None:
         )
         assert done.returncode == 0
         told.append(done.stderr.count("compiling"))
-    assert told == [2, 0]
+    assert told[0] >= 1
+    assert told[1] == 0

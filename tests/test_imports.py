@@ -83,7 +83,7 @@ HOMES = {
     "rich": ("cli/", "commands/", "bench/"),
     "yaml": ("scenarios/",),
     "msgspec": ("fleet/",),
-    "paho": ("fleet/bodies/vda5050.py",),
+    "paho": ("fleet/bodies/vda5050/broker.py",),
     "zenoh": ("fleet/transports/zenoh_mesh.py",),
     **dict.fromkeys(
         (
@@ -109,8 +109,8 @@ HOMES = {
     "rps": ("robotarium/robots/rps_robots.py",),
     "scipy": ("robotarium/control/assignment.py",),
     "onnx": ("train/export/",),
-    "starlette": ("live/server.py",),
-    "uvicorn": ("live/server.py",),
+    "starlette": ("live/doors.py", "live/server.py"),
+    "uvicorn": ("live/doors.py", "live/server.py"),
     "ruamel": ("live/comments.py",),
     "foxglove": ("export/foxglove_channels.py", "export/foxglove_server.py", "export/mcap_file.py"),
     "PIL": ("export/gif_file.py", "robotarium/draw.py", "scenarios/maps/images.py"),

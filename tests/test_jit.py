@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import os
+import pickle
 import subprocess
 import sys
 import time
@@ -16,6 +17,7 @@ from typing import Any
 
 import numba as nb
 import pytest
+from numba.core.serialize import dumps
 
 from teamformer import jit
 from teamformer.kernels import files
@@ -137,6 +139,10 @@ def test_what_was_compiled_and_kept_needs_no_compiling(
     assert not jit.needs_compiling(jit.entry(twice))
 
 
+def test_a_function_that_was_sent_to_another_process_runs_there() -> None:
+    assert pickle.loads(dumps(jit.entry(lambda number: 2 * number)))(3) == 6
+
+
 def test_where_numba_is_off_nothing_needs_compiling() -> None:
     assert not jit.needs_compiling(twice)
 
@@ -148,7 +154,7 @@ def test_a_planner_is_compiled_once_its_search_is(
     search_anew = jit.entry(threshold._search.py_func)  # kept in another, empty place
     monkeypatch.setattr(threshold, "_search", search_anew)
     assert not threshold.is_compiled()
-    monkeypatch.setattr(search_anew._cache._cache_file, "is_empty", lambda: False)
+    monkeypatch.setattr(search_anew.files, "is_empty", lambda: False)
     assert threshold.is_compiled()
 
 

@@ -95,7 +95,7 @@ def test_the_page_shows_every_robot_and_task(imported: Path, tmp_path: Path) -> 
     assert teamformer("plan", str(imported), *words) == 0
     page = (tmp_path / "page" / "plan.html").read_text(encoding="utf-8")
     assert all(f">r{n}</text>" in page for n in range(4))
-    assert page.count('<g class="task">') == 4  # t0 by two robots
+    assert page.count('<g class="task" ') == 4  # t0 by two robots
     assert "http" not in page.replace("http-equiv", "")
 
 

@@ -38,9 +38,16 @@ def _installed_from() -> str:
     return unquote(url.path) if url.scheme == "file" else "teamformer"
 
 
+LIBRARIES = {"live": ("starlette", "uvicorn", "websockets"), "robotarium": ("daqp", "scipy")}
+"""Of extras that are needed whole or not at all."""
+
+
 def require(extra: str, *libraries: str) -> None:
-    """Raise `TeamformerError` with what to install if a library of an extra is missing."""
-    for library in libraries:
+    """Raise `TeamformerError` with what to install if a library of an extra is missing.
+
+    An extra that is needed whole is asked for without naming its libraries.
+    """
+    for library in libraries or LIBRARIES[extra]:
         if find_spec(library) is None:
             raise missing(extra, library)
 

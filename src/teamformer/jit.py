@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numba as nb
 
 from teamformer.kernels.compiler import Entry, Inner
-from teamformer.kernels.files import KernelFiles
+from teamformer.kernels.files import KernelFiles, places_for
 from teamformer.kernels.stamps import stamp_of
 
 
@@ -24,13 +22,9 @@ def _compile(function: Callable[..., Any], kind: type[Any], **options: Any) -> A
     compiled = nb.njit(nogil=True, pipeline_class=kind.pipeline, **options)(function)
     if hasattr(compiled, "_cache"):  # absent where numba is switched off
         compiled.__class__ = kind
-        with suppress(RuntimeError):  # nowhere to write: compile in every process
-            cache = kind.cache(function)
-            name = f"{kind.prefix}{function.__module__.split('.')[-1]}.{function.__qualname__}"
-            cache._cache_file = KernelFiles(
-                Path(cache.cache_path), name, partial(stamp_of, function)
-            )
-            compiled._cache = cache
+        name = f"{kind.prefix}{function.__module__.split('.')[-1]}.{function.__qualname__}"
+        files = KernelFiles(places_for(function), name, partial(stamp_of, function))
+        compiled._cache = kind.cache(function, files)
     return compiled
 
 
@@ -57,5 +51,5 @@ def allocating_kernel(function: Callable[..., Any]) -> Any:
 
 def needs_compiling(function: Any) -> bool:
     """Say whether calling a compiled function for the first time will take its time."""
-    files = getattr(getattr(function, "_cache", None), "_cache_file", None)
+    files = getattr(function, "files", None)  # absent where numba is switched off
     return isinstance(files, KernelFiles) and files.is_empty()

@@ -13,7 +13,7 @@ from teamformer.grid import FREE, Grid, Place
 from teamformer.mission.checks import find_problems
 from teamformer.mission.keys.robot_keys import SLOWEST
 from teamformer.mission.places import possible_places
-from teamformer.mission.rules import opening_step
+from teamformer.mission.windows import opening_step
 from teamformer.plane import Plane
 from teamformer.regions import flood
 from teamformer.roads import AIR, GROUND, Roads
@@ -118,14 +118,16 @@ class Robot:
 class Arrivals:
     """Tasks that appear at random: after each of the first `until` steps, with probability `rate`.
 
-    Each is in any free place, and takes `duration` steps. It needs one each of 1 to `most_needs`
-    capabilities (0: of 1 to all) of the robots that can get there.
+    None appears in the first `since` of them; what did is a task like others. Each is in any free
+    place, and takes `duration` steps. It needs one each of 1 to `most_needs` capabilities (0: of 1
+    to all) of the robots that can get there.
     """
 
     rate: float
     until: int
     most_needs: int = 0
     duration: int = 0
+    since: int = 0
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -13,12 +14,14 @@ import teamformer as tf
 from small_worlds import make, robot, task
 from teamformer.advice.advise import advise_on
 from teamformer.advice.changes import changes_of
-from teamformer.advice.measuring import Noise, Search, in_order, search, searched
+from teamformer.advice.measuring import Search, search, searched
 from teamformer.advice.suggestions import Advice
 from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import TeamformerError
+from teamformer.mission.orders import in_order
 from teamformer.model import Absence, Scenario
 from teamformer.scenarios.files import write_scenario
+from teamformer.trials.noise import Noise
 from teamformer.viewer.advice_page import advice_page
 from typed import teamformer
 
@@ -184,6 +187,18 @@ def test_what_there_was_no_time_for_is_told() -> None:
     assert [it.what for it in advice.impossible] == ["without robot r2"]
 
 
+def test_it_ends_in_time_and_says_how_long_it_goes_on() -> None:
+    """By a clock that goes on by a second whenever it is looked at: 24 s are for 12 searches."""
+    ticks = itertools.count()
+    told: list[tuple[int, float]] = []
+    advice = advise_on(
+        two_far_tasks(), 24.0, 1, lambda *seen: told.append(seen), lambda: float(next(ticks))
+    )
+    seconds = [23.0, 21.0, 20.0, 18.0, 16.0, 14.0, 12.0, 10.0, 8.0, 6.0, 4.0, 2.0]
+    assert told == list(enumerate(seconds, start=1))
+    assert (advice.searches, len(advice.suggestions), len(advice.unmeasured)) == (3, 9, 4)
+
+
 def test_what_the_end_hangs_on_is_measured_first() -> None:
     """t1 takes all 16 steps, by a robot like r0."""
     path = [Stretch(0, 12, "walking", 1, 1), Stretch(12, 16, "serving", 1, 1)]
@@ -245,11 +260,16 @@ def test_the_command_prints_and_draws_it(
     assert text == advice_page(row)
     assert text.count('class="wins"') == sum(it["gain"] > it["noise"] for it in row["advice"])
     assert "Impossible: without robot r2." in text
-    assert teamformer("advise", str(file)) == 0
+    assert teamformer("advise", str(file), "--time-limit", "60") == 0
     said = capsys.readouterr().out
     assert "small: takes 16 steps by plan, the median of 21 searches (16 to 16)" in said
     assert "could be spared: one fewer robot like r0 (then it takes 16)" in said
     assert teamformer("advise", str(tmp_path / "none.yaml")) == 2
+    capsys.readouterr()
+    assert teamformer("advise", str(file), "--time-limit", "0", "--json") == 0
+    printed = capsys.readouterr()
+    assert "no time for 13 changes; a longer --time-limit measures more" in printed.err
+    assert len(json.loads(printed.out)["unmeasured"]) == 13
 
 
 @pytest.mark.thorough

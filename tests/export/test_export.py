@@ -182,8 +182,8 @@ def test_tables_hold_what_was_recorded(tmp_path: Path) -> None:
         ["'=b", "lift", "1.0", "ground", "3", "0", "6", "", *"111200001"],
     ]
     assert rows_of(tmp_path / "tasks.csv")[1:] == [
-        ["beam", "2 x lift", "2", "0", "2", "0", "", "5", "a, =b"],
-        ["box", "lift", "4", "0", "0", "6", "", "", ""],
+        ["beam", "2 x lift", "2", "0", "2", *[""] * 6, "0", "", "3", "5", "", "a, =b"],
+        ["box", "lift", "4", "0", "0", *[""] * 6, "6", *[""] * 5],
     ]
     assert [(row[0], row[2], row[5]) for row in rows_of(tmp_path / "events.csv")[1:]] == [
         ("3", "joins", "a, =b are one team"),
@@ -210,6 +210,26 @@ def test_tables_have_notes_where_there_are_some(tmp_path: Path) -> None:
     head, *task_rows = rows_of(tmp_path / "tasks.csv")
     column = head.index("note")
     assert [row[column] for row in task_rows] == ["", "'=dock 3"]
+
+
+def test_the_table_of_tasks_has_windows_precedence_loads_and_lateness(tmp_path: Path) -> None:
+    """By hand: sets out in 2, there in 3, loaded in 6, carried to 10, unloaded in 12; 1 back."""
+    load = replace(task("a", 2, duration=3), to=(6, 0), unload=2, between=(1.0, 8.5))
+    next_one = replace(task("a", 5), after=("t0",), between=(0.0, 20.0))
+    replay = run_trial(make([robot("a", 0)], [load, next_one]), load_method("join-all")).replay
+    write_tables(replay, tmp_path)
+    with (tmp_path / "tasks.csv").open(encoding="utf-8", newline="") as file:
+        first, second = csv.DictReader(file)
+    told = {
+        **{"to_x": "6", "to_y": "0", "unload": "2", "after": "", "not_before": "1.0", "due": "8.5"},
+        **{"begun_in_step": "3", "done_in_step": "12", "late_by": "3.5", "done_by": "r0"},
+    }
+    assert {key: first[key] for key in told} == told
+    told = {
+        **{"to_x": "", "to_y": "", "unload": "", "after": "t0", "not_before": "0.0", "due": "20.0"},
+        **{"begun_in_step": "13", "done_in_step": "13", "late_by": "", "done_by": "r0"},
+    }
+    assert {key: second[key] for key in told} == told
 
 
 def carried() -> Replay:
@@ -298,6 +318,19 @@ def test_export_says_what_it_wrote(tmp_path: Path, capsys: pytest.CaptureFixture
         "robots.csv", "tasks.csv", "events.csv", "gantt.csv", "again.yaml",
     ]  # fmt: skip
     assert all(file.is_file() for file in files)
+
+
+@pytest.mark.parametrize("record", [None, "no record"])
+def test_a_record_that_cannot_be_read_leaves_nothing_behind(
+    record: str | None, tmp_path: Path
+) -> None:
+    path = tmp_path / "replay.json"
+    if record is not None:
+        path.write_text(record)
+    before = set(tmp_path.iterdir())
+    with pytest.raises(TeamformerError):
+        export(path, [tmp_path / "tables", tmp_path / "films" / "mission.gif"])
+    assert set(tmp_path.iterdir()) == before
 
 
 @pytest.mark.parametrize(

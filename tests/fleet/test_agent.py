@@ -7,7 +7,10 @@ from itertools import pairwise
 import pytest
 
 from fleets import agents_of, opened, pair, standing, trio
+from small_worlds import make, robot, task
 from teamformer.fleet.agent.agent import NAMESAKES, Agent
+from teamformer.fleet.bodies.body import Report
+from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import (
     EVERYBODY,
     LIFE,
@@ -24,6 +27,7 @@ from teamformer.fleet.messages import (
     TaskFact,
     Word,
 )
+from teamformer.rules.constants import NOBODY
 
 
 def beat_from(agent: Agent, sender: int, word: Word, others: tuple[Word, ...] = ()) -> Message:
@@ -112,6 +116,45 @@ def test_who_is_stuck_goes_on_trying_where_it_did_not_get() -> None:
             inbox += opened(agent.mission, 1, [Notice(EVERYBODY, note)])
             agent.tick(tick / 10, standing(agent, tick), inbox)
         assert (agent.command.place, agent.membership.is_stuck) == (place, True)
+
+
+def test_who_is_unfit_by_its_body_is_not_counted_on_until_it_is_fit_again() -> None:
+    """Robot 0 serves the only task, and robot 1 comes for it when the other one cannot."""
+    mission = Mission(make([robot("a", 2), robot("a", 9)], [task("a", 2, duration=60)]))
+    agents = agents_of(mission)
+    places: list[tuple[float, float]] = [(2.0, 0.0), (9.0, 0.0)]
+    inbox: list[list[Message]] = [[], []]
+    serving = []
+    for tick in range(1, 200):
+        heard, inbox = inbox, [[], []]
+        for me, agent in enumerate(agents):
+            report = Report(*places[me], agent.command.leg, number=tick)
+            is_unfit = me == 0 and 50 < tick <= 150
+            command, notices = agent.tick(tick / 10, report._replace(is_unfit=is_unfit), heard[me])
+            places[me] = command.place or places[me]
+            inbox[1 - me] += opened(mission, me, notices)
+        serving.append(tuple(agent.command.serve for agent in agents))
+        if tick == 150:
+            assert [agent.membership.live() for agent in agents] == [{1}, {1}]
+    assert [serving[tick - 1] for tick in (50, 51, 150)] == [
+        (True, False),
+        (False, False),
+        (False, True),
+    ]
+    assert [agent.membership.live() for agent in agents] == [{0, 1}, {0, 1}]
+
+
+def test_a_lone_robot_that_is_unfit_leaves_its_task_until_it_is_fit_again() -> None:
+    [agent] = agents_of(Mission(make([robot("a", 2)], [task("a", 2, duration=60)])))
+    served = []
+    for tick in range(1, 200):
+        report = standing(agent, tick)._replace(is_unfit=50 < tick <= 100)
+        agent.tick(tick / 10, report, [])
+        served.append((agent.command.serve, agent.service.goal))
+    assert served[48] == (True, 0)
+    assert set(served[50:100]) == {(False, 0), (False, NOBODY)}
+    assert served[99] == (False, NOBODY)
+    assert served[-1] == (True, 0)
 
 
 def test_who_was_away_itself_blames_nobody() -> None:

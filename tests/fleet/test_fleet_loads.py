@@ -20,7 +20,7 @@ from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.record import Deed, record_of, teams_shown
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Trace, Worked
 from teamformer.grid import Grid
@@ -261,6 +261,24 @@ def test_an_onlooker_tells_who_carries_and_where_a_load_was_set_down() -> None:
     words = [Word(r, 9, 5.0, 0.0, 0, 0, SERVE) for r in (0, 1)]
     watch.hear(message(Beat(words[0], (words[1],), (0,))))
     assert watch.step().done == ((0, 0),)
+
+
+def test_who_takes_up_a_load_is_recorded_as_its_team() -> None:
+    """Robot 1 is with 0 in a team, as both say, and it alone is at work on the load."""
+    mission = Mission(make([robot("a", 2), robot("a", 2)], [load("a", 2, 5)]))
+    said = {0: (0, (2, 0)), 1: (0, (2, 0))}
+    places, teams, doers = teams_shown(said, (), (Deed(0, (2, 0), (1,)),))
+    assert (places[1], teams, doers) == ((2, 0), {0: (0,), 1: (1,)}, set())
+    watch = Watch(mission)
+    for x in (2.0, 3.0):
+        words = [
+            Word(0, 2 + int(x), 2.0, 0.0, 0, 0, READY),
+            Word(1, 2 + int(x), x, 0.0, 0, 0, SERVE),
+        ]
+        watch.hear(Message(1, mission.number, 0, -1, Beat(words[0], (words[1],))))
+        step = watch.step()
+    assert (step.taken, step.splits) == (((0, 1),), (((0,), (1,)),))
+    assert TeamAt(1, 2, 0, 0) in step.teams
 
 
 def test_where_loads_lie_merges_in_any_order() -> None:

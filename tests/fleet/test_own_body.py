@@ -30,7 +30,7 @@ class Still:
         self.commands.append(command)
 
     def report(self) -> Any:
-        return Report(np.float32(self.x), self.y, number=np.int64(7))
+        return Report(np.float32(self.x), self.y, number=np.int64(7), is_unfit=np.bool_(True))
 
     def close(self) -> None:
         self.commands.append(Command(place=None))
@@ -65,9 +65,9 @@ def test_reports_become_plain_numbers() -> None:
     body = OwnBody(f"{HERE}:Still", pair(), 1)
     body.command(Command(3))
     report = body.report()
-    assert report == Report(4.0, 0.0, number=7)
+    assert report == Report(4.0, 0.0, number=7, is_unfit=True)
     assert [type(part) for part in report[:7]] == [float, float, int, bool, bool, int, bool]
-    assert report[7:] == (None, False)
+    assert report[7:] == (None, False, True)
 
 
 @pytest.mark.parametrize(

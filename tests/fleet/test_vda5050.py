@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import socket
 import subprocess
 import sys
 import time
@@ -24,31 +23,17 @@ import pytest
 from paho.mqtt import client as mqtt
 from paho.mqtt.enums import CallbackAPIVersion
 
-from teamformer.errors import TeamformerError
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.bodies.vda5050 import Vda5050Body
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.bodies.vda5050.body import Vda5050Body
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.fleet import free_ports
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
 from teamformer.scenarios.files import write_scenario
+from vda5050_vehicle import driving, running, two_vehicles, wait_for, wait_for_port
 
 AGV = Path(__file__).parent / "virtual_agv.js"
 SCHEMAS = Path(__file__).parent / "vda5050_schemas"
-
-
-def two_vehicles() -> Mission:
-    """Return a lifter and a scanner 10 m apart, with a task for each and one for both."""
-    robots = (Robot("v1", (1.0, 1.0), {"lift": 1}, 2.0), Robot("v2", (11.0, 1.0), {"scan": 1}, 2.0))
-    tasks = (
-        Task("both", (6.0, 4.0), {"lift": 1, "scan": 1}, 2),
-        Task("one", (2.0, 3.0), {"lift": 1}, 1),
-        Task("other", (9.0, 3.0), {"scan": 1}, 1),
-    )
-    return Mission(Scenario("yard", Plane(20.0, 20.0), ("lift", "scan"), robots, tasks))
 
 
 def node_path() -> str | None:
@@ -60,17 +45,6 @@ def node_path() -> str | None:
         if folder and (Path(folder) / "vda-5050-lib").is_dir():
             return folder
     return None
-
-
-@contextmanager
-def running(*command: str, **env: str) -> Iterator[subprocess.Popen[bytes]]:
-    quiet = subprocess.DEVNULL
-    process = subprocess.Popen(command, stdout=quiet, stderr=quiet, env={**os.environ, **env})
-    try:
-        yield process
-    finally:
-        process.terminate()
-        process.wait(20)
 
 
 @contextmanager
@@ -93,97 +67,6 @@ def hearing(port: int) -> Iterator[list[tuple[str, dict[str, Any]]]]:
             Path(folder).write_text(json.dumps(heard, indent=1))
 
 
-@pytest.mark.parametrize(
-    "url", ["", "mqtt://host", "http://h/a/b/c", "mqtt://h/a/b", "mqtt:///a/b/c"]
-)
-def test_what_is_no_address_is_refused(url: str) -> None:
-    with pytest.raises(TeamformerError, match="is no address of a vehicle"):
-        Vda5050Body(url, two_vehicles(), 0)
-
-
-def test_a_broker_that_is_away_is_told() -> None:
-    [port] = free_ports(1)
-    with pytest.raises(TeamformerError, match=f"no broker at 127.0.0.1:{port}"):
-        Vda5050Body(f"mqtt://127.0.0.1:{port}/uagv/acme/v1", two_vehicles(), 0)
-
-
-@pytest.mark.parametrize(
-    ("query", "told"),
-    [
-        ("map=yard&version=2.2", "version of --body vda5050 is '2.2'"),
-        ("map=yard&verison=2.1.0", "--body vda5050 has no key 'verison'"),
-    ],
-)
-def test_what_is_no_setting_is_refused(query: str, told: str) -> None:
-    with pytest.raises(TeamformerError, match=told):
-        Vda5050Body(f"mqtt://127.0.0.1:1/uagv/acme/v1?{query}", two_vehicles(), 0)
-
-
-class Vehicle:
-    """Says what it was told as done at once, in the words of a version.
-
-    One that `stays` does what it is told where it stands, and does not drive on.
-    """
-
-    def __init__(self, port: int, version: str, stays: bool = False) -> None:
-        self.version, self.told = version, dict[str, dict[str, Any]]()
-        self.orders = list[dict[str, Any]]()
-        self._topic = f"uagv/v{version[0]}/acme/v1"
-        self._order, self._at, self._done = "", (1.0, 1.0), list[str]()
-        self._stays, self._is_driving, self._acted = stays, False, list[str]()
-        self.client = mqtt.Client(CallbackAPIVersion.VERSION2)
-        self.client.on_message = lambda _client, _data, message: self._hear(message)
-        self.client.connect("127.0.0.1", port)
-        self.client.subscribe([(f"{self._topic}/order", 0), (f"{self._topic}/instantActions", 0)])
-        self.client.loop_start()
-
-    def _hear(self, message: mqtt.MQTTMessage) -> None:
-        what, content = message.topic.rpartition("/")[2], json.loads(message.payload)
-        self.told[what] = content
-        if what == "order":
-            self.orders.append(content)
-            nodes = content["nodes"][:1] if self._stays else content["nodes"]
-            self._acted += [action["actionId"] for node in nodes for action in node["actions"]]
-            goal = nodes[-1]["nodePosition"]
-            self._order, self._at = content["orderId"], (goal["x"], goal["y"])
-            self._is_driving = len(nodes) < len(content["nodes"])
-        else:
-            self._is_driving &= content["actions"][0]["actionType"] != "cancelOrder"
-            self._done += [action["actionId"] for action in content["actions"]]
-
-    def state(self) -> dict[str, Any]:
-        """Return its state, as the schema of its version has it."""
-        where = {"x": self._at[0], "y": self._at[1], "theta": 0.0, "mapId": "yard"}
-        done = [{"actionId": name, "actionStatus": "FINISHED"} for name in self._done]
-        acted = [{"actionId": name, "actionStatus": "FINISHED"} for name in self._acted]
-        edge = {"edgeId": "way", "sequenceId": 1, "released": True}
-        common = {
-            **{"headerId": 1, "timestamp": "2026-11-25T04:00:00.000Z", "version": self.version},
-            **{"manufacturer": "acme", "serialNumber": "v1", "orderId": self._order},
-            **{"orderUpdateId": 0, "lastNodeId": "", "lastNodeSequenceId": 0, "nodeStates": []},
-            **{"edgeStates": [edge] * self._is_driving, "driving": False},
-            **{"operatingMode": "AUTOMATIC", "errors": []},
-        }
-        if self.version[0] == "2":
-            return common | {
-                "agvPosition": where | {"positionInitialized": True},
-                "actionStates": done + acted,
-                "batteryState": {"batteryCharge": 80.0, "charging": False},
-                "safetyState": {"eStop": "NONE", "fieldViolation": False},
-            }
-        return common | {
-            "mobileRobotPosition": where | {"localized": True},
-            "actionStates": acted,
-            "instantActionStates": done,
-            "powerSupply": {"stateOfCharge": 80.0, "charging": False},
-            "safetyState": {"activeEmergencyStop": "NONE", "fieldViolation": False},
-        }
-
-    def say(self) -> None:
-        """Publish its state."""
-        self.client.publish(f"{self._topic}/state", json.dumps(self.state()))
-
-
 def wrong_with(version: str, name: str, content: dict[str, Any]) -> list[str]:
     """Return what the published schema says is wrong with a message."""
     validators = pytest.importorskip("jsonschema.validators")
@@ -196,24 +79,9 @@ def wrong_with(version: str, name: str, content: dict[str, Any]) -> list[str]:
 @pytest.mark.parametrize("version", ["2.1.0", "3.0.0"])
 def test_a_vehicle_of_a_later_version_drives_and_serves(version: str) -> None:
     """In the words of that version, by its published schemas, over a real broker."""
-    [port] = free_ports(1)
-    with running("mosquitto", "-p", str(port)):
-        wait_for_port(port)
-        vehicle = Vehicle(port, version)
-        url = f"mqtt://127.0.0.1:{port}/uagv/acme/v1?map=yard&version={version}"
-        body = Vda5050Body(url, two_vehicles(), 0)
-        try:
-            body.command(Command(7, (2.0, 3.0), 1, 0, True))
-            report, deadline = None, time.monotonic() + 20
-            while time.monotonic() < deadline and not (report and report.is_done):
-                vehicle.say()
-                time.sleep(0.05)
-                report = body.report()
-        finally:
-            body.close()
-            vehicle.client.disconnect()
-            vehicle.client.loop_stop()
-    assert report is not None
+    with driving(version, mission=two_vehicles()) as (body, vehicle):
+        body.command(Command(7, (2.0, 3.0), 1, 0, True))
+        report = wait_for(body, vehicle, lambda report: report.is_done)
     assert (report.x, report.y, report.leg, report.is_done) == (2.0, 3.0, 7, True)
     assert wrong_with(version, "state", vehicle.state()) == []
     assert set(vehicle.told) == {"order", "instantActions"}
@@ -223,41 +91,6 @@ def test_a_vehicle_of_a_later_version_drives_and_serves(version: str) -> None:
     [served] = vehicle.told["instantActions"]["actions"]
     assert served["actionType"] == "serve"
     assert {"key": "task", "value": "one"} in served["actionParameters"]
-
-
-def wait_for(body: Vda5050Body, vehicle: Vehicle, is_so: Callable[[Report], bool]) -> Report:
-    """Let a vehicle say its state until what its body reports is so."""
-    for _ in range(400):
-        vehicle.say()
-        time.sleep(0.05)
-        report = body.report()
-        if report is not None and is_so(report):
-            return report
-    raise AssertionError("never reported")
-
-
-def a_load() -> Mission:
-    """Return a vehicle with a load to bring from where it stands to [9, 3]."""
-    load = Task("crate", (1.0, 1.0), {"lift": 1}, 2, to=(9.0, 3.0), unload=3)
-    robot = Robot("v1", (1.0, 1.0), {"lift": 1}, 2.0)
-    return Mission(Scenario("yard", Plane(20.0, 20.0), ("lift",), (robot,), (load,)))
-
-
-@contextmanager
-def driving(version: str, stays: bool = False) -> Iterator[tuple[Vda5050Body, Vehicle]]:
-    """Yield the body of a vehicle with a load, and the vehicle, over a broker."""
-    [port] = free_ports(1)
-    with running("mosquitto", "-p", str(port)):
-        wait_for_port(port)
-        vehicle = Vehicle(port, version, stays)
-        url = f"mqtt://127.0.0.1:{port}/uagv/acme/v1?map=yard&version={version}"
-        body = Vda5050Body(url, a_load(), 0)
-        try:
-            yield body, vehicle
-        finally:
-            body.close()
-            vehicle.client.disconnect()
-            vehicle.client.loop_stop()
 
 
 @pytest.mark.skipif(shutil.which("mosquitto") is None, reason="needs mosquitto")
@@ -292,13 +125,75 @@ def test_a_vehicle_that_is_told_to_stop_drops_its_load_there(version: str) -> No
     assert [a["actionType"] for node in order["nodes"] for a in node["actions"]] == ["drop"]
 
 
-def wait_for_port(port: int) -> None:
-    for _ in range(100):
-        with socket.socket() as probe:
-            if probe.connect_ex(("127.0.0.1", port)) == 0:
-                return
+@pytest.mark.skipif(shutil.which("mosquitto") is None, reason="needs mosquitto")
+@pytest.mark.parametrize("version", ["2.0.0", "2.1.0", "3.0.0"])
+@pytest.mark.parametrize("heading", [0.0, 1.57, 3.1, -2.4])
+def test_a_vehicle_goes_however_it_is_turned(version: str, heading: float) -> None:
+    with driving(version, heading=heading, mission=two_vehicles()) as (body, vehicle):
+        body.command(Command(1, (2.0, 3.0), 1))
+        report = wait_for(body, vehicle, lambda report: report.leg == 1)
+    assert (report.x, report.y, vehicle.errors) == (2.0, 3.0, [])
+    [order] = vehicle.orders
+    assert wrong_with(version, "order", order) == []
+    assert all("theta" not in node["nodePosition"] for node in order["nodes"])
+
+
+@pytest.mark.skipif(shutil.which("mosquitto") is None, reason="needs mosquitto")
+@pytest.mark.parametrize("version", ["2.0.0", "3.0.0"])
+def test_a_vehicle_that_is_sent_elsewhere_goes_on_from_where_it_stops(version: str) -> None:
+    """It stops half way to each goal but the last, turned to where it went."""
+    goals = [(9.0, 1.0), (5.0, 9.0), (1.0, 1.0), (2.0, 3.0)]
+    with driving(version, stays=True, part=0.5, mission=two_vehicles()) as (body, vehicle):
+        places = []
+        for leg, goal in enumerate(goals, start=1):
+            vehicle.stays = leg < len(goals)
+            body.command(Command(leg, goal, 1))
+            report = wait_for(body, vehicle, lambda report, leg=leg: report.leg == leg)
+            places.append((report.x, report.y))
+    assert places == [(5.0, 1.0), (5.0, 5.0), (3.0, 3.0), (2.0, 3.0)]
+    assert (len(vehicle.orders), vehicle.errors) == (4, [])
+    assert [action["actionType"] for action in vehicle.actions] == ["cancelOrder"] * 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("heading", [0.0, 1.57, 3.1])
+def test_a_virtual_agv_goes_however_it_is_turned_and_serves_again_what_failed(
+    heading: float, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """It is sent elsewhere on its way, where it fails to serve twice."""
+    modules = node_path()
+    if shutil.which("mosquitto") is None or modules is None:
+        pytest.skip("needs mosquitto, node and vda-5050-lib")
+    [port] = free_ports(1)
+    url = f"mqtt://127.0.0.1:{port}"
+    with ExitStack() as stack:
+        stack.enter_context(running("mosquitto", "-p", str(port)))
+        wait_for_port(port)
+        words = ("uagv", "acme", "v1", "1", "1", str(heading), "2")
+        stack.enter_context(running("node", str(AGV), url, *words, NODE_PATH=modules))
+        body = Vda5050Body(f"{url}/uagv/acme/v1?map=map", two_vehicles(), 0)
+        stack.callback(body.close)
+        body.command(Command(1, (6.0, 1.0), 0))
+        watch(body, lambda report: report.leg == 1 and report.x > 2.0)
+        body.command(Command(2, (2.0, 3.0), 1))
+        report = watch(body, lambda report: report.leg == 2 and report[:2] == (2.0, 3.0))
+        assert not report.is_done
+        body.command(Command(2, (2.0, 3.0), 1, 0, True))
+        assert not watch(body, lambda report: report.is_done).is_unfit
+    told = capfd.readouterr().err
+    assert "noRouteError" not in told
+    assert told.count("v1: the vehicle has failed to serve one; it is told again") == 2
+    assert "v1: the vehicle says instantActionError: the gripper is jammed" in told
+
+
+def watch(body: Vda5050Body, is_so: Callable[[Report], bool]) -> Report:
+    """Wait until what a body reports is so."""
+    for _ in range(600):
         time.sleep(0.05)
-    raise AssertionError("mosquitto does not listen")
+        report = body.report()
+        if report is not None and is_so(report):
+            return report
+    raise AssertionError("never reported")
 
 
 @pytest.mark.slow
@@ -315,7 +210,7 @@ def test_two_vehicles_do_a_mission(tmp_path: Path) -> None:
         time.sleep(2)
         heard = stack.enter_context(hearing(broker))
         for robot in mission.scenario.robots:
-            words = ("uagv", "acme", robot.name, *map(str, robot.at))
+            words = ("uagv", "acme", robot.name, *map(str, robot.at), "1.57", "0")
             agv = ("node", str(AGV), f"mqtt://127.0.0.1:{broker}", *words)
             stack.enter_context(running(*agv, NODE_PATH=modules))
         for number, robot in enumerate(mission.scenario.robots):

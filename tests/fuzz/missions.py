@@ -115,7 +115,7 @@ def missions(
         _write_pins(draw, tree, world)
     elif not is_sure and now_and_then(draw, 3) and _can_more_appear(tree, world):
         tree["arrivals"] = {"rate": pick(draw, (0.1, 0, 1)), "until": pick(draw, (8, 0, 1, 5))}
-        for key, values in (("needs", (1, 2, 9)), ("duration", (1, 0, 3))):
+        for key, values in (("needs", (1, 2, 9)), ("duration", (1, 0, 3)), ("since", (2, 0, 9))):
             if now_and_then(draw, 2):
                 tree["arrivals"][key] = pick(draw, values)
     return _write_details(draw, tree)

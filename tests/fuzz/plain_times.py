@@ -174,12 +174,7 @@ def _is_able(scenario: Scenario, crew: Sequence[int], needs: object) -> bool:
 
 
 def _are_apart(scenario: Scenario, crews: Sequence[Sequence[int]]) -> bool:
-    """Say whether tasks whose starts are linked, directly or not, are done by different robots."""
+    """Say whether tasks whose starts are linked with one another are done by different robots."""
     number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
-    group = list(range(len(crews)))
-    for _ in crews:
-        for k, task in enumerate(scenario.tasks):
-            for name in task.starts:
-                group[k] = group[number_of[name]] = min(group[k], group[number_of[name]])
-    pairs = itertools.combinations(range(len(crews)), 2)
-    return all(group[a] != group[b] or not set(crews[a]) & set(crews[b]) for a, b in pairs)
+    pairs = [(k, number_of[o]) for k, task in enumerate(scenario.tasks) for o in task.starts]
+    return not any(set(crews[a]) & set(crews[b]) for a, b in pairs)

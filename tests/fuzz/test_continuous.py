@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,6 +19,8 @@ from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.scenarios.files import scenario_from_tree
+from teamformer.trials.planned import PlannedMission
+from teamformer.trials.start_plan import read_start_plan
 from watching import fuzzed
 
 METHODS = st.sampled_from(["plan", "reactive", "central"])
@@ -24,6 +29,11 @@ SECONDS = 0.05
 
 NEAR = 1e-5
 """Times are told in whole ticks, of which there are a million and more in all."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("plans")
 
 
 def planned(scenario: Scenario, method: str) -> MissionPlan | None:
@@ -97,13 +107,34 @@ def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
     if plan is None:
         return
     assert best is not None, "central finds no plan where there is one"
-    judged = [one.cost if one.cost is not None else _weighed(one) for one in (plan, best)]
+    judged = [pose_mission(scenario).worth_of(one) for one in (plan, best)]
     assert judged[1] <= judged[0] + NEAR
 
 
-def _weighed(made: MissionPlan) -> float:
-    """Return what a plan without a cost is judged by: a late tick weighs two of the makespan."""
-    return made.makespan + 2 * sum(made.late.values())
+@fuzzed(15, "plan FILE --from PLAN --time-limit 0", mission=continuous_missions(), method=METHODS)
+def test_what_begins_with_a_plan_is_never_worse(mission: Any, method: str, folder: Path) -> None:
+    """Whoever made that plan: it is written, read, judged as any other, and given back if best."""
+    scenario = scenario_from_tree(mission)
+    made = planned(scenario, method)
+    if made is None:
+        return
+    file = folder / "plan.json"
+    file.write_text(json.dumps(PlannedMission(**vars(made), mission=scenario).row))
+    posed = pose_mission(scenario)
+    again = plan_continuous(posed, "central", 0.0, read_start_plan(file, scenario))
+    assert again is not None
+    worst = posed.worth_of(made)
+    assert posed.worth_of(again) <= worst + NEAR * max(1.0, worst)
+
+
+@fuzzed(10, PLAN, mission=continuous_missions(), method=st.just("plan"))
+def test_the_default_cost_written_out_makes_the_same_plan(mission: Any, method: str) -> None:
+    scenario = replace(scenario_from_tree(mission), cost=None)
+    if not any(task.between for task in scenario.tasks):
+        return
+    written = replace(scenario, cost={"makespan": 1, "tardiness": 2})
+    plans = [planned(one, method) for one in (scenario, written)]
+    assert len({plan if plan is None else plan.routes for plan in plans}) == 1
 
 
 @fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
+import pytest
 from hypothesis import strategies as st
 
 from methods import DEFAULT, play
 from missions import SEEDS, missions
 from plain_search import fewest_steps
+from teamformer.errors import UndoableError
 from teamformer.mission.costs import judged_by, weighed
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.central.policy import Central
@@ -16,11 +20,18 @@ from teamformer.referee import judge
 from teamformer.scenarios.files import scenario_from_tree
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import done_steps
+from teamformer.trials.planned import PlannedMission, plan_mission, rules_not_planned
+from teamformer.trials.start_plan import read_start_plan
 from teamformer.trials.trial import Trial, run_trial
 from watching import fuzzed
 
 SECONDS = st.sampled_from([0.0, 0.05, 0.2])
 RUN = "run FILE --method central --seed {seed} --time-limit {seconds}"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("plans")
 
 
 def play_centrally(mission: Any, seed: int, seconds: float) -> Trial:
@@ -53,6 +64,34 @@ def test_central_is_never_worse_than_the_default(mission: Any, seed: int, second
     assert worth(trial.replay) <= worth(played)
     bound = trial.replay.lower_bound
     assert bound is None or bound <= best.makespan
+
+
+@fuzzed(4, "plan FILE --from PLAN", mission=missions(has_cancelled=False), seconds=SECONDS)
+def test_what_begins_with_a_plan_is_never_worse(mission: Any, seconds: float, folder: Path) -> None:
+    """What is handed in is what `plan` printed: its routes are read, and played by the mission."""
+    scenario = scenario_from_tree(mission)
+    if list(rules_not_planned(scenario)):
+        return
+    try:
+        made = plan_mission(scenario, "central", seconds)
+    except UndoableError:
+        return
+    if made is None:
+        return
+    file = folder / "plan.json"
+    file.write_text(json.dumps(made.row))
+    again = plan_mission(scenario, "central", 0.0, read_start_plan(file, scenario))
+    assert again is not None
+    assert worth_of(again) <= worth_of(made)
+
+
+def worth_of(made: PlannedMission) -> float:
+    """Return what a plan is judged by, as `worth` does what was played."""
+    weights = judged_by(made.mission)
+    if weights is None:
+        return made.makespan
+    ends = {stop.task: stop.end for route in made.routes for stop in route.stops}
+    return weighed(made.mission, weights, ends, made.makespan)
 
 
 @fuzzed(6, RUN, mission=missions(is_sure=True, is_tiny=True), seed=SEEDS, seconds=SECONDS)

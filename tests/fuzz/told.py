@@ -84,7 +84,7 @@ def told_by_events(folder: Path) -> list[Line]:
 def told_by_tables(folder: Path, steps: int) -> list[Line]:
     """Read `tasks.csv` and `robots.csv`."""
     lines = []
-    for name, *_, appears, cancelled, done, who in _rows(folder / "tasks.csv"):
+    for name, *_, appears, cancelled, _, done, _, who in _rows(folder / "tasks.csv"):
         if done:
             lines.append(Line(int(done), "done", who, name))
         if cancelled:

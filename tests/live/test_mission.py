@@ -13,6 +13,7 @@ from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.export.reasons import explain
 from teamformer.grid import Grid
+from teamformer.live import forecasts
 from teamformer.live.forecasts import Forecast, forecast, possible_truth
 from teamformer.live.incidents import (
     CancelledTask,
@@ -29,7 +30,7 @@ from teamformer.model import Absence, Breakdown, Delays, Robot, Scenario, Task
 from teamformer.policies.central.policy import Central
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
-from teamformer.scenarios.files import read_scenario
+from teamformer.scenarios.files import read_scenario, scenario_from_tree
 from teamformer.trials.methods import Method, load_method
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
@@ -48,6 +49,27 @@ def play(run: Mission, incidents: dict[int, Incident]) -> None:
         if run.steps in incidents:
             run.happen(incidents.pop(run.steps))
         run.step()
+
+
+@pytest.fixture
+def carried() -> Scenario:
+    """A robot on a ring around a wall; the load at its left is brought to the right."""
+    return scenario_from_tree(
+        {
+            "teamformer": 1,
+            "world": {"rows": [".......", ".@@@@@.", "......."]},
+            "capabilities": ["lift"],
+            "robots": [{"at": [3, 2], "can": ["lift"]}],
+            "tasks": [{"at": [1, 0], "needs": ["lift"], "to": [5, 0]}],
+        }
+    )
+
+
+def test_a_mission_with_loads_is_as_it_was_after_it_was_played_ahead(carried: Scenario) -> None:
+    run = Mission(carried, lambda: load_method("plan"), seed=0)
+    assert forecast(run.past()) == forecast(run.past())
+    play(run, {})
+    assert run.record().steps == run_trial(carried, load_method("plan")).replay.steps
 
 
 @pytest.mark.parametrize("method", ["join-fitting", "heuristic", "teamformer", "crews", "plan"])
@@ -204,6 +226,53 @@ def test_who_is_not_back_after_all_stays_lost() -> None:
         run.happen(LostRobot(name))
 
 
+STORM = read_scenario(EXAMPLES / "storm.yaml")
+
+
+def called(method: str) -> Mission:
+    """A mission in which tasks appear at random: after steps 3, 14 and 38."""
+    return Mission(STORM, lambda: load_method(method), seed=4)
+
+
+@pytest.mark.parametrize("method", ["join-fitting", "plan"])
+def test_what_appears_at_random_appears_whatever_else_happens(method: str) -> None:
+    """An operator's task comes before those that are yet to appear, which come as they would."""
+    run = called(method)
+    extra = NewTask((0, 0), {"scan": 1}, "extra")
+    play(run, {10: extra, 14: CancelledTask("call-2"), 20: LostRobot("kite")})
+    assert [it.name for it in run.scenario.tasks[6:]] == ["call-1", "extra", "call-2"]
+    assert run.scenario.arrivals == replace(STORM.arrivals, since=20)
+    record = run.record()
+    assert judge(record).findings == ()
+    told = [(it.name, it.appears) for it in record.mission.tasks[6:]]
+    assert told == [("call-1", 3), ("extra", 10), ("call-2", 14), ("call-3", 38)]
+    again = run_trial(run.scenario, load_method(method), run.seed)
+    assert again.replay.steps == record.steps
+
+
+def test_what_appears_at_random_is_forecast_by_what_is_known(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What has appeared is the same in all futures, and what is yet to appear is not."""
+    run = called("join-fitting")
+    assert [run.has_shown_more for _ in range(3) if run.step()][-1]  # as a call comes
+    for _ in range(9):
+        run.step()
+    known, now = run.past().env.truths[0], run.past()
+    futures = [possible_truth(now.scenario, now.env, seed) for seed in range(30)]
+    for future in futures:
+        calls = [it for it in future.tasks if it.has_arrived]
+        assert [it for it in calls if it.appears <= 12] == [
+            it for it in known.tasks if it.has_arrived and it.appears <= 12
+        ]
+        assert len({it.name for it in future.tasks}) == len(future.tasks)
+    assert len({len(future.tasks) for future in futures}) > 2
+    monkeypatch.setattr(forecasts, "SAMPLES", 10)
+    told = forecast(now, seconds=600)
+    assert 1 < told.futures <= 10
+    assert len(told.done_at) == len(now.env.scenarios[0].tasks)
+
+
 def test_who_plans_with_everything_is_not_surprised() -> None:
     class KnowsEverything(JoinFitting):
         needs_everything = True
@@ -289,7 +358,8 @@ def test_a_longer_search_is_never_worse_and_its_gain_is_what_comes() -> None:
 
 def test_a_search_that_nobody_waits_for_ends_at_once() -> None:
     found = search_plan(planned().past(), seconds=3600, is_over=lambda: True)
-    assert found.forecast.ends[0] <= found.without.ends[0]
+    assert found.forecast.otherwise is not None
+    assert (found.forecast.ends, found.forecast.otherwise.steps) == ((), 0)  # nor is it played
 
 
 def test_only_a_shared_plan_can_be_another() -> None:

@@ -6,6 +6,7 @@ import http.client
 import io
 import json
 import re
+import socket
 import threading
 import time
 import zipfile
@@ -17,13 +18,17 @@ from typing import Any
 
 import pytest
 
-from live_server import Served, serving, serving_session, small_mission
+from live_server import Served, serving, serving_editor, serving_session, small_mission
+from teamformer.commands import addresses
 from teamformer.commands.addresses import Address, address_of
 from teamformer.errors import TeamformerError
 from teamformer.export.csv_tables import write_tables
 from teamformer.export.mcap_file import write_mcap
+from teamformer.live.drafts import Draft
+from teamformer.live.incidents import Incident
 from teamformer.live.mission_with_past import Mission
-from teamformer.live.workshop import Draft, Workshop
+from teamformer.live.what_if import IsOver, WhatIf, what_if
+from teamformer.live.workshop import Workshop
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.referee import judge
@@ -34,6 +39,8 @@ from teamformer.trials.methods import load_method
 from teamformer.viewer.html import write_page
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
+from teamformer.live.doors import PromptRequests
+
 client = pytest.importorskip("websockets.sync.client")
 closed = pytest.importorskip("websockets.exceptions")
 
@@ -89,23 +96,94 @@ def test_the_page_comes_to_its_own_host_only(served: Served) -> None:
     assert status == 200
     assert "connect-src 'self'" in page
     assert get(served, "evil.example") == (
-        403, "this server is not asked for as 'evil.example'\n",
-    )  # fmt: skip
+        403,
+        "this server is not asked for as 'evil.example'; if it is yours, name it with --host\n",
+    )
 
 
 def test_pages_of_other_sites_cannot_speak_to_it(served: Served) -> None:
-    with pytest.raises(closed.InvalidStatus), Page(served, origin="http://evil.example"):
-        pass
+    for origin in ("http://evil.example", "http://localhost:80", "null", "http://["):
+        with pytest.raises(closed.InvalidStatus), Page(served, origin=origin):
+            pass
 
 
 def test_a_server_with_a_token_wants_it(tmp_path: Path) -> None:
     with serving(small_mission(), tmp_path, token="secret") as server:
         assert get(server, server.address)[0] == 403
         assert get(server, server.address, "/?token=secret")[0] == 200
-        with pytest.raises(closed.InvalidStatus), Page(server, query="?token=guess"):
-            pass
+        for guess in ("?token=guess", "?token=%C3%A9"):
+            assert get(server, server.address, f"/{guess}")[0] == 403
+            with pytest.raises(closed.InvalidStatus), Page(server, query=guess):
+                pass
         with Page(server, query="?token=secret") as page:
             assert page.hear("mission")["record"]["steps"] == []
+
+
+def test_at_a_wildcard_address_the_token_decides_under_every_name(tmp_path: Path) -> None:
+    """As at the machine's own address, a container's published port, or a name of the network."""
+    anywhere = Address("0.0.0.0")
+    with serving(small_mission(), tmp_path, token="secret", address=anywhere) as server:
+        for host in (server.address, "192.168.1.5:8765", "localhost:9000", "desk.lan", "[fe80::1]"):
+            assert get(server, host, "/?token=secret")[0] == 200
+            assert get(server, host)[0] == 403
+        with Page(server, query="?token=secret") as page:
+            assert page.hear("mission")
+        with (
+            pytest.raises(closed.InvalidStatus),
+            Page(server, "http://evil.example", "?token=secret"),
+        ):
+            pass
+
+
+def test_a_tunnel_and_a_proxy_are_let_in_under_the_names_given(tmp_path: Path) -> None:
+    """One leaves the name as it is, the other asks for the server's own."""
+    behind = address_of("8765", ("Teams.Example",))
+    with serving(small_mission(), tmp_path, token="secret", address=behind) as server:
+        for host in ("teams.example", "teams.example:8443", server.address):
+            assert get(server, host, "/?token=secret")[0] == 200
+        assert get(server, "other.example", "/?token=secret")[0] == 403
+        with Page(server, "https://teams.example", "?token=secret") as page:
+            assert page.hear("mission")
+
+
+def test_a_tunnel_may_end_at_another_port(served: Served) -> None:
+    """As `ssh -L 9000:localhost:8765` makes one."""
+    assert get(served, "localhost:9000")[0] == 200
+
+
+@pytest.mark.parametrize("path", ["/", "/download/mission.yaml", "/download/none", "/none"])
+def test_no_other_page_may_frame_an_answer_or_guess_its_type(served: Served, path: str) -> None:
+    connection = http.client.HTTPConnection("127.0.0.1", served.port)
+    with closing(connection):
+        connection.request("GET", path)
+        headers = connection.getresponse().headers
+    assert headers["Content-Security-Policy"] == "frame-ancestors 'none'"
+    assert headers["X-Frame-Options"] == "DENY"
+    assert headers["X-Content-Type-Options"] == "nosniff"
+
+
+@pytest.mark.parametrize("sent", [b"", b"GET / HTTP/1.1\r\nHost: ", b"GET / HTTP/1.1\r\n\r\nGET"])
+def test_a_connection_that_asks_for_nothing_is_closed(
+    served: Served, monkeypatch: pytest.MonkeyPatch, sent: bytes
+) -> None:
+    """Whether it says nothing, begins a first request, or a second one."""
+    monkeypatch.setattr(PromptRequests, "limit", 0.05)
+    with socket.create_connection(("127.0.0.1", served.port), timeout=20) as connection:
+        connection.sendall(sent)
+        while connection.recv(1000):
+            pass
+
+
+def test_a_page_that_only_listens_is_not_closed(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waiting: list[PromptRequests] = []
+    monkeypatch.setattr(PromptRequests, "_wait", lambda connection: waiting.append(connection))
+    with Page(served) as page:
+        [connection] = waiting
+        connection.loop.call_soon_threadsafe(connection._close_if_idle)
+        page.ask(do="step")
+        assert page.hear("step")["at"] == 1
 
 
 def test_a_mission_is_played_and_everybody_is_told(served: Served) -> None:
@@ -203,6 +281,7 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
             page.hear("step")
         page.ask(do="what_if", lost="r2")
         guess = page.hear("what_if")
+        assert guess["at"] == 4
         assert guess["without"] == {"status": "completed", "steps": 13}
         assert guess["text"] == "robot r2 lost"
         page.ask(do="happen", lost="r2")
@@ -218,6 +297,124 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
     assert record.end.status == "completed"
     assert guess["steps"] <= record.end.steps
     assert [task.name for task in record.scenario.tasks] == ["a", "b", "c", "extra"]
+
+
+class Long:
+    """Work that goes on until a test lets it end, or nobody wants to know any more."""
+
+    def __init__(self) -> None:
+        self.is_begun, self.may_end = threading.Event(), threading.Event()
+        self.was_given_up = threading.Event()
+
+    def __call__(self, now: Mission, incident: Incident, is_over: IsOver) -> WhatIf:
+        self.is_begun.set()
+        while not self.may_end.wait(0.01):
+            if is_over():
+                self.was_given_up.set()
+                break
+        return what_if(now, incident, is_over)
+
+    def clear(self) -> None:
+        self.is_begun.clear()
+        self.was_given_up.clear()
+
+
+@pytest.fixture
+def long(monkeypatch: pytest.MonkeyPatch) -> Long:
+    """What the playing ahead of an incident takes until a test lets it end."""
+    work = Long()
+    monkeypatch.setattr("teamformer.live.session.what_if", work)
+    return work
+
+
+def test_a_page_is_heard_while_what_it_weighs_is_worked_out(served: Served, long: Long) -> None:
+    with Page(served) as page:
+        page.hear("mission")
+        page.ask(do="step")
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+        page.ask(do="play")
+        page.hear("step")
+        page.ask(do="pause")
+        while page.hear("state")["is_playing"]:
+            pass
+        page.ask(do="save")
+        page.hear("saved")
+        assert not long.may_end.is_set()
+        long.may_end.set()
+        assert page.hear("what_if")["at"] == 1  # the step that it was asked in
+        assert served.session.mission.steps > 1
+
+
+def test_what_is_weighed_ends_when_one_stops_it_leaves_or_something_happens(
+    served: Served, long: Long
+) -> None:
+    with Page(served) as other, Page(served) as page:
+        page.hear("mission")
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+        page.ask(do="stop")
+        page.hear("stopped")
+        assert long.was_given_up.wait(20)
+        long.clear()
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+        other.ask(do="happen", lost="r1")
+        told = page.hear("refused")
+        assert told["text"] == "something else has happened meanwhile; ask again"
+        assert told["is_weighed"]
+        assert long.was_given_up.wait(20)
+        page.ask(do="undo")
+        assert page.hear("mission")["incidents"] == []
+        long.clear()
+        page.ask(do="what_if", lost="r2")
+        assert long.is_begun.wait(20)
+    assert long.was_given_up.wait(20)
+
+
+def test_what_is_asked_in_one_go_is_done_in_that_order(served: Served) -> None:
+    """Two tasks without a name get one each, the second beside the first."""
+    with Page(served) as page:
+        page.hear("mission")
+        for at in ([1, 1], [2, 1]):
+            page.ask(do="happen", task={"at": at, "needs": ["lift"]})
+        page.ask(do="step")
+        page.ask(do="undo")
+        page.hear("incident")
+        assert [text for _, text in page.hear("incident")["incidents"]] == [
+            "task t4 at [1, 1] that needs lift",
+            "task t5 at [2, 1] that needs lift",
+        ]
+        assert page.hear("step")["at"] == 1
+        told = page.hear("mission")
+        assert (len(told["incidents"]), told["record"]["steps"]) == (1, [])
+
+
+def test_a_search_for_a_plan_can_be_stopped(tmp_path: Path) -> None:
+    with (
+        serving(small_mission(), tmp_path, method="plan") as server,
+        Page(server) as page,
+        Page(server) as other,
+    ):
+        page.ask(do="replan", seconds=120)
+        other.hear("searching")
+        other.ask(do="stop")
+        page.hear("stopped")
+        page.ask(do="take_over")
+        assert "there is no plan to take over" in page.hear("refused")["text"]
+
+
+@pytest.mark.parametrize("method", ["plan", "join-fitting"])
+def test_who_asks_what_a_loss_costs_is_told_how_much_is_luck_where_there_are_plans(
+    tmp_path: Path, method: str
+) -> None:
+    with serving(small_mission(), tmp_path, method=method) as server, Page(server) as page:
+        page.hear("mission")
+        page.ask(do="what_if", lost="r1")
+        told = page.hear("what_if")
+        assert told["is_planned"] == (method == "plan")
+        if told["is_planned"]:  # a mission so small is planned alike in any order
+            assert page.hear("luck") == {"kind": "luck", "steps": 0.0, "is_luck": False}
 
 
 def test_a_plan_is_searched_for_offered_and_taken_over(tmp_path: Path) -> None:
@@ -345,8 +542,6 @@ def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
 
 
 def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
-    import socket
-
     from teamformer.commands.missions.live import Options, live
     from teamformer.scenarios.files import write_scenario
 
@@ -369,6 +564,23 @@ def test_an_address_is_a_port_with_or_without_a_host() -> None:
     for wrong in ("", "web", "0", "65536", "8765:"):
         with pytest.raises(TeamformerError, match="is no port"):
             address_of(wrong)
+    for wrong in ("http://teams.example", "teams.example:80", "[", ""):
+        with pytest.raises(TeamformerError, match="is no name of a host"):
+            address_of("80", (wrong,))
+
+
+def test_an_address_that_is_printed_can_be_opened(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(addresses, "_own_address", lambda family: "192.168.1.5")
+    assert address_of("0.0.0.0:80").to_open() == ["http://127.0.0.1:80/", "http://192.168.1.5:80/"]
+    assert address_of("desk:80").to_open() == ["http://desk:80/"]
+    monkeypatch.setattr(addresses, "_own_address", lambda family: None)  # without a network
+    assert address_of("[::]:80").to_open() == ["http://[::1]:80/"]
+
+
+def test_only_a_server_for_this_machine_alone_needs_no_token() -> None:
+    assert address_of("localhost:80").is_here_only
+    assert not address_of("0.0.0.0:80").is_here_only
+    assert not address_of("80", ("teams.example",)).is_here_only
 
 
 def test_an_incident_is_undone_and_the_mission_restarted(served: Served) -> None:
@@ -483,6 +695,45 @@ def test_pages_are_served_before_the_first_plan_is_made(tmp_path: Path) -> None:
             page.hear("begun")
         with Page(server) as page:
             assert page.hear("mission")["record"]["steps"] == []
+
+
+@pytest.fixture
+def editor(tmp_path: Path) -> Iterator[Served]:
+    with serving_editor(tmp_path / "out") as server:
+        yield server
+
+
+def test_what_one_page_draws_all_pages_show(editor: Served) -> None:
+    with Page(editor) as one, Page(editor) as other:
+        tree, first = one.hear("editor")["scenario"], other.hear("editor")["id"]
+        drawn = tree | {"name": "drawn"}
+        one.ask(do="check", scenario=drawn, id="a1", after=first)
+        assert one.hear("checked") == {"kind": "checked", "problems": [], "id": "a1"}
+        told = other.hear("editor")
+        assert (told["scenario"], told["id"]) == (drawn, "a1")
+        other.ask(do="check", scenario=tree, id="b1", after="a1")
+        assert one.hear("editor")["scenario"] == tree
+        one.ask(do="new")
+        assert other.hear("editor")["scenario"]["robots"] == []
+
+
+@pytest.mark.parametrize("command", ["check", "save", "run"])
+def test_no_page_draws_over_what_it_has_not_seen(
+    editor: Served, command: str, tmp_path: Path
+) -> None:
+    """Whoever is late is shown the drawing of the other; what follows its own is late too."""
+    with Page(editor) as one, Page(editor) as other:
+        tree, first = one.hear("editor")["scenario"], other.hear("editor")["id"]
+        mine, yours = tree | {"name": "mine"}, tree | {"name": "yours"}
+        one.ask(do="check", scenario=mine, id="a1", after=first)
+        one.hear("checked")
+        for own, after in (("b1", first), ("b2", "b1")):
+            other.ask(do=command, scenario=yours, id=own, after=after, name="it.yaml")
+            assert other.hear("editor")["scenario"] == mine
+            assert "another page has drawn meanwhile" in other.hear("refused")["text"]
+        other.ask(do="check", scenario=yours, id="b3", after="a1")
+        assert one.hear("editor")["scenario"] == yours
+    assert list(tmp_path.rglob("*.yaml")) == []
 
 
 def test_a_server_ends_while_a_first_plan_is_made(tmp_path: Path) -> None:

@@ -55,6 +55,26 @@ def test_what_is_due_comes_first(method: str) -> None:
     assert cost_of_record(without_cost.replay) is None
 
 
+@pytest.mark.parametrize("method", PLANNERS)
+def test_a_shorter_plan_is_not_lost_for_one_in_which_most_is_done_soon(method: str) -> None:
+    """Ten tasks lie 11 cells to the left, one 10 to the right: that first takes 31 steps, not 32.
+
+    All ten are done at 31 then, which they are at 11 the other way round.
+    """
+    left = [replace(task(9), name=f"left {n}") for n in range(10)]
+    assert played(corridor(20, [*left, task(30)]), method).replay.end.makespan == 31
+
+
+@pytest.mark.parametrize("method", ["plan", "crews"])
+def test_the_default_written_out_is_played_alike(method: str) -> None:
+    """Tasks have windows and weights of 1, 3 and 5."""
+    default = replace(world_of("deadlines", 3), cost=None)
+    written = replace(default, cost={"makespan": 1, "tardiness": 2})
+    assert len({task.weight for task in default.tasks}) == 3
+    one, other = (run_trial(mission, load_method(method), 0) for mission in (default, written))
+    assert done_steps(one.replay) == done_steps(other.replay)
+
+
 @pytest.mark.parametrize("method", ["plan", "central"])
 @pytest.mark.parametrize(("weights", "first"), [((1.0, 1.0), 7), ((5.0, 1.0), 2)])
 def test_what_weighs_more_is_less_late(

@@ -236,10 +236,12 @@ class Newer:
     """The interface of version 2.1 as far as a script sees it: poses once a step, then debug()."""
 
     def __init__(self, number_of_robots: int, initial_conditions: np.ndarray, **_: object) -> None:
+        print("Initializing ...")
         assert initial_conditions.shape == (3, number_of_robots)
         self.poses, self.log = initial_conditions, list[str]()
 
     def get_poses(self) -> np.ndarray:
+        print("looking")
         self.log.append("look")
         return self.poses
 
@@ -248,6 +250,7 @@ class Newer:
         self.velocities = velocities
 
     def step(self) -> None:
+        print("stepping")
         self.log.append("step")
         self.poses = self.poses + 0.033 * np.vstack((self.velocities[:1], 0 * self.velocities))
 
@@ -255,12 +258,15 @@ class Newer:
         print("Simulation had 1 iteration(s) where robots collided.")
 
 
-def test_both_dialects_are_spoken() -> None:
+def test_both_dialects_are_spoken(capsys: pytest.CaptureFixture[str]) -> None:
     robots = RpsRobots(np.array([[0.0, 0.5, 0.0], [1.0, 0.5, 0.0]]), Newer)
     robots.drive(np.array([[0.1, 0.0], [0.0, 0.0]]))
     robots.poses()  # asking twice must not look twice
     np.testing.assert_allclose(robots.poses()[:, 0], [0.0033, 1.0])
-    assert not is_accepted(robots.finish())
+    report = robots.finish()
+    assert not is_accepted(report)
+    assert report.splitlines()[:3] == ["Initializing ...", "looking", "stepping"]
+    assert capsys.readouterr().out == ""  # as JSON alone is to stand there
 
 
 def test_the_benchmark_flies_every_setting() -> None:

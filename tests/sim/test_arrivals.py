@@ -10,7 +10,7 @@ import pytest
 
 from small_worlds import make, play, robot, task
 from teamformer.grid import Grid
-from teamformer.mission.arrivals import most_tasks, without_arrivals
+from teamformer.mission.arrivals import most_tasks, once_appeared, without_arrivals
 from teamformer.model import Arrivals, Scenario
 from teamformer.referee import judge
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
@@ -54,6 +54,18 @@ def test_every_step_brings_one_at_a_rate_of_one() -> None:
     assert [one.duration for one in truth.tasks] == [0, 2, 2, 2]
     assert truth.arrivals is None
     assert not draw_truth(corridor(0.0, 3), 0).tasks[1:]
+
+
+def test_what_has_appeared_may_be_known_and_the_rest_stays_as_it_was() -> None:
+    scenario = corridor(0.5, 30)
+    truth = draw_truth(scenario, 3)
+    known = once_appeared(scenario, truth, 12)
+    arrived = [one for one in truth.tasks[1:] if one.appears <= 12]
+    assert 0 < len(arrived) < len(truth.tasks) - 1
+    assert known.tasks == (truth.tasks[0], *(replace(one, has_arrived=False) for one in arrived))
+    assert draw_truth(known, 3).tasks == (*known.tasks, *truth.tasks[len(known.tasks) :])
+    assert most_tasks(known) == len(known.tasks) + 18
+    assert scenario_from_tree(scenario_to_tree(known), "x") == known
 
 
 def test_names_that_are_taken_are_left_out() -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from teamformer.critical_path.of_record import path_of_record
 from teamformer.errors import ReplayError, TeamformerError
 from teamformer.grid import Grid
 from teamformer.model import Absence, Robot, Scenario, Task
@@ -60,6 +61,14 @@ def path(tmp_path: Path) -> Path:
 def test_what_is_written_is_read(path: Path) -> None:
     write_replay(RECORD, path)
     assert read_replay(path) == RECORD
+
+
+def test_of_a_fleet_nobody_may_know_who_did_a_task(path: Path) -> None:
+    last = replace(RECORD.steps[3], done=((0, None),))
+    record = replace(RECORD, method="fleet", steps=(*RECORD.steps[:3], last))
+    write_replay(record, path)
+    assert read_replay(path) == record
+    assert path_of_record(replace(record, end=replace(record.end, makespan=4))) == ()
 
 
 def test_the_same_record_gives_the_same_bytes(path: Path) -> None:
@@ -233,6 +242,10 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
         (
             damage("steps", 3, "done", 0, 0, to=2),
             "step 4: 2 stands where a number from 0 to 1 belongs",
+        ),
+        (
+            damage("steps", 3, "done", 0, 1, to=None),
+            "a task is done by nobody, which only the record of a fleet may say",
         ),
         (damage("orders", 1, 1, to={}), "orders: {} stands where a list belongs"),
         (damage("orders", 1, 0, to=-1), "orders: -1 stands where 0 or more belongs"),

@@ -66,6 +66,49 @@ def test_what_a_plan_leaves_out_comes_last(tmp_path: Path) -> None:
     assert read_start_plan(path, MISSION) == Plan((1, 0, 2), ((1,), (1,), (0, 2)))
 
 
+LINKED = Scenario(
+    "linked",
+    Grid(9, 1),
+    ("a",),
+    tuple(Robot(name, (0, 0), {"a": 1}) for name in "rst"),
+    (
+        Task("one", (2, 0), {"a": 1}),
+        Task("two", (2, 0), {"a": 1}, starts={"one": (0, 9)}),
+        Task("free", (2, 0), {"a": 1}),
+    ),
+    time="continuous",
+)
+
+
+def test_what_starts_at_one_moment_is_in_the_order_of_the_routes(tmp_path: Path) -> None:
+    """`free` takes no time: were it behind `one`, it would be done later."""
+    path = written(tmp_path, ("r", [("free", 2), ("one", 2)]), ("s", [("two", 2)]))
+    assert read_start_plan(path, LINKED) == Plan((1, 2, 0), ((1,), (0,), (0,)))
+    contradicted = ("t", [("one", 2), ("free", 2)])
+    path = written(tmp_path, ("r", [("free", 2), ("one", 2)]), ("s", [("two", 2)]), contradicted)
+    assert read_start_plan(path, LINKED).order == (0, 1, 2)
+
+
+def test_a_linked_task_that_a_plan_leaves_out_is_given_to_another_robot(tmp_path: Path) -> None:
+    path = written(tmp_path, ("r", [("one", 2), ("free", 2)]))
+    assert read_start_plan(path, LINKED) == Plan((0, 2, 1), ((0,), (0,), (1,)))
+
+
+@pytest.mark.parametrize(
+    ("routes", "told"),
+    [
+        ([("r", [("one", 2), ("two", 3)])], "the plan gives 'one' and 'two' to r"),
+        ([(name, [("one", 2)]) for name in "rst"], "leaves out task 'two', whose start is"),
+    ],
+)
+def test_linked_tasks_are_not_given_to_one_robot(
+    routes: list[tuple[str, list[tuple[str, float]]]], told: str, tmp_path: Path
+) -> None:
+    with pytest.raises(TeamformerError, match=told) as caught:
+        read_start_plan(written(tmp_path, *routes), LINKED)
+    assert caught.value.hint
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [

@@ -98,6 +98,10 @@ def main() -> None:
             )
         tell("a robot in the list", times)
         tell("a step", [busy.page.evaluate(KEY, "ArrowRight") for _ in range(CLICKS)])
+        busy.page.evaluate(CLICK, "#view-gantt")
+        busy.page.keyboard.press(" ")
+        print(f"Gantt chart: {busy.page.evaluate(FRAMES, SECONDS):.0f} frames a second")
+        busy.page.keyboard.press(" ")
         for title, name in VIEWS.items():
             _measure_view(busy, title, name, tell)
 

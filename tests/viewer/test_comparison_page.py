@@ -73,6 +73,32 @@ CURVE = """([step, part]) => {
 }"""
 
 
+def test_records_with_windows_are_compared_by_lateness_too(open_page: Opener) -> None:
+    """Of two ways to two tasks the longer one is in time: 18 against 15 and 2 x 9 late."""
+    scenario = {
+        **{"teamformer": 1, "name": "urgent", "world": {"grid": [12, 1]}, "capabilities": ["a"]},
+        "robots": [{"name": "r", "at": [4, 0], "can": ["a"]}],
+        "tasks": [
+            {"name": "near", "at": [0, 0], "needs": ["a"]},
+            {"name": "urgent", "at": [11, 0], "needs": ["a"], "between": [0, 7]},
+        ],
+    }
+    trees = [toy_replay(scenario, method=name) for name in ("first", "second")]
+    for tree, ends in zip(trees, ((4, 15), (18, 7)), strict=True):
+        for step in tree["steps"]:
+            step.pop("done", None)
+        tree["steps"] = (tree["steps"] + [{}] * 18)[: max(ends)]
+        for task, end in enumerate(ends):
+            tree["steps"][end - 1]["done"] = [[task, 0]]
+        tree["end"] |= {"status": "completed", "makespan": max(ends), "steps": max(ends)}
+    opened = open_page(trees, written=comparison_page)
+    opened.details()
+    head = opened.page.locator("#compared th[scope=col]").all_inner_texts()
+    assert head == ["method", "done", "makespan", "late", "to best"]
+    rows = {row[0]: row[2:] for row in table_of(opened)}
+    assert rows == {"first": ["15", "1 by 8", "+72%"], "second": ["18", "-", "+0%"]}
+
+
 def test_curves_pass_through_what_was_done(compared: Callable[..., Opened], dock: Tree) -> None:
     """Between two tasks done the line is at the height of those before, and not above."""
     opened = compared("#step=0")

@@ -375,6 +375,68 @@ def run(opened: Opened) -> None:
     wait_for(opened, "#start-text", "Start the mission")
 
 
+HOLD_BACK = """() => {
+  const { send } = WebSocket.prototype;
+  window.heldBack = [];
+  WebSocket.prototype.send = function (text) {
+    window.heldBack.push(() => {
+      WebSocket.prototype.send = send;
+      this.send(text);
+    });
+  };
+}"""
+"""Has what a page says wait; what it says later goes its way once the first has been sent."""
+
+PLACES = "window.teamformer.teams().map(({ place }) => place).join(' ')"
+
+
+def test_two_pages_draw_one_mission(begun: Opened, served: Served) -> None:
+    """What one draws the other shows; who was late is told, and goes back to the own drawing."""
+    other = Opened(begun.page.context.new_page())
+    other.page.goto(f"http://{served.address}/")
+    other.wait_until("window.teamformer?.teams().length === 3")
+    begun.page.click("[data-tool=robot]")
+    click(begun, 4, 4)
+    other.wait_until("window.teamformer.teams().length === 4")
+    wait_for(other, "#notice", "Another page is drawing too.")
+    other.page.click("[data-tool=robot]")
+    click(other, 5, 5)
+    begun.wait_until("window.teamformer.teams().length === 5")
+    begun.page.click("#mission >> text=Undo")  # of what the other page has drawn
+    other.wait_until("window.teamformer.teams().length === 4")
+    other.page.evaluate(HOLD_BACK)
+    click(other, 7, 7)
+    other.wait_until("window.heldBack.length === 1")
+    click(begun, 8, 8)
+    other.wait_until(f"{PLACES}.includes('8,8')")
+    other.page.evaluate("window.heldBack.forEach((send) => send())")
+    wait_for(other, "#notice", "another page has drawn meanwhile")
+    assert "7,7" not in other.page.evaluate(PLACES)
+    other.page.click("#mission >> text=Undo")
+    begun.wait_until(f"{PLACES}.includes('7,7')")
+    assert "8,8" not in begun.page.evaluate(PLACES)
+    assert other.errors == []
+
+
+def test_what_was_drawn_can_be_undone_after_its_mission(begun: Opened) -> None:
+    page = begun.page
+    begun.wait_until("window.teamformer.teams().length === 3")
+    page.click("[data-tool=robot]")
+    click(begun, 4, 4)
+    click(begun, 5, 5)
+    page.click("#mission >> text=Undo")
+    run(begun)
+    with page.expect_event("load", timeout=60_000):
+        page.click("text=Back to the drawing …")
+    begun.wait_until("window.teamformer?.teams().length === 4")
+    page.click("#mission >> text=Redo")
+    begun.wait_until("window.teamformer.teams().length === 5")
+    for _ in range(2):
+        page.click("#mission >> text=Undo")
+    begun.wait_until("window.teamformer.teams().length === 3")
+    assert page.get_by_role("button", name="Undo", exact=True).is_disabled()
+
+
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
 def test_what_a_robot_brings_is_in_sight(begun: Opened, width: int, height: int) -> None:
     begun.page.set_viewport_size({"width": width, "height": height})

@@ -10,8 +10,10 @@ import re
 from pathlib import Path
 from typing import Any
 
+import pytest
 from toy_replays import Tree
 
+from teamformer.viewer.advice_page import advice_page
 from teamformer.viewer.gantt import gantt_page
 from teamformer.viewer.html import replay_page, write_page
 
@@ -98,9 +100,92 @@ def test_names_of_a_plan_stay_while_its_time_scrolls(browser: Any) -> None:
     page.set_content(gantt_page({**plan, "routes": [route]}))
     page.locator(".times").evaluate("(times) => (times.scrollLeft = 500)")
     assert page.locator(".times").evaluate("(times) => times.scrollLeft") == 500
-    box = page.get_by_text("van", exact=True).bounding_box()
+    box = page.locator("svg text[data-robot=van]").bounding_box()
     assert box["x"] >= 0
     assert box["x"] + box["width"] < page.locator(".times").bounding_box()["x"]
+    page.close()
+
+
+LATE_PLAN = {
+    **{"scenario": "yard", "makespan": 20, "bound": 0, "proven": False, "critical_path": []},
+    **{"late": {"=seam": 2}, "windows": {"=seam": [1, 7]}},
+    "routes": [
+        {
+            **{"robot": "van", "back": 20},
+            "stops": [
+                {"task": "load", "arrive": 1, "start": 1, "end": 3},
+                {"task": "=seam", "arrive": 4, "start": 5, "end": 9},
+            ],
+        },
+        {
+            **{"robot": "arm", "back": 9},
+            "stops": [{"task": "=seam", "arrive": 5, "start": 5, "end": 9}],
+        },
+    ],
+}
+
+
+@pytest.mark.parametrize("width", [1400, 820, 390])
+def test_the_page_of_a_plan_tells_all_of_what_is_chosen(
+    browser: Any, tmp_path: Path, width: int
+) -> None:
+    (tmp_path / "plan.html").write_text(gantt_page(LATE_PLAN), encoding="utf-8")
+    page = browser.new_page(viewport={"width": width, "height": 844})
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("console", lambda message: errors.append(message.text))
+    page.goto((tmp_path / "plan.html").as_uri() + "#task=%3Dseam")
+    told = "van there at 4, arm there at 5, from 5 to 9, to be done between 1 and 7, late by 2"
+    assert page.inner_text("#said") == f"=seam: {told}"
+    assert page.locator("g.task.now").count() == 2
+    rows = [row.locator("td").all_inner_texts() for row in page.locator("tbody tr").all()]
+    assert rows == [
+        ["load", "van", "1", "3", "", ""],
+        ["=seam", "van, arm", "5", "9", "1 to 7", "2"],
+    ]
+    page.click("tbody >> text=load")
+    assert page.evaluate("location.hash") == "#task=load"
+    page.locator(".chart text >> text=van").click()
+    assert page.inner_text("#said") == "van: load from 1 to 3, =seam from 5 to 9, back at 20"
+    assert page.evaluate("location.hash") == "#robot=van"
+    with page.expect_download() as saved:
+        page.click("text=Save as CSV")
+    assert saved.value.suggested_filename == "yard-plan.csv"
+    assert saved.value.path().read_text().splitlines() == [
+        "robot,task,there,begin,end,not_before,due,late_by",
+        "van,load,1,1,3,,,",
+        "van,'=seam,4,5,9,1,7,2",
+        "arm,'=seam,5,5,9,1,7,2",
+    ]
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    assert errors == []
+    page.close()
+
+
+@pytest.mark.parametrize("width", [1400, 820, 390])
+def test_the_page_of_advice_fits_every_screen(browser: Any, width: int) -> None:
+    """6 is won, and a loss of 30 ends at the edge: zero is at 9 of 15 parts of each row."""
+    rows = [
+        {"change": change, "makespan": 56 - gain, "gain": gain, "noise": 1}
+        for change, gain in [("one more robot like camel " * 4, 6), ("without robot camel", -30)]
+    ]
+    advice = {
+        **{"scenario": "warehouse", "method": "plan", "measure": "makespan", "makespan": 56},
+        **{"range": [56, 57], "searches": 21, "advice": rows, "impossible": [], "unmeasured": []},
+    }
+    page = browser.new_page(viewport={"width": width, "height": 844})
+    page.set_content(advice_page(advice))
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    row = page.locator(".bar >> nth=1").bounding_box()
+    won, lost = (page.locator(looks).bounding_box() for looks in (".wins", ".loses"))
+    assert won["x"] == pytest.approx(row["x"] + 0.6 * row["width"], abs=1)
+    assert won["x"] + won["width"] == pytest.approx(row["x"] + row["width"], abs=1)
+    assert (lost["x"], lost["width"]) == pytest.approx((row["x"], 0.6 * row["width"]), abs=1)
+    assert row["width"] > 0.4 * width
+    for name in page.locator(".what").all():
+        box = name.bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= width
     page.close()
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +14,23 @@ from toy_replays import Tree
 
 from browsers import Opened
 from live_server import Served, serving, serving_session, small_mission
-from small_worlds import late_pair
+from small_worlds import late_pair, make, robot, task
+from teamformer.coordination import Known, Plan
 from teamformer.errors import TeamformerError
+from teamformer.live.autosave import Autosave, Identity
+from teamformer.live.drafts import Draft
+from teamformer.live.incidents import Incident
 from teamformer.live.mission_with_past import Mission
 from teamformer.live.session import Session
+from teamformer.live.what_if import IsOver, WhatIf, what_if
+from teamformer.live.workshop import Workshop
 from teamformer.model import Absence
 from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.referee import judge
 from teamformer.sim.env import Decision
 from teamformer.sim.replay.reading import read_replay
 from teamformer.sim.view import View
-from teamformer.trials.methods import Method
+from teamformer.trials.methods import Method, load_method
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
 
@@ -80,7 +87,7 @@ def test_what_was_worked_out_before_an_incident_is_not_shown_after_it(opened: Op
     page.click("#tab-robots")
     page.click(".row >> text=r1")
     page.click("text=What would that cost?")
-    wait_for(opened, "#answer", "With robot r1 lost: all done at step")
+    wait_for(opened, "#answer", "As of step 4, with robot r1 lost: all done at step")
     page.click("text=Lose r1 …")
     page.evaluate(WATCH_OUTLOOK)
     page.click("text=Yes, lose r1")
@@ -90,7 +97,7 @@ def test_what_was_worked_out_before_an_incident_is_not_shown_after_it(opened: Op
     texts = page.evaluate("window.outlooks")
     assert any(text.startswith("Working out how it ends") for text in texts)
     assert "Incident in step 5: robot r1 lost." in page.inner_text("#notice")
-    assert opened.details().startswith("r1\nClose\nLost in step 5")
+    assert opened.details().startswith("r1\nDeselect\nLost in step 5")
 
 
 WATCH_OUTLOOK = """() => {
@@ -111,7 +118,8 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     page.fill("[name='cap 1']", "1")
     page.fill("[name=title]", "extra")
     page.click("#new-task >> text=What would that cost?")
-    wait_for(opened, "#answer", "With task extra at [3, 2] that needs scan: all done at step")
+    weighed = "As of step 4, with task extra at [3, 2] that needs scan: all done at step"
+    wait_for(opened, "#answer", weighed)
     page.click("text=Add task")
     wait_for(opened, "#incidents", "4: task extra at [3, 2] that needs scan")
     page.click("#tab-robots")
@@ -137,6 +145,62 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     assert record.scenario.tasks[-1].name == "extra"
     assert record.scenario.robots[0].absences == (Absence(5, 7),)
     assert page.inner_text("#figures").split("\n")[1] == "4 of 4"
+
+
+def test_what_is_weighed_can_be_stopped_and_the_mission_paused_meanwhile(
+    opened: Opened, served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def forever(now: Mission, incident: Incident, is_over: IsOver) -> WhatIf:
+        while not is_over():
+            time.sleep(0.01)
+        return what_if(now, incident, is_over)
+
+    monkeypatch.setattr("teamformer.live.session.what_if", forever)
+    page = opened.page
+    step_to(opened, 1)
+    page.click("#tab-robots")
+    page.click(".row >> text=r1")
+    page.click("text=What would that cost?")
+    wait_for(opened, "#answer", "Playing it ahead")
+    page.keyboard.press(" ")
+    opened.wait_until("window.teamformer.isPlaying")
+    page.keyboard.press(" ")
+    opened.wait_until("!window.teamformer.isPlaying")
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "replay.json")
+    assert page.inner_text("#answer").startswith("Playing it ahead")
+    page.click("#offer >> text=Stop")
+    opened.wait_until("document.querySelector('#answer').textContent === ''")
+    assert page.inner_text("#offer") == ""
+
+
+class WrittenFirst:
+    """Gives each task to the robot that is written first: in what order they are is luck."""
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        return Plan(known.open_tasks, (known.robots[:1],) * len(known.open_tasks))
+
+
+def test_what_is_luck_is_said_to_be(browser: Any, tmp_path: Path) -> None:
+    """The far robot takes 9 steps; once it is lost, the near one takes 3, from the next step on."""
+    far_and_near = make([robot("a", 0), robot("a", 7)], [task("a", 9)])
+    run = Mission(far_and_near, lambda: Method("own", coordinator=WrittenFirst()), seed=0)
+    with serving_session(Session(run, tmp_path, 20.0)) as server:
+        opened = Opened(browser.new_page())
+        page = opened.page
+        page.goto(f"http://{server.address}/")
+        opened.wait_until("window.teamformer !== undefined")
+        page.click("#tab-robots")
+        page.click(".row >> text=r0")
+        page.click("text=What would that cost?")
+        wait_for(opened, "#luck", "This is luck of the search: the mission could end as soon")
+        assert "steps earlier." in page.inner_text("#answer")
+        assert "Other searches for plans differ by up to " in page.inner_text("#luck")
+        assert page.inner_text("#offer") == ""
+        page.click(".row >> text=r1")
+        page.click("text=What would that cost?")
+        wait_for(opened, "#luck", "Other searches")
+        page.close()
 
 
 def test_after_an_incident_the_page_says_what_is_so(browser: Any, tmp_path: Path) -> None:
@@ -341,7 +405,85 @@ def test_a_server_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
     wait_for(opened, "#mission h2", "connection lost")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "The server is not there; nothing was done")
+    wait_for(opened, "#cut-off", "Cut off: the connection to the server was lost ")
+    for width, height in ((1400, 900), (820, 1180), (390, 844)):
+        page.set_viewport_size({"width": width, "height": height})
+        box = page.locator("#cut-off").bounding_box()
+        assert (box["x"], box["y"], box["width"]) == (0, 0, width)
+        assert page.evaluate("document.body.scrollWidth") == width
+        assert page.locator(".transport").bounding_box()["y"] < height
     page.close()
+
+
+def kept_session(folder: Path, name: str) -> Session:
+    run = Mission(small_mission(), lambda: load_method("join-fitting"), 0)
+    autosave = Autosave(folder / "autosave.jsonl", Identity(name, Draft({})))
+    return Session(run, folder, 20.0, autosave=autosave)
+
+
+@pytest.mark.parametrize("name", ["the same", "another"])
+def test_a_page_that_comes_to_another_mission_says_so(
+    browser: Any, tmp_path: Path, name: str
+) -> None:
+    page = browser.new_page()
+    with serving_session(kept_session(tmp_path, "the same")) as server:
+        page.goto(f"http://{server.address}/")
+        opened = Opened(page)
+        opened.wait_until("window.teamformer !== undefined")
+        wait_for(opened, "#outlook", "all done")
+    opened.wait_until("!document.querySelector('#cut-off').hidden")
+    with serving_session(kept_session(tmp_path, name), port=server.port):
+        opened.wait_until("document.querySelector('#cut-off').hidden")
+        wait_for(opened, "#outlook", "all done")
+        told = "This is another mission than before; the server was started anew."
+        assert (told in page.inner_text("#notice")) == (name == "another")
+        if name == "another":
+            assert "`teamformer live --resume` goes on with" in page.inner_text("#notice")
+        page.close()
+
+
+def test_a_page_whose_mission_is_gone_says_so(browser: Any, tmp_path: Path) -> None:
+    page = browser.new_page()
+    with serving(small_mission(), tmp_path) as server:
+        page.goto(f"http://{server.address}/")
+        opened = Opened(page)
+        opened.wait_until("window.teamformer !== undefined")
+    shop = Workshop(lambda scenario: pytest.fail("started"), tmp_path, 20.0)
+    with ExitStack() as stack:
+        with page.expect_event("load", timeout=60_000):
+            stack.enter_context(serving_session(shop, port=server.port))
+        opened.wait_until("document.title === 'example, live'")
+        wait_for(opened, "#notice", "The mission that was here has ended or was cut off.")
+        page.close()
+
+
+def test_what_is_saved_is_not_asked_about(opened: Opened) -> None:
+    """Until something more is done: then it is."""
+    page = opened.page
+    step_to(opened, 2)
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "replay.json")
+    opened.page.click("text=Restart …")
+    opened.wait_until("window.teamformer.last === 0")
+    step_to(opened, 1)
+    page.click("#mission >> text=Save")
+    wait_for(opened, "#notice", "replay.json")
+    step_to(opened, 2, begun=1)
+    page.click("text=Restart …")
+    assert "since it was saved last is gone" in page.inner_text("#mission .question")
+
+
+def test_a_silent_server_is_no_server(browser: Any, tmp_path: Path) -> None:
+    """Its process is there, and the line too, but nothing is said on it any more."""
+    with serving(small_mission(), tmp_path) as server:
+        page = browser.new_page()
+        page.clock.install()
+        page.goto(f"http://{server.address}/")
+        opened = Opened(page)
+        page.evaluate("() => void (window.WebSocket = class {})")  # for later lines
+        page.clock.run_for(20_000)
+        wait_for(opened, "#cut-off", "Cut off")
+        page.close()
 
 
 def test_an_incident_is_undone_in_the_page(opened: Opened, served: Served) -> None:
@@ -377,7 +519,7 @@ def test_a_task_is_called_off_in_the_page(opened: Opened, served: Served) -> Non
     page.click(f".row >> text={name}")
     assert page.locator("text=Set weight").count() == 0  # the mission has no cost
     page.click("text=What would that gain?")
-    wait_for(opened, "#answer", f"With task {name} called off: all done at step")
+    wait_for(opened, "#answer", f"with task {name} called off: all done at step")
     page.click(f"text=Call {name} off …")
     page.click("text=Keep it")
     page.click(f"text=Call {name} off …")

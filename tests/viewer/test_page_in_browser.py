@@ -132,7 +132,7 @@ def test_a_team_at_work_says_how_far_it_is(open_page: Opener, dock: Tree) -> Non
 def test_a_capability_says_who_brings_it_and_what_needs_it(open_page: Opener, dock: Tree) -> None:
     opened = open_page(dock, "#step=10")
     opened.page.click("#legend >> text=lift")
-    assert opened.details().split("\n")[:3] == ["L", "lift", "Close"]
+    assert opened.details().split("\n")[:3] == ["L", "lift", "Deselect"]
     assert "2 robots, needed by 2 open tasks" in opened.details()  # pallet and seam
     opened.page.fill("#scrub", "36")  # r4, the other one, is lost
     assert "1 robot, needed by 1 open task" in opened.details()

@@ -379,3 +379,85 @@ def test_counts_are_exact_to_three_places(scripts: Any) -> None:
     assert scripts.evaluate(sums) == [[0, 0.3], [1, 99.999]]
     assert scripts.evaluate("() => missing(new Map([[0, 99.999]]), [[0, 100]])") == [[0, 0.001]]
     assert scripts.evaluate("() => [3, 24, 25, 0.5, 12.5].map(piecesOf)") == [3, 24, 1, 1, 1]
+
+
+def load_of_two(steps: list[Tree]) -> Tree:
+    """Two lifters at (3, 3), where a load is that both are to bring to (5, 3)."""
+    tree = two_robots(steps, needs={"lift": 2})
+    tree["scenario"]["tasks"][0] |= {"to": [5, 3]}
+    tree["scenario"]["teamformer"] = 1
+    end = {"steps": len(steps), "tasks_done": 0, "joins": 0, "splits": 0, "illegal_decisions": 0}
+    tree["end"] |= end
+    tree |= {"method": "fleet", "seed": 0, "orders": [[0, [0]]], "lower_bound": None}
+    tree["teamformer_replay"] = 2
+    for robot in tree["scenario"]["robots"]:
+        robot["can"] = {"lift": 1}
+    return tree
+
+
+TAKEN = {"joins": [[1, 0]], "teams": [[0, 3, 3, 0]], "taken": [[0, 0]]}
+PARTED = {"splits": [[[0], [1]]], "teams": [[0, 4, 3, 0], [1, 4, 2, 0]]}
+CARRIERS = """(tree) => {
+  const history = frames(tree);
+  return tree.steps.map((_, before) => before + 1).map((step) => [
+    serviceOf(history, 0, step)?.robots ?? [], sitesAt(history, step)[0].isUp ? "up" : sitesAt(history, step)[0].at]);
+}"""  # noqa: E501
+
+
+@pytest.mark.parametrize(
+    ("steps", "carriers"),
+    [
+        ([TAKEN, PARTED, {}], [[[0, 1], "up"]] * 3),  # two teams in two cells, neither able alone
+        ([TAKEN, PARTED, {"teams": [[0, 3, 3, None]]}], [[[0, 1], "up"]] * 3),
+        ([PARTED | {"splits": []}, {"taken": [[0, 1]]}], [[[], [3, 3]], [[1], "up"]]),
+        ([TAKEN, {"lost": [0], "teams": [[1, 4, 3, 0]]}], [[[0, 1], "up"], [[1], "up"]]),
+        ([TAKEN, {"teams": [[0, 4, 3, 0]]}, {"lost": [0, 1]}],
+         [[[0, 1], "up"], [[0, 1], "up"], [[], [4, 3]]]),
+        ([TAKEN, {"left": [[0, 4, 3]], "taken": [[0, 0]]}], [[[0, 1], "up"]] * 2),
+        ([TAKEN, PARTED, {"left": [[0, 4, 2]]}], [*[[[0, 1], "up"]] * 2, [[], [4, 2]]]),
+    ],
+)  # fmt: skip
+def test_a_load_is_with_those_who_took_it_up_until_it_is_down(
+    scripts: Any, steps: list[Tree], carriers: list[Any], tmp_path: Path
+) -> None:
+    """In however many teams they are recorded; the tables say the same."""
+    tree = load_of_two(steps)
+    assert scripts.evaluate(CARRIERS, tree) == carriers
+    path = tmp_path / "replay.json"
+    path.write_text(json.dumps(tree), encoding="utf-8")
+    for moment, (robots, at) in zip(list(moments(read_replay(path)))[1:], carriers, strict=True):
+        assert list(moment.task_at[0]) == (at if at != "up" else list(moment.place[robots[0]]))
+
+
+def test_of_two_that_say_they_carry_a_load_the_one_that_turns_away_has_let_go(scripts: Any) -> None:
+    parted = PARTED | {"teams": [[0, 4, 3, 0], [1, 4, 2, 0]]}
+    steps = [TAKEN, parted, {"teams": [[0, 3, 3, 1]]}, {"done": [[0, 1]]}]
+    tree = load_of_two(steps)
+    tree["scenario"]["tasks"].append({"name": "u", "at": [0, 0], "needs": ["lift"]})
+    told = scripts.evaluate(CARRIERS, tree)
+    assert [robots for robots, _ in told] == [[0, 1], [0, 1], [1], []]
+
+
+def test_a_load_whose_carrier_is_about_to_be_lost_lies_where_it_is(scripts: Any) -> None:
+    """The other cannot carry it alone: the next step sets it down."""
+    ask = """(tree) => { const history = frames(tree);
+      leave(history, [1]);
+      return [serviceOf(history, 0, 2), sitesAt(history, 2)[0].at, sitesAt(history, 1)[0].isUp]; }"""  # noqa: E501
+    tree = load_of_two([TAKEN, {"teams": [[0, 4, 3, 0]]}])
+    tree["end"]["status"] = "running"
+    assert scripts.evaluate(ask, tree) == [None, [4, 3], True]
+
+
+def test_a_task_of_a_fleet_that_nobody_knows_who_did_is_told_so(scripts: Any) -> None:
+    """Robot b is lost, and has not done it."""
+    tree = two_robots([{"lost": [1]}, {"done": [[0, None]]}])
+    ask = """(tree) => { const history = frames(tree);
+      const done = history.events.find(({kind}) => kind === "done");
+      return [describeEvent(history, done), history.doers[0],
+        describeStanding(history, 0, sceneAt(history, 2)), sceneAt(history, 2).teams.get(0).activity]; }"""  # noqa: E501
+    assert scripts.evaluate(ask, tree) == [
+        "t done by then, nobody heard by whom",
+        [],
+        "done by step 2, nobody heard by whom",
+        "idle",
+    ]

@@ -33,6 +33,10 @@ def sort_by(opened: Opened, name: str) -> None:
     opened.page.click(f"[role=columnheader] >> text={name} >> visible=true")
 
 
+def saved_table(saved: Any) -> list[list[str]]:
+    return list(csv.reader(io.StringIO(saved.value.path().read_text())))
+
+
 @pytest.fixture
 def lane() -> Tree:
     """r1 walks three cells to its task, which is late by one; r2 cannot do anything."""
@@ -97,7 +101,7 @@ def test_tasks_are_sorted_and_filtered(open_page: Opener, dock: Tree) -> None:
     assert opened.page.inner_text("#stage-tasks [role=status]") == "2 of 4"
     with opened.page.expect_download() as saved:
         opened.page.click("#stage-tasks >> text=Save as CSV")
-    told = list(csv.reader(io.StringIO(saved.value.path().read_text())))
+    told = saved_table(saved)
     assert told == [["Task", "State", "Who", "End", "Needs"], *rows_of(opened, "tasks")]
     opened.page.click("#stage-tasks >> text=late load")
     opened.wait_until("location.hash === '#step=37&task=late+load&view=tasks'")
@@ -108,6 +112,30 @@ def test_names_are_no_formulas_in_a_table_that_is_saved(open_page: Opener, lane:
     with opened.page.expect_download() as saved:
         opened.page.click("#stage-tasks >> text=Save as CSV")
     assert saved.value.path().read_text().splitlines()[1].startswith("'=t,done,r1,3")
+
+
+def test_filters_and_files_know_all_that_a_cell_says(open_page: Opener, lane: Tree) -> None:
+    """A task that five robots do together, for fourteen capabilities; what is absent is empty."""
+    caps = [f"c{number}" for number in range(14)]
+    robots = [{"name": f"r{n}", "at": [0, 0], "can": caps[n::5]} for n in range(5)]
+    task = {"name": "all", "at": [1, 0], "needs": caps}
+    scenario = lane["scenario"] | {"capabilities": caps, "robots": robots, "tasks": [task]}
+    opened = open_page(toy_replay(scenario), "#step=99&view=tasks")
+    [row] = rows_of(opened, "tasks")
+    assert row[2] == "r0 + 4 more"
+    assert row[4].endswith("2 more")
+    for wanted, found in (("r3", 1), ("c13", 1), ("r7", 0)):
+        opened.page.fill("#stage-tasks input", wanted)
+        assert len(rows_of(opened, "tasks")) == found
+    opened.page.fill("#stage-tasks input", "")
+    with opened.page.expect_download() as saved:
+        opened.page.click("#stage-tasks >> text=Save as CSV")
+    assert saved_table(saved)[1][2:] == ["r0, r1, r2, r3, r4", row[3], ", ".join(caps)]
+    opened.page.keyboard.press("r")
+    rows_of(opened, "robots")
+    with opened.page.expect_download() as saved:
+        opened.page.click("#stage-robots >> text=Save as CSV")
+    assert [row[2] for row in saved_table(saved)] == ["Next", "", "", "", "", ""]
 
 
 def test_the_next_task_is_what_a_robot_then_does(open_page: Opener) -> None:

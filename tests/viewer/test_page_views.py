@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay
 
 from browsers import Opened, Opener
+from teamformer.errors import TeamformerError
+from teamformer.sim.replay.reading import replay_from_tree
 
 
 def three_in_one_cell() -> Tree:
@@ -294,6 +297,43 @@ def test_what_is_no_record_is_refused_and_nothing_is_lost(
     assert opened.errors == []
 
 
+@pytest.mark.parametrize(
+    ("keys", "value", "told"),
+    [
+        (("steps", 9, "teams"), [[99, 1, 1, None]], "step 10, teams: [99,1,1,null]"),
+        (("steps", 9, "teams"), [[0, None, 1, None]], "step 10, teams: [0,null,1,null]"),
+        (("steps", 39, "done"), [[2]], "step 40, done: [2]"),
+        (("steps", 9, "dones"), [], "step 10 has an unknown key 'dones'"),
+        (("steps", 9), [], "step 10 is no mapping"),
+        (("orders",), 3, "orders: this is no list"),
+        (("end", "status"), "over", 'the status is "over"'),
+        (("end", "steps"), 12, "it has 61 steps, and its end says 12"),
+        (("scenario", "tasks"), None, "its mission has no lists of robots, tasks and capabilities"),
+    ],
+)
+def test_a_damaged_record_is_refused_as_a_whole(
+    open_page: Opener, dock: Tree, keys: tuple[str | int, ...], value: object, told: str
+) -> None:
+    """Wherever it is damaged; `view` refuses the same, and the page stays as it was."""
+    tree: Any = json.loads(json.dumps(dock))
+    part = tree
+    for key in keys[:-1]:
+        part = part[key]
+    part[keys[-1]] = value
+    with pytest.raises(TeamformerError):
+        replay_from_tree(tree, "record")
+    opened = open_page(dock, "#step=7")
+    for is_beside in (False, True):
+        opened.drop(json.dumps(tree), is_beside)
+        opened.wait_until("!document.querySelector('#notice-box').hidden")
+        assert f"it is damaged ({told})" in opened.page.inner_text("#notice")
+        opened.page.click("#notice-close")
+    assert opened.shown_step() == 7
+    assert opened.page.locator(".beside").count() == 0
+    assert opened.page.inner_text("#name") == "Dock, early shift"
+    assert opened.errors == []
+
+
 def test_a_picture_is_saved(open_page: Opener, dock: Tree, tmp_path: Path) -> None:
     opened = open_page(dock, "#step=33")
     opened.page.click("#menu summary")
@@ -349,7 +389,7 @@ def test_on_a_plane_moments_are_in_seconds(open_page: Opener, dock: Tree) -> Non
         "world": {"plane": [9, 6], "step": 0.5, "arrival_radius": 0.05, "unit": 1.0},
     }
     opened = open_page({**dock, "scenario": scenario}, "#step=36&robot=r4")
-    assert opened.details().startswith("r4\nClose\nLost at 18 s")
+    assert opened.details().startswith("r4\nDeselect\nLost at 18 s")
     assert opened.page.inner_text("#counter") == "Step 36 of 61\n18 s"
     opened.page.keyboard.press("End")
     opened.shown_step()
@@ -476,4 +516,100 @@ EMPTY_PART = """() => {
   let empty = 0;
   for (let at = 0; at < data.length; at += 4) empty += data[at] > 200 && data[at + 2] > 200;
   return empty / (right - left);
+}"""
+
+
+def test_what_cannot_be_drawn_is_left_out_and_told_once(open_page: Opener) -> None:
+    """The order names a task that is not there. All else is drawn, in frame after frame."""
+    record = three_in_one_cell()
+    record["orders"][0][1].append(99)
+    opened = open_page(record)
+    opened.page.click("#order")
+    for step in (1, 2, 3):
+        frames = opened.page.evaluate("window.teamformer.framesDrawn()")
+        opened.page.keyboard.press("ArrowRight")
+        opened.wait_until(f"window.teamformer.framesDrawn() > {frames}")
+        assert opened.shown_step() == step
+    told = opened.page.inner_text("#notice")
+    assert told.startswith("Not all of the order can be shown: ")
+    assert told.endswith(". Please report it with this record.")
+    assert [error.split(":")[0] for error in opened.errors] == ["TypeError"]
+
+
+def test_a_page_of_a_fleet_shows_all_views_though_nobody_knows_who_did_a_task(
+    open_page: Opener,
+) -> None:
+    record = three_in_one_cell()
+    for step in record["steps"]:
+        step["done"] = [[task, None] for task, _ in step.get("done", [])]
+    opened = open_page(record, f"#step={len(record['steps'])}")
+    for view in ("gantt", "tasks", "robots", "plots", "map"):
+        opened.page.evaluate(f"location.hash = 'view={view}&task=inspect'")
+        opened.wait_for_a_frame()
+        assert "nobody heard by whom" in opened.details()
+    opened.page.evaluate("window.teamformer.criticalPath()")
+    assert opened.errors == []
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
+def test_long_names_push_nothing_off_the_screen(open_page: Opener, width: int, height: int) -> None:
+    """A robot with a long name that is lost stands in the header; all of the name is its title."""
+    scenario = small_scenario()
+    name = "the robot with the long name " * 6
+    scenario["robots"][3]["name"] = name.strip()
+    scenario["name"] = name.strip()
+    opened = open_page(toy_replay(scenario), "#step=40")
+    opened.page.set_viewport_size({"width": width, "height": height})
+    opened.wait_for_a_frame()
+    assert opened.page.evaluate("document.documentElement.scrollWidth") == width
+    status = opened.page.locator("#status").bounding_box()
+    assert status["x"] + status["width"] <= width
+    assert opened.page.locator("#name").bounding_box()["width"] > 100
+    assert opened.page.get_attribute("#figures .lost dd", "title") == name.strip()
+
+
+def test_the_list_of_robots_says_who_is_lost_and_all_that_robots_bring(
+    open_page: Opener, dock: Tree
+) -> None:
+    opened = open_page(dock, "#step=40")
+    opened.page.click("#tab-robots")
+    opened.details()
+    rows = opened.page.locator("#rows .row")
+    assert rows.nth(3).locator(".text > span").all_inner_texts() == ["r4", "lost in step 36"]
+    assert rows.nth(1).locator(".swatch").all_inner_texts() == ["S", "P"]
+
+
+def test_the_gantt_chart_is_drawn_once_while_the_moment_goes_on(
+    open_page: Opener, dock: Tree
+) -> None:
+    """Only the line of the moment moves; what is selected or stretched is drawn anew."""
+    opened = open_page(dock, "#step=5&view=gantt")
+    opened.details()
+    opened.page.evaluate(COUNT_TEXTS)
+    for _ in range(3):
+        opened.page.keyboard.press("ArrowRight")
+        opened.details()
+        opened.wait_for_a_frame()
+    assert opened.page.evaluate("window.textsDrawn") == 0
+    opened.page.click("#zoom-in")
+    opened.wait_for_a_frame()
+    opened.wait_for_a_frame()
+    drawn = opened.page.evaluate("window.textsDrawn")
+    assert drawn > 0
+    opened.page.keyboard.press("End")
+    opened.page.click("#tab-robots")
+    opened.page.click("#rows .row >> nth=0")
+    opened.details()
+    opened.wait_for_a_frame()
+    assert opened.page.evaluate("window.textsDrawn") > drawn
+    assert opened.errors == []
+
+
+COUNT_TEXTS = """() => {
+  window.textsDrawn = 0;
+  const { fillText } = CanvasRenderingContext2D.prototype;
+  CanvasRenderingContext2D.prototype.fillText = function (...words) {
+    if (this.canvas.id !== "marks") window.textsDrawn++;
+    return fillText.apply(this, words);
+  };
 }"""

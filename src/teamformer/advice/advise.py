@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from itertools import islice
 from statistics import median_low
 
 from teamformer.advice.changes import changes_of
-from teamformer.advice.measuring import Found, Noise, Progress, Search, searched
+from teamformer.advice.measuring import Found, Progress, Search, searched
 from teamformer.advice.suggestions import Advice, Suggestion
 from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import TeamformerError
@@ -17,6 +18,7 @@ from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
 from teamformer.planning.continuous.rules import warm_up
 from teamformer.trials.methods import DEFAULT, default_for
+from teamformer.trials.noise import Noise
 
 ROUNDS = 7
 """So many times every change is searched if there is time."""
@@ -29,21 +31,24 @@ OF_THE_MISSION = 3
 
 
 def advise_on(
-    mission: Scenario, seconds: float, workers: int = 1, progress: Progress | None = None
+    mission: Scenario,
+    seconds: float,
+    workers: int = 1,
+    progress: Progress | None = None,
+    clock: Callable[[], float] = time.monotonic,
 ) -> Advice:
-    """Measure all changes of a mission, round by round.
+    """Measure all changes of a mission, round by round, for so many seconds at most.
 
-    It ends when the searches, of all workers, have taken so many seconds of processor time; so what
-    comes out does not depend on what else the machine does, unless time is short. Every change is
-    searched once before any is searched again, first those that the mission's critical path is
-    about. What is not known of a mission is taken as it is to be expected. Raises `TeamformerError`
-    for a mission that is not completed.
+    No search begins that is not expected to end in time, but for the first three of the mission
+    itself. Every change is searched once before any is searched again, first those that the
+    mission's critical path is about. What is not known of a mission is taken as it is to be
+    expected. Raises `TeamformerError` for a mission that is not completed.
     """
     if mission.time == "continuous":
         warm_up(is_linked(mission))
-    measuring = _Measuring(mission, seconds)
+    measuring = _Measuring(mission, seconds, clock)
     jobs = measuring.searches()
-    _make(measuring, islice(jobs, OF_THE_MISSION), 1, progress)
+    _make(measuring, islice(jobs, 1), 1, progress)
     _make(measuring, jobs, workers if measuring.is_long else 1, progress)
     return measuring.advice()
 
@@ -56,14 +61,16 @@ def _make(
         for job, found in results:
             measuring.take(job.about, found)
             if progress is not None:
-                progress(measuring.made, measuring.most)
+                progress(measuring.made, measuring.seconds_left)
 
 
 class _Measuring:
     """The changes of a mission, and what searches have found of each, by its number."""
 
-    def __init__(self, mission: Scenario, seconds: float) -> None:
-        self._mission, self._seconds, self._spent = mission, seconds, 0.0
+    def __init__(self, mission: Scenario, seconds: float, clock: Callable[[], float]) -> None:
+        self._mission, self._clock, self._spent = mission, clock, 0.0
+        self._begun = clock()
+        self._deadline = self._begun + seconds
         self._method = DEFAULT if mission.time == "continuous" else default_for(mission)
         self._changes = list(changes_of(mission))
         self._own = len(self._changes)  # the number of the mission itself
@@ -71,22 +78,35 @@ class _Measuring:
         self._failed = {n for n, change in enumerate(self._changes) if change.mission is None}
         self._path: tuple[Stretch, ...] = ()  # of the mission as it is written
         self.made = 0
-        self.most = ROUNDS * (OF_THE_MISSION + len(self._changes) - len(self._failed))
+        self._most = ROUNDS * (OF_THE_MISSION + len(self._changes) - len(self._failed))
+
+    @property
+    def seconds_left(self) -> float:
+        """Return how long this is expected to go on: until time is up, or all is searched."""
+        now = self._clock()
+        left = (self._most - self.made) * (now - self._begun) / max(1, self.made)
+        return max(0.0, min(left, self._deadline - now))
 
     @property
     def is_long(self) -> bool:
         """Say whether what is left takes so long that starting processes for it pays."""
-        left = (self.most - self.made) * self._spent / max(1, self.made)
-        return min(left, self._seconds - self._spent) > WORTH_PROCESSES
+        return self.seconds_left > WORTH_PROCESSES
+
+    @property
+    def _has_time(self) -> bool:
+        """Say whether one search more is expected to end in time."""
+        return self._clock() + self._spent / max(1, self.made) < self._deadline
 
     def searches(self) -> Iterator[Search]:
-        """Yield the searches to make, until time is up; the mission itself is searched anyway."""
+        """Yield the searches to make, while there is time; the first of the mission anyway."""
         for turn in range(ROUNDS):
             for order in range(turn * OF_THE_MISSION, (turn + 1) * OF_THE_MISSION):
+                if turn and not self._has_time:
+                    return
                 yield Search(self._own, self._mission, self._method, order, with_path=order == 0)
             for number in self._promising_first():
                 change = self._changes[number]
-                if self._spent > self._seconds:
+                if not self._has_time:
                     return
                 if change.mission is not None and number not in self._failed:
                     yield Search(number, change.mission, self._method, turn)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import ScenarioError
+from teamformer.mission.orders import with_robots
 from teamformer.model import Robot, Scenario, Task
 from teamformer.rules.constants import NOBODY
 
@@ -115,21 +116,6 @@ def _without_robot(mission: Scenario, gone: int) -> Callable[[], Scenario]:
         return with_robots(mission, left)
 
     return make
-
-
-def with_robots(mission: Scenario, chosen: list[int]) -> Scenario:
-    """Return a mission with some of its robots, in another order; teams keep those chosen.
-
-    Raises `ScenarioError` if they cannot do it.
-    """
-    number_of = {robot: number for number, robot in enumerate(chosen)}
-    teams = (tuple(sorted(number_of[r] for r in team if r in number_of)) for team in mission.teams)
-    return replace(
-        mission,
-        robots=tuple(mission.robots[robot] for robot in chosen),
-        teams=tuple(team for team in teams if len(team) > 1),
-        step_limit=0,
-    )
 
 
 def _faster(mission: Scenario, robots: list[int]) -> Callable[[], Scenario]:

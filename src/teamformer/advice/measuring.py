@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
-from teamformer.advice.changes import with_robots
-from teamformer.arrays import Floats
 from teamformer.critical_path.of_plan import path_of_plan
 from teamformer.critical_path.of_record import path_of_record
 from teamformer.critical_path.stretches import Stretch
 from teamformer.errors import TeamformerError
+from teamformer.mission.orders import in_order
 from teamformer.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
@@ -25,19 +22,12 @@ from teamformer.trials.trial import run_trial
 from teamformer.trials.worker_processes import work_in_processes
 from teamformer.truth import expected_mission
 
-RESAMPLES = 20_000
-"""Differences of medians that noise is worked out from."""
-
-COVERED = 0.95
-"""With this probability no gain of any change is above the noise if none changes anything."""
-
 
 @dataclass(frozen=True)
 class Search:
     """A search to make: for a plan of a mission, or a whole trial by a method.
 
-    The order in which robots and tasks are written means nothing, but searches draw their changes
-    by it. So other `orders` make other searches; 0 is the one that the mission is written in.
+    `order` is one of the orders in which it can be written, 0 the one that it is written in.
     """
 
     about: int  # what the mission is, to whom wants to know the result
@@ -51,17 +41,17 @@ class Found(NamedTuple):
     """How long a mission takes, or what it costs if it has a cost; None if it is not done."""
 
     value: float | None
-    seconds: float  # of processor time that the search took
+    seconds: float  # that the search took
     path: tuple[Stretch, ...] = ()
 
 
 def search(job: Search) -> Found:
     """Make a search."""
-    begun = time.process_time()
+    begun = time.perf_counter()
     mission = in_order(job.mission, job.order)
     make = _planned if mission.time == "continuous" else _played
     value, path = make(mission, job.method, job.with_path)
-    return Found(value, time.process_time() - begun, path)
+    return Found(value, time.perf_counter() - begun, path)
 
 
 def _played(
@@ -86,16 +76,6 @@ def _planned(
     return made.makespan if made.cost is None else made.cost, path
 
 
-def in_order(mission: Scenario, order: int) -> Scenario:
-    """Return the same mission with robots and tasks written in another order."""
-    if order == 0:
-        return mission
-    rng = np.random.default_rng(order)
-    tasks = tuple(mission.tasks[task] for task in rng.permutation(len(mission.tasks)))
-    robots = rng.permutation(len(mission.robots)).tolist()
-    return with_robots(replace(mission, tasks=tasks), robots)
-
-
 def searched(jobs: Iterable[Search], workers: int) -> Generator[tuple[Search, Found], None, None]:
     """Make searches, in processes if there is more than one worker; yield them with results."""
     if workers <= 1:
@@ -114,33 +94,5 @@ def searched(jobs: Iterable[Search], workers: int) -> Generator[tuple[Search, Fo
             yield given[number], result
 
 
-class Noise:
-    """What differences between medians of repeated searches vary by, in all that was searched.
-
-    Every search's deviation from the median of its mission is pooled: so three searches that happen
-    to agree do not pass for sure.
-    """
-
-    def __init__(self, results: Iterable[Sequence[float]]) -> None:
-        repeated = [np.asarray(values) for values in results if len(values) > 1]
-        deviations = [values - np.median(values) for values in repeated]
-        self._deviations: Floats = np.concatenate([[0.0], *deviations])
-        if repeated:
-            self._deviations = self._deviations[1:]
-
-    def of_gain(self, searches: int, others: int, changes: int) -> float:
-        """Return what gains, differences of medians of so many searches each, are within.
-
-        It is what the largest gain of so many `changes` hardly ever exceeds if none of them
-        changes anything: of many draws from pure luck the best one looks like advice.
-        """
-        rng = np.random.default_rng(0)
-        one, other = (
-            np.median(rng.choice(self._deviations, (RESAMPLES, count)), axis=1)
-            for count in (searches, others)
-        )
-        return float(np.quantile(other - one, COVERED ** (1 / max(1, changes))))
-
-
-Progress = Callable[[int, int], None]
-"""Is told how many searches are made, and of how many."""
+Progress = Callable[[int, float], None]
+"""Is told how many searches are made, and for how many seconds more it is expected to go on."""

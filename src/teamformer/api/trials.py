@@ -26,7 +26,7 @@ from teamformer.trials.comparison import compare_methods
 from teamformer.trials.methods import Method, Player, as_method, default_for, load_method
 from teamformer.trials.outputs import write_record
 from teamformer.trials.planned import PlannedMission, plan_mission
-from teamformer.trials.rows import best_known, result_row
+from teamformer.trials.rows import bars_of, result_row
 from teamformer.trials.trial import Trial as PlayedTrial
 from teamformer.trials.trial import run_trial
 from teamformer.truth import draw_truth
@@ -73,7 +73,7 @@ class Trial:
     def row(self) -> dict[str, Any]:
         """Return what `teamformer run --json` prints."""
         path = path_rows(self.record.mission, self.critical_path)
-        return result_row(self.played, best_known([self.played])) | {"critical_path": path}
+        return result_row(self.played, bars_of([self.played])) | {"critical_path": path}
 
     @property
     def critical_path(self) -> tuple[Stretch, ...]:

@@ -31,6 +31,13 @@ Port = Annotated[
         metavar="[HOST:]PORT", help="where to serve the page; elsewhere than here with a token"
     ),
 ]
+Host = Annotated[
+    str,
+    typer.Option(
+        metavar="NAMES",
+        help="further names, commas between, that a tunnel or proxy serves the page under",
+    ),
+]
 Foxglove = Annotated[
     int | None,
     typer.Option(metavar="PORT", min=1, max=65535, help="port to serve it on to Foxglove"),

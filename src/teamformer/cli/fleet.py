@@ -7,7 +7,17 @@ from typing import Annotated
 
 import typer
 
-from teamformer.cli.app import AsJson, Folder, Foxglove, MissionPath, Port, Seed, app
+from teamformer.cli.app import (
+    AsJson,
+    Folder,
+    Foxglove,
+    Host,
+    MissionPath,
+    Port,
+    Seed,
+    app,
+    split_names,
+)
 
 fleet = typer.Typer(
     no_args_is_help=True,
@@ -103,6 +113,7 @@ def watch(
     connect: Connect,
     keys: Keys = None,
     port: Port = "8765",
+    host: Host = "",
     out: Folder = Path("out/live"),
     foxglove: Foxglove = None,
 ) -> None:
@@ -111,4 +122,6 @@ def watch(
     from teamformer.commands.robots.mesh import FleetAt
     from teamformer.commands.robots.watch import watch as command
 
-    raise typer.Exit(command(mission, FleetAt(connect, keys), address_of(port), out, foxglove))
+    raise typer.Exit(
+        command(mission, FleetAt(connect, keys), address_of(port, split_names(host)), out, foxglove)
+    )

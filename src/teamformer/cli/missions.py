@@ -11,6 +11,7 @@ from teamformer.cli.app import (
     AsJson,
     Folder,
     Foxglove,
+    Host,
     Method,
     MissionPath,
     Port,
@@ -18,6 +19,7 @@ from teamformer.cli.app import (
     TimeLimit,
     app,
     is_given,
+    split_names,
 )
 from teamformer.errors import TeamformerError
 
@@ -138,12 +140,15 @@ def advise(
     page: Annotated[
         Path | None, typer.Argument(metavar="[PAGE]", help="a picture of it to write, an .html")
     ] = None,
+    time_limit: Annotated[
+        float, typer.Option(min=0, help="seconds that all of it may take")
+    ] = 60.0,
     as_json: AsJson = False,
 ) -> None:
-    """Say what would help most and who could be spared, by planning again; takes a minute."""
+    """Say what would help most and who could be spared, by planning again."""
     from teamformer.commands.missions.advise import advise as command
 
-    raise typer.Exit(command(mission, page, as_json))
+    raise typer.Exit(command(mission, page, time_limit, as_json))
 
 
 @app.command()
@@ -162,7 +167,12 @@ def live(
     method: Method = None,
     seed: Seed = 0,
     port: Port = "8765",
+    host: Host = "",
     out: Folder = Path("out/live"),
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="go on with one that was cut off; MISSION: its autosave"),
+    ] = False,
 ) -> None:
     """Draw a mission in the browser and run it: watch it, add tasks, lose robots.
 
@@ -172,4 +182,5 @@ def live(
     from teamformer.commands.missions.live import Options
     from teamformer.commands.missions.live import live as command
 
-    raise typer.Exit(command(mission, Options(method, seed, address_of(port), out)))
+    at = address_of(port, split_names(host))
+    raise typer.Exit(command(mission, Options(method, seed, at, out, resume)))

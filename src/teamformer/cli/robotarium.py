@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from teamformer.cli.app import AsJson, Method, MissionPath, Seed, app
+from teamformer.extras import require
 
 robotarium = typer.Typer(
     no_args_is_help=True,
@@ -30,6 +31,7 @@ def fly(
     as_json: AsJson = False,
 ) -> None:
     """Fly a mission in a simulated arena."""
+    require("robotarium")
     from teamformer.commands.robots.robotarium import FlightOptions
     from teamformer.commands.robots.robotarium import fly as command
 
@@ -46,6 +48,7 @@ def deploy(
     ),
 ) -> None:
     """Write the folder that the testbed takes; run it on the official simulator, if it is there."""
+    require("robotarium")
     from teamformer.commands.robots.robotarium import deploy as command
 
     raise typer.Exit(command(mission, folder, method))

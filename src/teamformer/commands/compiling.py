@@ -1,4 +1,4 @@
-"""Compiling on a first run: said beforehand, and shared with a second process.
+"""Compiling on a first run before anything is timed, and shared with a second process.
 
 numba compiles on one core. So while this process compiles a planner, which it needs first,
 `python -m teamformer.commands.compiling METHOD` compiles what comes after it into the cache; with
@@ -24,51 +24,33 @@ if TYPE_CHECKING:
     from teamformer.trials.methods import Method
 
 
-def announce_planner(is_linked: bool = False) -> None:
-    """Say that a first run compiles the planner of missions in continuous time, if it does."""
-    from teamformer.planning.continuous.rules import is_compiled
+def compile_ahead(methods: Iterable[Method], mission: Scenario | None = None) -> None:
+    """Compile what methods need, so that no trial's time has it in; that it does is said.
 
-    if not is_compiled(is_linked):
-        say("compiling the planner, on the first run only (half a minute, more if busy) ...")
-
-
-def announce_compiling(methods: Iterable[Method] = (), mission: Scenario | None = None) -> None:
-    """Say that a first run compiles, so that nobody takes the wait for a fault, and compile.
-
-    What these methods need is then compiled, so that no trial's time has it in; also what they need
-    for a mission that is large, if one is given.
+    If a mission is given that is large, that is also what they need for large ones.
     """
     from teamformer.jit import needs_compiling
     from teamformer.planning.arcs.annealing import anneal_arcs
     from teamformer.planning.arcs.start import dispatch
     from teamformer.planning.crews.deal import deal_crews
+    from teamformer.planning.relaxation import threshold
     from teamformer.planning.steps.arc_search import LARGE
     from teamformer.sim.step import step_worlds
 
     wanted = {method.name: method for method in methods}
+    has_new_planner = "plan" in wanted and needs_compiling(anneal_arcs)
     is_new = needs_compiling(step_worlds)
-    needed = is_new
-    if is_new:
-        say("compiling the simulator, on the first run only (half a minute, more if busy) ...")
-    if "plan" in wanted and needs_compiling(anneal_arcs):
-        needed = True
-        say("compiling the planner, on the first run only (a minute) ...")
-        if is_new and (os.cpu_count() or 1) > 1:
-            _compile_beside("--simulator")
-    if "crews" in wanted and needs_compiling(deal_crews):
-        needed = True
-        say("compiling the planner of crews, on the first run only (half a minute, too) ...")
-    if "central" in wanted:
-        from teamformer.planning.relaxation import threshold
-
-        if needs_compiling(anneal_arcs) or not threshold.is_compiled():
-            needed = True
-            say("compiling the central planner, on the first run only (half a minute) ...")
-    if needed and wanted:
+    if has_new_planner and is_new and (os.cpu_count() or 1) > 1:
+        _compile_beside("--simulator")
+    if (
+        is_new
+        or has_new_planner
+        or ("crews" in wanted and needs_compiling(deal_crews))
+        or ("central" in wanted and (needs_compiling(anneal_arcs) or not threshold.is_compiled()))
+    ):
         _compile(wanted.values())
     is_large = mission is not None and len(mission.tasks) >= LARGE
     if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(dispatch):
-        say("compiling the search of large missions, on the first run only (half a minute) ...")
         _plan_anew()
 
 

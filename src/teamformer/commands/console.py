@@ -11,7 +11,15 @@ from pathlib import Path
 from typing import Any, Self
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
 
 from teamformer.errors import ReaderGoneError, TeamformerError
 from teamformer.whole_files import write_whole
@@ -142,3 +150,34 @@ class Counting(_Bar):
             self._told = now
             say(f"{done}/{total} {self._what}")
         self._show(done, total)
+
+
+class Timing(_Bar):
+    """A bar of the time that something takes, which counts it down, with how much is done by now.
+
+    Where there is no terminal, a line now and then.
+    """
+
+    def __init__(self, what: str, seconds: float) -> None:
+        many = TextColumn("{task.fields[steps]} " + what)
+        super().__init__(BarColumn(), many, _SecondsLeft())
+        self._what, self._told = what, self._begun
+        self._show(0, round(seconds))
+        if err.is_terminal:
+            self._bar.start()
+
+    def update(self, done: int, seconds_left: float) -> None:
+        """Show how much is done, and for how many seconds more it goes on."""
+        now = time.monotonic()
+        if not err.is_terminal and now - self._told > LONG_PATIENCE:
+            self._told = now
+            say(f"{done} {self._what}, {seconds_left:.0f} s left")
+        spent = now - self._begun
+        self._show(round(spent), round(spent + seconds_left), steps=done)
+
+
+class _SecondsLeft(ProgressColumn):
+    """The seconds until the end of a bar of time."""
+
+    def render(self, task: Task) -> Text:
+        return Text(f"{max(0.0, (task.total or 0.0) - (task.elapsed or 0.0)):.0f} s left")

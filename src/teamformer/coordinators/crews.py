@@ -52,5 +52,4 @@ class Crews:
 
 
 def _what_counts(named: tuple[str, TimedPlan]) -> int:
-    """Return what crews are compared by: the makespan, or the cost if more than that counts."""
-    return named[1].cost if named[1].has_prices else named[1].makespan
+    return named[1].cost

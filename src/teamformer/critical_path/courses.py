@@ -136,8 +136,8 @@ class Courses:
             self._write_service(task, LOADING, number - int(wanted.duration), number, robots)
             self._up[task] = number, robots
             self._goal[task].set(number, wanted.to or wanted.at)
-        for task, slot in step.done:
-            wanted, robots = self.mission.tasks[task], teams.robots[slot]
+        for task, doer in step.done:
+            wanted, robots = self.mission.tasks[task], teams.doers(doer)
             if wanted.to is None:
                 self._write_service(task, SERVING, number - int(wanted.duration), number, robots)
             else:

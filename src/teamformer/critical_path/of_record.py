@@ -18,9 +18,11 @@ def path_of_record(replay: Replay) -> tuple[Stretch, ...]:
 
     Where robots waited for one another, the path goes on with the one that came last; where they
     waited for a task to open, with those who did the last one that it is `after`, or it ends there.
-    It is empty unless the mission ended with a task that was done.
+    It is empty unless the mission ended with a task that was done, and if nobody knows who did one.
     """
     if not replay.end.makespan or not replay.steps[-1].done:
+        return ()
+    if any(slot is None for step in replay.steps for _, slot in step.done):
         return ()
     return in_order(_Tracing(replay).stretches(replay.end.makespan))
 

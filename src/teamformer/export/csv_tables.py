@@ -10,13 +10,15 @@ from pathlib import Path
 from teamformer.capabilities import describe
 from teamformer.export.events import events
 from teamformer.export.moments import Moment, moments
+from teamformer.export.services import begun_steps
 from teamformer.mission.keys.key import Key
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
+from teamformer.model import Task
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.replay.phases import PHASES
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import cancelled_steps, known_steps
+from teamformer.sim.replay.task_times import cancelled_steps, known_steps, lateness
 
 Row = Sequence[object]
 
@@ -74,20 +76,38 @@ def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str
     return steps
 
 
+WANTED = (
+    *("task", "needs", "x", "y", "duration", "to_x", "to_y", "unload"),
+    *("after", "not_before", "due"),
+)
+BECAME = (
+    *("appears", "cancelled_in_step"),
+    *("begun_in_step", "done_in_step", "late_by", "done_by"),
+)
+
+
 def _tasks(replay: Replay) -> Iterable[Row]:
-    steps = ("appears", "cancelled_in_step", "done_in_step")
+    """Yield what each task is, and what became of it."""
     more = _in_details(TASK_KEYS, replay.mission.tasks)
-    yield ("task", "needs", "x", "y", "duration", *more, *steps, "done_by")
+    yield (*WANTED, *more, *BECAME)
     done = {event.task: event for event in events(replay) if event.kind == "done"}
-    appeared, cancelled = known_steps(replay), cancelled_steps(replay)
+    known, late = known_steps(replay), lateness(replay)
+    begun, cancelled = begun_steps(replay), cancelled_steps(replay)
     for number, task in enumerate(replay.mission.tasks):
         event = done.get(number)
-        who = "" if event is None else ", ".join(_name(replay, robot) for robot in event.robots)
-        when = "" if event is None else event.step
-        needs, known = describe(task.needs), "" if appeared[number] == NEVER else appeared[number]
-        called_off = cancelled.get(number, "")
+        who = () if event is None else (_name(replay, robot) for robot in event.robots)
+        appears = "" if known[number] == NEVER else known[number]
+        called_off, began = cancelled.get(number, ""), begun.get(number, "")
+        end = ("" if event is None else event.step, late.get(task.name, ""), ", ".join(who))
         said = (getattr(task, key) for key in more)
-        yield (task.name, needs, *task.at, task.duration, *said, known, called_off, when, who)
+        yield (*_wanted(task), *said, appears, called_off, began, *end)
+
+
+def _wanted(task: Task) -> Row:
+    """Return what the mission says of a task."""
+    to = ("", "", "") if task.to is None else (*task.to, task.unload)
+    after, window = ", ".join(task.after), task.between or ("", "")
+    return (task.name, describe(task.needs), *task.at, task.duration, *to, after, *window)
 
 
 def _events(replay: Replay) -> Iterable[Row]:

@@ -28,6 +28,8 @@ TOLD = {
 }
 """What is said of an event of each kind; of the end, its kind."""
 
+UNKNOWN_DOERS = "{task} done by then, nobody heard by whom"
+
 
 @dataclass(frozen=True)
 class Event:
@@ -45,6 +47,8 @@ class Event:
         if self.kind not in TOLD:
             return self.kind
         task = None if self.task is None else scenario.tasks[self.task]
+        if self.kind == "done" and not self.robots:
+            return UNKNOWN_DOERS.format(task=task.name if task else "")
         x, y = self.place or (task.at if task else (0, 0))
         return TOLD[self.kind].format(
             names=_names(scenario, self.robots),
@@ -85,8 +89,8 @@ def events(replay: Replay) -> Iterator[Event]:
             yield Event(number, "takes up", teams.robots[slot], task)
         for task, x, y in step.left:
             yield Event(number, "sets down", task=task, place=(x, y))
-        for task, slot in step.done:
-            yield Event(number, "done", teams.robots[slot], task)
+        for task, doer in step.done:
+            yield Event(number, "done", teams.doers(doer), task)
         for task in appears.get(number, ()):
             yield Event(number, "appears", task=task)
     yield Event(len(replay.steps), replay.end.status)

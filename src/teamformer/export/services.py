@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from teamformer.capabilities import covers, total
 from teamformer.grid import Place
@@ -24,6 +25,7 @@ class Services:
         self._is_over = [False] * len(self._mission.tasks)
         self._lies = [task.at for task in self._mission.tasks]  # loads where they were taken up
         self._believed = believed_places(replay)  # where teams head for
+        self.begun: dict[int, int] = {}  # task -> the step in which it was begun last
         self._up: dict[int, Place] = {}  # load that is carried -> where it is brought to
 
     def work(self, number: int) -> dict[int, str]:
@@ -44,9 +46,7 @@ class Services:
         """Return where every task is; a load that is carried is with its team."""
         places = list(self._lies)
         for task in self._up:
-            slot = self._slot_of(task)
-            if slot != NOBODY:
-                places[task] = self._teams.at[slot]
+            places[task] = self._place_of(self._serving[task])
         return tuple(places)
 
     def go_on(self, step: Step, number: int) -> None:
@@ -60,41 +60,56 @@ class Services:
             self._believed[task] = (x, y)
         for task, called_off in self._cancelled.items():
             if called_off == number:
-                self._let_go(task)
+                self._let_go(task, self._serving.get(task, ()))
                 self._end(task)
                 self._is_over[task] = True
         for task, x, y in step.left:
             self._end(task)
             self._lies[task] = self._believed[task] = (x, y)
+        taken = {k: slot for k, slot in step.taken if self._is_load(k) and not self._is_over[k]}
         for task, robots in list(self._serving.items()):
-            slots = [self._teams.slot[robot] for robot in sorted(robots)]
-            able = [slot for slot in slots if slot != NOBODY and self._can_serve(slot, task)]
-            if able:  # of a team that has parted, the first that can
-                self._serving[task] = robots & set(self._teams.robots[able[0]])
-            else:
-                self._end(task)
+            self._go_on_with(task, robots, taken.get(task))
         let_go = {row.task for row in step.left}
-        for task in sorted(self._waiting(number) - let_go, key=lambda k: (not self._is_load(k), k)):
-            self._begin(task)
-        for task, _ in step.taken:
-            to = self._mission.tasks[task].to
-            if not self._is_over[task] and to is not None:
-                self._up[task] = to
+        waiting = (self._waiting(number) - let_go) | (taken.keys() - self._serving.keys())
+        for task in sorted(waiting, key=lambda k: (not self._is_load(k), k)):
+            self._begin(task, taken.get(task), number)
+        for task in taken:
+            self._up[task] = self._mission.tasks[task].to or self._lies[task]
 
-    def _let_go(self, task: int) -> None:
-        """Leave a load that is called off on its way where its team is."""
-        slot = self._slot_of(task)
-        if task in self._up and slot != NOBODY:
-            self._lies[task] = self._believed[task] = self._teams.at[slot]
+    def _go_on_with(self, task: int, robots: set[int], taker: int | None) -> None:
+        """Let a service go on with those of its robots that do; `taker` takes its load up.
+
+        Of a team that has parted the first part that can goes on. Who has a load has it until the
+        record says that it is down. If they part, those have it that can carry it and head for
+        nothing else; if no part can, all that head for nothing else.
+        """
+        there = {robot: self._teams.slot[robot] for robot in sorted(robots)}
+        there = {robot: slot for robot, slot in there.items() if slot != NOBODY}
+        if taker is not None:
+            going = [taker]
+        elif task in self._up:
+            about = [slot for slot in there.values() if self._is_about(slot, task)]
+            able = [slot for slot in about if self._is_able(slot, task)]
+            going = able or about or [*there.values()]
+        else:
+            going = [slot for slot in there.values() if self._can_serve(slot, task)][:1]
+        self._serving[task] = {robot for robot, slot in there.items() if slot in going}
+        if not self._serving[task]:
+            self._let_go(task, robots)
+            self._end(task)
+
+    def _let_go(self, task: int, robots: Iterable[int]) -> None:
+        """Leave a load that is called off on its way, or has no carrier left, where its team is."""
+        if task in self._up:
+            self._lies[task] = self._believed[task] = self._place_of(robots)
 
     def _end(self, task: int) -> None:
         self._serving.pop(task, None)
         self._up.pop(task, None)
 
-    def _slot_of(self, task: int) -> int:
-        """Return the team of those who serve a task."""
-        left = [r for r in self._serving.get(task, ()) if self._teams.slot[r] != NOBODY]
-        return self._teams.slot[min(left)] if left else NOBODY
+    def _place_of(self, robots: Iterable[int]) -> Place:
+        """Return where the first of those robots is that is there, or else where it was lost."""
+        return self._teams.place(min(robots, key=lambda r: (self._teams.slot[r] == NOBODY, r)))
 
     def _is_load(self, task: int) -> bool:
         return self._mission.tasks[task].to is not None
@@ -110,20 +125,42 @@ class Services:
             and task not in self._serving
         }
 
-    def _begin(self, task: int) -> None:
-        """Let the first team begin that can; who has a load does nothing else."""
-        busy = {self._slot_of(other) for other in self._serving if self._is_load(other)}
-        for slot in sorted(self._teams.robots.keys() - busy):
-            is_meant = not self._is_load(task) or self._teams.task[slot] == task
-            if is_meant and self._can_serve(slot, task):
-                self._serving[task] = set(self._teams.robots[slot])
-                return
+    def _begin(self, task: int, taker: int | None, number: int) -> None:
+        """Let the taker of a load begin, or the first team that can of those that have no load."""
+        if taker is None:
+            loads = (robots for other, robots in self._serving.items() if self._is_load(other))
+            busy = {self._teams.slot[robot] for robots in loads for robot in robots}
+            able = (slot for slot in self._teams.robots if slot not in busy)
+            taker = min((slot for slot in able if self._can_begin(slot, task)), default=None)
+        if taker is not None:
+            self._serving[task] = set(self._teams.robots[taker])
+            self.begun[task] = number
+
+    def _can_begin(self, slot: int, task: int) -> bool:
+        is_meant = not self._is_load(task) or self._teams.task[slot] == task
+        return is_meant and self._can_serve(slot, task)
 
     def _can_serve(self, slot: int, task: int) -> bool:
-        if self._is_load(task) and self._teams.task[slot] not in (task, NOBODY):
-            return False
         is_there = is_same_place(self._mission, self._teams.at[slot], self._lies[task])
-        if task not in self._up and not is_there:
-            return False
+        return is_there and self._is_about(slot, task) and self._is_able(slot, task)
+
+    def _is_about(self, slot: int, task: int) -> bool:
+        """Say whether a team heads for no other task than a load."""
+        return not self._is_load(task) or self._teams.task[slot] in (task, NOBODY)
+
+    def _is_able(self, slot: int, task: int) -> bool:
         robots = (self._mission.robots[robot] for robot in self._teams.robots[slot])
         return covers(total(robot.can for robot in robots), self._mission.tasks[task].needs)
+
+
+def begun_steps(replay: Replay) -> dict[int, int]:
+    """Return the step in which each task was begun last that was, by number.
+
+    A task without a duration begins in the step in which it is done.
+    """
+    teams = Teams(replay)
+    services = Services(replay, teams)
+    for number, step in enumerate(replay.steps, start=1):
+        teams.follow(step)
+        services.go_on(step, number)
+    return done_steps(replay) | services.begun

@@ -33,6 +33,7 @@ LARGEST = 65_536  # bytes
 MOST_RELAYED = 16
 MOST_NEWS = 32
 MOST_TASKS = 10_000
+MOST_DEEDS = 256
 MOST_NAME = 200
 MOST_MOVES = 1_000_000
 LONGEST = 1e9  # seconds
@@ -100,6 +101,14 @@ class LoadFact(Struct, frozen=True, array_like=True, order=True):
     y: float
 
 
+class DeedFact(Struct, frozen=True, array_like=True):
+    """A task that was done, as one of those saw it who did it."""
+
+    key: Whole
+    at: Annotated[float, Meta(ge=0, le=LONGEST)]  # seconds of the mission
+    robots: Annotated[tuple[Number, ...], Meta(max_length=MOST_TASKS)]
+
+
 PlanVersion = tuple[Whole, Whole, Whole]
 """(epoch, maker, digest): the largest holds."""
 
@@ -124,6 +133,7 @@ class FactsNote(Struct, frozen=True, array_like=True, tag=2):
     added: Annotated[tuple[TaskFact, ...], Meta(max_length=MOST_TASKS)] = ()
     digest: Whole = 0
     loads: Annotated[tuple[LoadFact, ...], Meta(max_length=MOST_TASKS)] = ()
+    deeds: Annotated[tuple[DeedFact, ...], Meta(max_length=MOST_DEEDS)] = ()  # for onlookers
 
 
 class PlanNote(Struct, frozen=True, array_like=True, tag=3):
@@ -265,6 +275,8 @@ def _fault_of(message: Message, robots: int) -> str:
             return "senseless task"
         if not all(math.isfinite(load.x + load.y) for load in body.loads):
             return "senseless load"
+        if not all(0 <= robot < robots for deed in body.deeds for robot in deed.robots):
+            return "senseless deed"
     elif type(body) is Offer and not _is_task(body.task):
         return "senseless task"
     return ""

@@ -5,12 +5,22 @@ from __future__ import annotations
 import time
 
 _compiled = [0.0]
-"""Seconds that this process has compiled for; the compiler adds to them."""
+"""Seconds that this process has compiled for."""
+_begun = list[float]()
+"""When what is being compiled was begun; what a function calls is compiled within that."""
 
 
-def add_compiling(seconds: float) -> None:
-    """Add what compiling has taken."""
-    _compiled[0] += seconds
+def begin_compiling() -> bool:
+    """Have the clock of work stand still; return whether it went until now."""
+    _begun.append(time.perf_counter())
+    return len(_begun) == 1
+
+
+def end_compiling() -> None:
+    """Have the clock of work go on, once all is compiled that was begun."""
+    begun = _begun.pop()
+    if not _begun:
+        _compiled[0] += time.perf_counter() - begun
 
 
 def compiling_seconds() -> float:

@@ -13,13 +13,12 @@ This leans on how numba is made inside, as `files.py` does; its version is pinne
 
 from __future__ import annotations
 
-import time
-from typing import Any
+from typing import Any, ClassVar
 
 from llvmlite import binding as llvm
 from numba import _dynfunc, types
 from numba.core import event, ir
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
 from numba.core.compiler_machinery import LoweringPass, register_pass
@@ -29,7 +28,9 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import AnnotateTypes, NativeLowering
 from numba.core.typing import signature
 
-from teamformer.kernels.clock import add_compiling
+from teamformer.kernels.announcing import ANNOUNCER
+from teamformer.kernels.clock import begin_compiling, end_compiling
+from teamformer.kernels.files import KernelFiles
 
 ENVIRONMENT = "_ZN08NumbaEnv"
 """How the name of a global begins that holds what a function needs of the interpreter."""
@@ -173,7 +174,33 @@ class _EntryCompiler(CompilerBase):
         return [passes]
 
 
-class _InnerFiles(CompileResultCacheImpl):
+class _Anywhere(_CacheLocator):
+    """Tells numba nothing of where code is kept, as `KernelFiles` knows."""
+
+    @classmethod
+    def from_function(cls, py_func: Any, py_file: Any) -> _Anywhere:
+        return cls()
+
+    def ensure_cache_path(self) -> None:
+        pass
+
+    def get_cache_path(self) -> str:
+        return ""
+
+    def get_source_stamp(self) -> None:
+        return None
+
+    def get_disambiguator(self) -> str:
+        return ""
+
+
+class _EntryFiles(CompileResultCacheImpl):
+    """Reads and writes what is kept of functions that Python calls."""
+
+    _locator_classes: ClassVar = [_Anywhere]  # type: ignore[misc, list-item]
+
+
+class _InnerFiles(_EntryFiles):
     """Reads and writes what is kept of inner functions."""
 
     def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> CompileResult:
@@ -200,13 +227,40 @@ class _InnerFiles(CompileResultCacheImpl):
         )
 
 
-class _InnerCache(FunctionCache):
+class _EntryCache(FunctionCache):
+    """What is kept of functions that Python calls."""
+
+    _impl_class = _EntryFiles
+
+    def __init__(self, function: Any, files: KernelFiles) -> None:
+        super().__init__(function)
+        self._cache_file: Any = files
+
+
+class _InnerCache(_EntryCache):
     """What is kept of inner functions: LLVM's language, no machine code."""
 
     _impl_class = _InnerFiles
 
 
-class Inner(CPUDispatcher):
+class _Kernel(CPUDispatcher):
+    """A function that is compiled by one process at a time."""
+
+    @property
+    def files(self) -> KernelFiles | None:
+        """Return where its code is kept; a copy of it that was sent to a process has none."""
+        return getattr(self._cache, "_cache_file", None)
+
+    def compile(self, sig: Any) -> Any:
+        """Compile for types, or take what is kept, and let processes go on that wait for it."""
+        try:
+            return super().compile(sig)
+        finally:
+            if self.files is not None:
+                self.files.end_turn()
+
+
+class Inner(_Kernel):
     """A function that only compiled code calls."""
 
     pipeline, cache, prefix = _InnerCompiler, _InnerCache, "inner."
@@ -217,13 +271,13 @@ class Inner(CPUDispatcher):
         return super().get_call_template(wide, {name: _widen(kws[name]) for name in kws})
 
 
-class Entry(CPUDispatcher):
+class Entry(_Kernel):
     """A function that Python calls; compiled code that calls it takes `inner`, which is the same.
 
     So nothing is made machine code of only to be linked into something else.
     """
 
-    pipeline, cache, prefix = _EntryCompiler, FunctionCache, ""
+    pipeline, cache, prefix = _EntryCompiler, _EntryCache, ""
     inner: Inner
 
     @property
@@ -246,23 +300,20 @@ def _widen(kind: Any) -> Any:
     return types.int64 if is_short else kind
 
 
-class _CompileTimer(event.Listener):
-    """Tells the clock how long numba compiles; what a function calls is compiled within that."""
-
-    def __init__(self) -> None:
-        self._depth, self._begun = 0, 0.0
+class _CompileListener(event.Listener):
+    """Has the clock stand still while numba compiles, and says what it compiles of ours."""
 
     def on_start(self, event: Any) -> None:
         """Note when compiling begins; numba holds a lock while it compiles."""
-        if self._depth == 0:
-            self._begun = time.perf_counter()
-        self._depth += 1
+        function = event.data["dispatcher"]
+        if begin_compiling() and isinstance(function, _Kernel):
+            is_kept = function.files is not None and function.files.home is not None
+            ANNOUNCER.begin(function.py_func.__module__, is_kept)
 
     def on_end(self, event: Any) -> None:
-        """Tell what compiling took."""
-        self._depth -= 1
-        if self._depth == 0:
-            add_compiling(time.perf_counter() - self._begun)
+        """Note when it ends."""
+        end_compiling()
+        ANNOUNCER.end()
 
 
-event.register("numba:compile", _CompileTimer())
+event.register("numba:compile", _CompileListener())

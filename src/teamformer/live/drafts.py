@@ -5,15 +5,17 @@ from __future__ import annotations
 import json
 import math
 import re
+import secrets
 import tempfile
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.live.comments import rewrite
 from teamformer.mission.keys.kinds import INFINITE
-from teamformer.mission.rules import rules_of_live_missions
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
 from teamformer.scenarios.maps.formats import is_map, read_coarse_map
@@ -45,13 +47,27 @@ EXAMPLE: Tree = EMPTY | {
 }
 """What the editor begins with: a mission that runs, to be changed."""
 
+
+@dataclass(frozen=True)
+class Draft:
+    """What is drawn: the tree of a scenario file, the name of its file, and its text if YAML.
+
+    `id` is the drawing's own: pages say by it on what they have drawn.
+    """
+
+    tree: Any
+    file: str = "mission.yaml"
+    text: str = ""
+    id: str = field(default_factory=lambda: secrets.token_hex(8))
+
+
 FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
 
 
 def problems_of(tree: object) -> list[Tree]:
     """Return what is wrong with a draft, each with its place in the tree; nothing if it is good."""
     try:
-        problems = list(rules_of_live_missions(scenario_from_tree(tree)))
+        problems = list(rules_not_played(scenario_from_tree(tree)))
     except ScenarioError as error:
         problems = list(error.problems)
     return [{"where": list(p.where), "message": p.message} for p in problems]

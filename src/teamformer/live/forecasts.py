@@ -16,6 +16,7 @@ import numpy as np
 from teamformer.coordination import Coordinator, Plan
 from teamformer.coordinators.replayed import Replayed
 from teamformer.grid import Grid, Place
+from teamformer.mission.arrivals import once_appeared
 from teamformer.model import Absence, Robot, Scenario, Task
 from teamformer.rules.constants import NOBODY
 from teamformer.sim.env import Decision, Tally, TeamFormation
@@ -102,9 +103,11 @@ def replayed(env: TeamFormation, coordinator: Coordinator | None) -> Coordinator
     return None if coordinator is None else Replayed(env.plans(), coordinator)
 
 
-def play_ahead(env: TeamFormation, method: Method) -> Played:
-    """Play an environment to its end; return how that is."""
-    while env.is_running[0]:
+def play_ahead(
+    env: TeamFormation, method: Method, is_over: Callable[[], bool] = lambda: False
+) -> Played:
+    """Play an environment to its end, or until nobody wants to know any more; return how it is."""
+    while env.is_running[0] and not is_over():
         env.step(decide(env, method, env.view()))
     return Played(env.tally(), env.worlds.tasks["done_at"][0].tolist())
 
@@ -114,25 +117,37 @@ def forecast(
 ) -> Forecast:
     """Return how the mission ends; `is_over` says that nobody wants to know any more."""
     if not past.scenario.has_surprises:
-        return _summed_up([play_ahead(past.env.fork(), past.begin())])
+        return _summed_up([play_ahead(past.env.fork(), past.begin(), is_over)], past.env)
     until = time.monotonic() + seconds
     played: list[Played] = []
     for seed in range(SAMPLES):
         env = _future(past, seed)
         if env is not None:
-            played.append(play_ahead(env, past.begin()))
+            played.append(play_ahead(env, past.begin(), is_over))
         if played and (is_over() or time.monotonic() > until):
             break
-    return _summed_up(played or [play_ahead(past.env.fork(), past.begin())])
+    return _summed_up(played or [play_ahead(past.env.fork(), past.begin())], past.env)
 
 
-def _summed_up(played: Sequence[Played]) -> Forecast:
+def _summed_up(played: Sequence[Played], now: TeamFormation) -> Forecast:
+    """Return how plays of the present end; those tasks count that have appeared by now."""
     tallies = [one.tally for one in played]
     done = sorted(tally.steps for tally in tallies if tally.status == "completed")
     others = [tally for tally in tallies if tally.status != "completed"]
-    rows = zip(*(one.done_at for one in played), strict=True)
+    known = _tasks_known(now)
+    rows = zip(*(one.done_at[:known] for one in played), strict=True)
     done_at = tuple(_mean([step for step in steps if step != NOBODY]) for steps in rows)
-    return Forecast(len(tallies), tuple(done), others[0] if others else None, done_at)
+    unknown = (None,) * (len(now.scenarios[0].tasks) - known)
+    return Forecast(len(tallies), tuple(done), others[0] if others else None, done_at + unknown)
+
+
+def _tasks_known(env: TeamFormation) -> int:
+    """Return how many tasks there are but for those that are to appear at random yet.
+
+    They are the last.
+    """
+    steps, tasks = env.tally().steps, env.scenarios[0].tasks
+    return sum(not task.has_arrived or task.appears <= steps for task in tasks)
 
 
 def _mean(steps: Sequence[int]) -> float | None:
@@ -167,8 +182,12 @@ def _looks_alike(one: TeamFormation, other: TeamFormation) -> bool:
         "tasks": ("is_open", "served", "done_at", "shown_at", "found_at", "x", "y"),
         "robots": ("team",),
     }
+    known = {"tasks": _tasks_known(other)}
     return all(
-        np.array_equal(getattr(one.worlds, part)[name], getattr(other.worlds, part)[name])
+        np.array_equal(
+            getattr(one.worlds, part)[name][:, : known.get(part)],
+            getattr(other.worlds, part)[name][:, : known.get(part)],
+        )
         for part, names in fields.items()
         for name in names
     )
@@ -182,14 +201,17 @@ def possible_truth(scenario: Scenario, env: TeamFormation, seed: int) -> Scenari
     tasks = (
         _possible_task(task, other, real, seen[number], _places_left(env, number), rng)
         for number, (task, other, real) in enumerate(
-            zip(scenario.tasks, drawn.tasks, known.tasks, strict=True)
+            zip(scenario.tasks, drawn.tasks, known.tasks, strict=False)  # these have no arrivals
         )
     )
+    now = once_appeared(scenario, known, steps)
+    arrived = known.tasks[len(scenario.tasks) : len(now.tasks)]
+    later = draw_truth(now, seed).tasks[len(now.tasks) :]
     robots = (
         _possible_robot(scenario, robot, real, steps, rng)
         for robot, real in zip(scenario.robots, known.robots, strict=True)
     )
-    return replace(drawn, tasks=tuple(tasks), robots=tuple(robots))
+    return replace(drawn, tasks=(*tasks, *arrived, *later), robots=tuple(robots))
 
 
 def _possible_task(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -20,14 +20,22 @@ SEARCHES = 4
 
 
 class _Told:
-    """Something that happens. Records have it `steps_later` steps after the latest step."""
+    """Something that happens. Records have it `steps_later` steps after the latest step.
+
+    If all is planned as well as can be, a mission ends no sooner by what `can_only_delay` it, and
+    no later by what `can_only_hasten` it.
+    """
 
     steps_later: ClassVar[int] = 0
+    can_only_delay: ClassVar[bool] = False
+    can_only_hasten: ClassVar[bool] = False
 
 
 @dataclass(frozen=True)
 class NewTask(_Told):
     """A task that everybody learns of now."""
+
+    can_only_delay: ClassVar[bool] = True
 
     at: Place
     needs: Counts
@@ -50,6 +58,7 @@ class LostRobot(_Told):
     """A robot that counts for nothing from the next step on."""
 
     steps_later: ClassVar[int] = 1
+    can_only_delay: ClassVar[bool] = True
 
     robot: str
 
@@ -74,6 +83,7 @@ class RobotBack(_Told):
     """A lost robot that is there again from the next step on, where it was lost."""
 
     steps_later: ClassVar[int] = 1
+    can_only_hasten: ClassVar[bool] = True
 
     robot: str
 
@@ -100,6 +110,7 @@ class CancelledTask(_Told):
     """A task that nobody is to do any more, from the next step on."""
 
     steps_later: ClassVar[int] = 1
+    can_only_hasten: ClassVar[bool] = True
 
     task: str
 
@@ -178,6 +189,16 @@ def plan_of(happening: Happening) -> Plan | None:
     return happening.plan if isinstance(happening, NewWeight | PlanTakenOver) else None
 
 
+def note_of_plans(happenings: Iterable[Happening]) -> str:
+    """Return what there is to know of a scenario if plans were brought; empty if none was."""
+    if all(plan_of(happening) is None for happening in happenings):
+        return ""
+    return (
+        "a scenario holds no plans: those that an operator had made are in the record, and "
+        "`run` makes plans of its own, so that its mission may end at another step"
+    )
+
+
 def search_plan(
     past: Past, seconds: float, is_over: Callable[[], bool] = lambda: False
 ) -> PlanTakenOver:
@@ -197,9 +218,12 @@ def search_plan(
         for seed in range(searches)
         if seed == 0 or not is_over()
     ]
-    found = [PlanTakenOver(plan, forecast(past.with_plan(plan)), Forecast(0, ())) for plan in plans]
+    ends = [forecast(past.with_plan(plan), is_over) for plan in plans]
+    found = [
+        PlanTakenOver(plan, end, Forecast(0, ())) for plan, end in zip(plans, ends, strict=True)
+    ]
     best = min(found, key=lambda it: it.forecast.rank)
-    return replace(best, without=forecast(past))
+    return replace(best, without=forecast(past, is_over))
 
 
 def _number_of(those: Sequence[Robot | Task], name: str, what: str) -> int:

@@ -25,7 +25,7 @@ from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 LARGEST = 4_000_000  # bytes of a message
 COMMANDS = (
     *("play", "pause", "step", "speed", "happen", "what_if", "replan", "take_over", "save"),
-    *("undo", "restart", "edit"),
+    *("stop", "undo", "restart", "edit", "acknowledge"),
     *("check", "open", "new", "run"),
 )
 SLOWEST, FASTEST = 0.1, 1000.0  # steps a second

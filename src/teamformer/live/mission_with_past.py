@@ -15,13 +15,18 @@ Before each incident the mission is kept as it stands, so that the latest incide
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from teamformer.coordination import Coordinator, Plan
+from teamformer.coordinators.reordered import Reordered
+from teamformer.coordinators.replayed import Replayed
 from teamformer.errors import TeamformerError
 from teamformer.live.forecasts import Past, replayed
-from teamformer.live.incidents import Happening, Incident, NewWeight, plan_of
+from teamformer.live.incidents import Happening, Incident, NewWeight, PlanTakenOver, plan_of
+from teamformer.mission.arrivals import once_appeared
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.policies.protocol import Planner
@@ -47,18 +52,28 @@ class _Standing(NamedTuple):
 class Mission:
     """One mission that runs by one method; `incidents` are what happened so far, with steps.
 
-    `make_method` makes the method anew: forecasts play with one of their own. Under a method that
-    knows everything the mission is what an uncertain one really is.
+    `plans` were made before, with the steps made then; they are not made again. `make_method`
+    makes the method anew: forecasts play with one of their own. Under a method that knows
+    everything the mission is what an uncertain one really is.
     """
 
-    def __init__(self, scenario: Scenario, make_method: MakeMethod, seed: int) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        make_method: MakeMethod,
+        seed: int,
+        plans: Sequence[tuple[int, Plan]] = (),
+    ) -> None:
         if make_method().needs_everything:
             scenario = draw_truth(scenario, seed)
         self.scenario, self.seed = scenario, seed
         self.incidents: list[tuple[int, Happening]] = []
-        self._drawn = scenario
+        self.drawn = scenario  # before anything happened
         self._make_method = make_method
         self._method = self._begin()
+        if self._method.coordinator is not None:
+            coordinator = Replayed(plans, self._method.coordinator)
+            self._method = replace(self._method, coordinator=coordinator)
         self.method_name = self._method.name
         self._decisions: list[Decision] = []
         self._env = self._stage(scenario, self._method.coordinator)
@@ -68,7 +83,7 @@ class Mission:
 
     def anew(self) -> Mission:
         """Return the same mission before its first step, to which nothing has happened."""
-        return Mission(self._drawn, self._make_method, self.seed)
+        return Mission(self.drawn, self._make_method, self.seed)
 
     @property
     def steps(self) -> int:
@@ -79,6 +94,16 @@ class Mission:
     def is_running(self) -> bool:
         """Say whether there is a next step."""
         return bool(self._env.is_running[0])
+
+    @property
+    def latest(self) -> Step:
+        """Return what the latest step changed."""
+        return self._recorder.latest
+
+    @property
+    def latest_plans(self) -> list[Plan]:
+        """Return the plans that were made since the step before the latest."""
+        return [plan for made, plan in self._env.plans() if made == self.steps]
 
     def tally(self) -> Tally:
         """Return how the mission stands."""
@@ -93,9 +118,11 @@ class Mission:
         """Say whether the latest step has told something of an uncertain mission."""
         if not self.scenario.has_surprises:
             return False
-        latest = self._recorder.latest
+        latest = self.latest
         shown = latest.shown or latest.found or latest.moved or latest.done
-        return bool(shown or latest.lost or latest.back)
+        tasks = self._env.scenarios[0].tasks
+        has_arrived = any(it.has_arrived and it.appears == self.steps for it in tasks)
+        return bool(shown or latest.lost or latest.back or has_arrived)
 
     def step(self) -> Step:
         """Make one step and return what it changed."""
@@ -103,7 +130,7 @@ class Mission:
         self._env.step(decision)
         self._decisions.append(decision)
         self._recorder.step()
-        return self._recorder.latest
+        return self.latest
 
     def happen(self, incident: Happening) -> None:
         """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""
@@ -130,14 +157,18 @@ class Mission:
     def scenario_with(self, happening: Happening) -> Scenario:
         """Return the scenario if something happened now; TeamformerError says why it cannot.
 
-        Nothing is planned or played for it.
+        Nothing is planned or played for it. What has appeared at random until now is known then, as
+        its tasks, which stand before the one that an operator adds.
         """
         if self._method.needs_everything:
             raise TeamformerError(
                 f"'{self.method_name}' plans with all that the mission says, so that nothing can "
                 "happen to it; run it by another method"
             )
-        return happening.apply(self.scenario, self._env)
+        if isinstance(happening, PlanTakenOver):
+            return self.scenario
+        known = once_appeared(self.scenario, self._env.truths[0], self.steps)
+        return happening.apply(known, self._env)
 
     def work_out_bound(self) -> int | None:
         """Return the steps that no plan can beat, as `run` tells them; the record has them then."""
@@ -153,14 +184,38 @@ class Mission:
         """Return the record so far; that of a mission that still runs is of an interrupted one."""
         return self._recorder.finish(self.method_name, self.seed, self._bound)
 
+    def as_it_stands(self) -> Mission:
+        """Return the mission as it is now, to be asked about while it goes on itself.
+
+        It makes no steps and nothing happens to it.
+        """
+        now = copy.copy(self)
+        now.incidents, now._decisions = list(self.incidents), list(self._decisions)
+        now._env, now._recorder = self._env.fork(), copy.copy(self._recorder)
+        return now
+
     def past(self) -> Past:
         """Return the present and how it came about, to play it ahead while the mission goes on."""
         plans = _plans_of(self.incidents)
         return Past(self.scenario, self._env.fork(), self._begin, tuple(self._decisions), plans)
 
-    def past_with(self, incident: Incident) -> Past:
-        """Return the same as it would be if an incident happened now."""
-        happening, env, _, scenario = self._changed(incident)
+    @property
+    def is_planned(self) -> bool:
+        """Say whether robots go by plans of a coordinator, which searches for them."""
+        return self._method.coordinator is not None
+
+    def past_planned_anew(self, order: int) -> Past:
+        """Return the present with a plan that is made now, in another order of robots and tasks."""
+        known = replace(self._env.known(), news=("task appeared",))
+        plan = self._coordinator(order).update(known, self._env.plan())
+        return self.past().with_plan(plan)
+
+    def past_with(self, incident: Incident, order: int = 0) -> Past:
+        """Return the present as it would be if an incident happened now.
+
+        What then follows is planned in an order of robots and tasks.
+        """
+        happening, env, _, scenario = self._changed(incident, order)
         plans = _plans_of([*self.incidents, (self.steps, happening)])
         return Past(scenario, env, self._begin, tuple(self._decisions), plans)
 
@@ -177,13 +232,20 @@ class Mission:
         truth = draw_truth(scenario, self.seed)
         return TeamFormation([scenario], truths=[truth], coordinator=coordinator)
 
-    def _changed(self, happening: Happening) -> tuple[Happening, TeamFormation, Recorder, Scenario]:
+    def _coordinator(self, order: int = 0) -> Coordinator:
+        assert self._method.coordinator is not None, "refused where robots go by no plan"
+        coordinator = self._method.coordinator
+        return Reordered(coordinator, order) if order else coordinator
+
+    def _changed(
+        self, happening: Happening, order: int = 0
+    ) -> tuple[Happening, TeamFormation, Recorder, Scenario]:
         """Return what happens, with its plan, and the mission as it would stand if it did now."""
         scenario = self.scenario_with(happening)
-        if isinstance(happening, NewWeight):
-            assert self._method.coordinator is not None, "refused where robots go by no plan"
-            happening = happening.planned(self._env, self._method.coordinator)
-        env = self._stage(scenario, replayed(self._env, self._method.coordinator))
+        if isinstance(happening, NewWeight) and happening.plan is None:
+            happening = happening.planned(self._env, self._coordinator(order))
+        coordinator = self._coordinator(order) if self.is_planned else None
+        env = self._stage(scenario, replayed(self._env, coordinator))
         recorder = Recorder(env)
         plans = _plans_of([*self.incidents, (self.steps, happening)])
         for made, decision in enumerate([*self._decisions, None]):

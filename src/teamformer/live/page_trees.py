@@ -6,6 +6,8 @@ import math
 from typing import Any
 
 from teamformer.live.forecasts import Forecast
+from teamformer.live.incidents import Happening, LostRobot
+from teamformer.live.mission_with_past import Mission
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import replay_to_tree, step_to_tree
 
@@ -23,6 +25,23 @@ def news_of_step(record: Replay, is_running: bool) -> Tree:
     if not is_running:
         news["end"] = vars(record.end)
     return news
+
+
+def what_happened(mission: Mission, happening: Happening | None) -> Tree:
+    """Return what has happened to a mission, where undoing goes back to, and who is leaving.
+
+    These are the robots that are lost since the latest step, and count for nothing any more. That
+    is so already while the others plan for what is `happening`.
+    """
+    incidents = mission.incidents
+    latest = [incident for step, incident in incidents if step == mission.steps]
+    latest += [] if happening is None else [happening]
+    leaving = dict.fromkeys(it.robot for it in latest if isinstance(it, LostRobot))
+    return {
+        "incidents": [[steps + it.steps_later, it.text()] for steps, it in incidents],
+        "undo_to": incidents[-1][0] if incidents else None,
+        "leaving": list(leaving),
+    }
 
 
 def record_so_far(record: Replay, is_running: bool) -> Tree:

@@ -1,31 +1,36 @@
 """The local server of a live mission: its page, and the socket that tells and hears.
 
-Bound to loopback it needs no password; another address needs the token that is printed. Pages of
-other sites are refused by their Host and Origin, so that no web page steers a mission.
+Bound to loopback it needs no password; elsewhere the token that is printed is needed. Pages of
+other sites are refused (`doors.py`), so that no web page steers a mission.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import hmac
+import json
 import socket
 from collections.abc import AsyncIterator, Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import uvicorn
 from starlette.applications import Starlette
-from starlette.requests import HTTPConnection, Request
+from starlette.middleware import Middleware
+from starlette.requests import Request
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from teamformer.errors import TeamformerError
+from teamformer.live.doors import Doors, KeepApart, PromptRequests
 from teamformer.live.downloads import DOWNLOADS, make_download
+from teamformer.live.errands import Conversation
 from teamformer.live.messages import LARGEST
 from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
+
+SIGN_OF_LIFE = 5.0
+"""Seconds after which a page is told that the server is there, if it is told nothing else."""
 
 POLICY_VIOLATION = 1008  # a close code of WebSockets
 
@@ -56,26 +61,6 @@ class Watched(Protocol):
         """Return the record so far; None while nothing runs."""
 
 
-@dataclass(frozen=True)
-class Doors:
-    """Who is let in: the hosts that the page may be asked for under, the token if needed."""
-
-    hosts: frozenset[str]
-    token: str | None = None
-
-    def refusal(self, connection: HTTPConnection) -> str | None:
-        """Return why a request is refused, or None."""
-        host, origin = connection.headers.get("host", ""), connection.headers.get("origin")
-        if host.lower() not in self.hosts:
-            return f"this server is not asked for as '{host}'"
-        if origin is not None and origin.lower() not in {f"http://{name}" for name in self.hosts}:
-            return f"pages of {origin} may not steer this mission"
-        given = connection.query_params.get("token", "")
-        if self.token is not None and not hmac.compare_digest(given, self.token):
-            return "the token is missing or wrong; use the address that was printed"
-        return None
-
-
 def make_app(
     session: Watched, page: Callable[[], str], doors: Doors, on_end: Callable[[], None]
 ) -> Starlette:
@@ -104,9 +89,10 @@ def make_app(
         await connection.accept()
         watcher = session.join()
         sending = asyncio.create_task(_send(connection, watcher))
+        conversation = Conversation(session.act, watcher)
         try:
             async for text in connection.iter_text():
-                await session.act(watcher, text)
+                await conversation.hear(text)
         except (WebSocketDisconnect, KeyError):  # KeyError: bytes where text belongs
             pass
         finally:
@@ -126,7 +112,7 @@ def make_app(
         Route("/download/{name}", download),
         WebSocketRoute("/socket", talk),
     ]
-    return Starlette(routes=routes, lifespan=lifespan)
+    return Starlette(routes=routes, lifespan=lifespan, middleware=[Middleware(KeepApart)])
 
 
 async def _download(session: Watched, name: str) -> Response:
@@ -154,6 +140,7 @@ def configure(app: Starlette, host: str, port: int) -> uvicorn.Config:
         app,
         host=host,
         port=port,
+        http=PromptRequests,
         log_level="critical",
         ws="websockets-sansio",
         ws_max_size=LARGEST + 1000,
@@ -175,6 +162,14 @@ def serve(app: Starlette, host: str, port: int, on_start: Callable[[], None]) ->
 async def _send(connection: WebSocket, watcher: Watcher) -> None:
     """Send a page what it is told; one that is too far behind is let go, and may come again."""
     with contextlib.suppress(RuntimeError, WebSocketDisconnect):
-        while (text := await watcher.outbox.get()) is not None:
+        while (text := await _next_word(watcher)) is not None:
             await connection.send_text(text)
         await connection.close()
+
+
+async def _next_word(watcher: Watcher) -> str | None:
+    """Return what a page is told next; if it is not told anything for a while, that we are here."""
+    try:
+        return await asyncio.wait_for(watcher.outbox.get(), SIGN_OF_LIFE)
+    except TimeoutError:
+        return json.dumps({"kind": "here"})

@@ -9,24 +9,24 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from teamformer.errors import TeamformerError
+from teamformer.live.autosave import Autosave
+from teamformer.live.errands import Errands, apart
 from teamformer.live.forecasts import forecast
 from teamformer.live.incidents import (
     Happening,
-    Incident,
     LostRobot,
     PlanTakenOver,
-    plan_of,
+    note_of_plans,
     search_plan,
 )
 from teamformer.live.messages import (
     Message,
-    TaskRefusedError,
     read_incident,
     read_message,
     read_search,
@@ -39,8 +39,11 @@ from teamformer.live.page_trees import (
     forecast_to_tree,
     news_of_step,
     record_so_far,
+    what_happened,
 )
+from teamformer.live.refusals import or_refuse, refusal
 from teamformer.live.watchers import Watcher
+from teamformer.live.what_if import luck_of, what_if
 from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import write_replay
@@ -51,26 +54,35 @@ AT_ONCE = 0.3
 Moment = tuple[int, int]
 """Steps made, and how often the mission has been changed."""
 
+FORECAST, BOUND, SEARCH = "forecast", "bound", "search"
+"""What is worked out beside the conversation for all pages; what one has weighed is its own."""
+
 
 class Session:
     """Steps a mission at its speed and tells everybody; `act` is what a page asks for."""
 
     def __init__(
-        self, mission: Mission, folder: Path, speed: float, has_editor: bool = False
+        self,
+        mission: Mission,
+        folder: Path,
+        speed: float,
+        has_editor: bool = False,
+        autosave: Autosave | None = None,
     ) -> None:
         self.mission, self.folder = mission, folder
         self.speed, self.is_playing, self.has_editor = speed, False, has_editor
+        self._autosave = autosave or Autosave()
+        self._autosave.warn = lambda text: self._tell_all("warning", {"text": text})
+        self._saved: Moment | None = None  # when that was done last
         self._changes = 0
         self.watchers: set[Watcher] = set()
         self.lock = asyncio.Lock()
         self._wake = asyncio.Event()
-        self._forecast: asyncio.Task[None] | None = None
+        self._errands = Errands()
         self._outlook: Tree | None = None  # what the latest forecast said
         self._is_outdated = False  # since more was shown
-        self._bound: asyncio.Task[None] | None = None
         self._planning = ""  # after what a plan is being made, for as long as it is
         self._happening: Happening | None = None  # what that is, where it is an incident
-        self._search: asyncio.Task[None] | None = None
         self._offer: tuple[Moment, PlanTakenOver] | None = None
 
     async def run(self) -> None:
@@ -95,25 +107,21 @@ class Session:
         self._tell_all("state", self._state())
         if self._outlook is not None:
             watcher.tell(json.dumps({"kind": "forecast"} | self._outlook))
-        elif self._forecast is None:
+        elif not self._errands.is_under_way(FORECAST):
             self._predict()
-        if self._bound is None:
+        if not self._errands.is_under_way(BOUND):
             self._work_out_bound()
         return watcher
 
     def leave(self, watcher: Watcher) -> None:
-        """Let a page go."""
+        """Let a page go, and what it has weighed."""
+        self._errands.end(watcher)
         self.watchers.discard(watcher)
         self._tell_all("state", self._state())
 
     async def act(self, watcher: Watcher, text: str) -> None:
         """Do what a page asks for, or tell it why not."""
-        try:
-            message = read_message(text)
-            await self._do(watcher, message)
-        except TeamformerError as error:
-            keys = error.keys if isinstance(error, TaskRefusedError) else ()
-            watcher.tell(json.dumps({"kind": "refused", "text": str(error), "keys": keys}))
+        await or_refuse(watcher, self._do(watcher, text))
 
     async def step(self) -> None:
         """Make one step, if there is one, and tell everybody."""
@@ -133,46 +141,43 @@ class Session:
             finally:
                 telling.cancel()
                 self._planning_is_over()
+            self._autosave.step(self.mission)
             self._tell_all("step", news_of_step(self.mission.record(), self.mission.is_running))
         if not self.mission.is_running:
             self._pause()
         elif self.mission.has_shown_more:
             self._is_outdated = True
-            if self._forecast is None or self._forecast.done():
+            if not self._errands.is_under_way(FORECAST):
                 self._predict()
 
-    async def happen(self, incident: Happening, moment: Moment | None = None) -> None:
+    async def happen(self, incident: Happening) -> None:
         """Let an incident happen and tell everybody; TeamformerError says why it cannot.
 
-        That it has happened is told before robots have planned for it. With a `moment` it can
-        happen at no other.
+        The lock is held meanwhile. That it has happened is told before robots have planned for it.
         """
-        async with self.lock:
-            if moment not in (None, self._moment()):
-                raise TeamformerError("the mission has gone on since then; plan anew")
-            self.mission.scenario_with(incident)
-            text = f"step {self.mission.steps + incident.steps_later}: {incident.text()}"
-            self._happening = incident
-            self._tell_planning(text)
-            try:
-                await asyncio.to_thread(self.mission.happen, incident)
-                self._changes += 1
-                self._planning = ""
-                record = self._record()
-                record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
-                news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
-                self._tell_all("incident", news | self._state())
-            finally:
-                self._happening = None
-                self._planning_is_over()
-        self._predict()
-        self._work_out_bound()
+        self.mission.scenario_with(incident)
+        text = f"step {self.mission.steps + incident.steps_later}: {incident.text()}"
+        self._happening = incident
+        self._tell_planning(text)
+        try:
+            await asyncio.to_thread(self.mission.happen, incident)
+            self._autosave.happen(self.mission)
+            self._planning = ""
+            record = self._record()
+            record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
+            news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
+            self._tell_all("incident", news | self._state())
+        finally:
+            self._happening = None
+            self._planning_is_over()
+        self._have_changed()
 
     async def undo(self) -> None:
         """Go back to just before the latest incident, and tell everybody."""
         self._pause()
         async with self.lock:
             incident = self.mission.undo()
+            self._autosave.undo()
             back = f"Undone: {incident.text()}. The mission is back at step {self.mission.steps}."
             self._tell_another_past(back)
 
@@ -183,6 +188,7 @@ class Session:
             self._tell_planning("the mission begins anew")
             try:
                 self.mission = await asyncio.to_thread(self.mission.anew)
+                self._autosave.begin(self.mission)
                 self._planning = ""
                 back = "The mission is back at its start; nothing has happened to it."
                 self._tell_another_past(back)
@@ -190,10 +196,9 @@ class Session:
                 self._planning_is_over()
 
     def close(self) -> None:
-        """Let everything end that goes on in the background."""
-        for task in (self._forecast, self._bound, self._search):
-            if task is not None:
-                task.cancel()
+        """Let everything end that goes on in the background, and the autosave."""
+        self._errands.close()
+        self._autosave.close()
 
     async def record(self) -> Replay:
         """Return the record so far, with the bound."""
@@ -211,14 +216,10 @@ class Session:
     @property
     def note(self) -> str:
         """Return what there is to know of what is saved; empty if nothing."""
-        if all(plan_of(incident) is None for _, incident in self.mission.incidents):
-            return ""
-        return (
-            "a scenario holds no plans: those that an operator had made are in the record, and "
-            "`run` makes plans of its own, so that its mission may end at another step"
-        )
+        return note_of_plans(happening for _, happening in self.mission.incidents)
 
-    async def _do(self, watcher: Watcher, message: Message) -> None:
+    async def _do(self, watcher: Watcher, text: str) -> None:
+        message = read_message(text)
         actions: dict[str, Callable[[], None]] = {"play": self._play, "pause": self._pause}
         command = message["do"]
         if command in actions:
@@ -231,10 +232,13 @@ class Session:
             self._wake.set()
             self._tell_all("state", self._state())
         elif command == "happen":
-            await self.happen(read_incident(message, self.mission.scenario))
+            async with self.lock:
+                await self.happen(read_incident(message, self.mission.scenario))
         elif command == "what_if":
-            incident = read_incident(message, self.mission.scenario)
-            watcher.tell(json.dumps(await self._what_if(incident)))
+            work = self._weigh(watcher, message)
+            self._errands.begin(watcher, or_refuse(watcher, work, is_weighed=True))
+        elif command == "stop":
+            self._stop(watcher)
         elif command == "replan":
             self._search_plan(read_search(message))
         elif command == "take_over":
@@ -246,15 +250,24 @@ class Session:
         elif command == "save":
             async with self.lock:
                 paths = await asyncio.to_thread(self.save)
+                self._saved = self._moment()
             saved = {"kind": "saved", "paths": [str(path) for path in paths], "note": self.note}
             watcher.tell(json.dumps(saved))
+            self._tell_all("state", self._state())
         else:
             raise TeamformerError(f"a mission under way cannot '{command}'")
 
     def _tell_another_past(self, text: str) -> None:
         """Tell everybody the mission whole, for its past is another, and why."""
-        self._changes += 1
         self._tell_all("mission", {"record": self._record(), "text": text} | self._state())
+        self._have_changed()
+
+    def _have_changed(self) -> None:
+        """Have everything worked out again, for the mission is another now."""
+        self._changes += 1
+        for watcher in self.watchers:
+            if self._errands.end(watcher):
+                watcher.tell(refusal("something else has happened meanwhile; ask again", True))
         self._predict()
         self._work_out_bound()
 
@@ -269,36 +282,41 @@ class Session:
         self.is_playing = False
         self._tell_all("state", self._state())
 
-    async def _what_if(self, incident: Incident) -> Tree:
+    async def _weigh(self, watcher: Watcher, message: Message) -> None:
+        """Tell a page what an incident would cost or gain if it happened now."""
         async with self.lock:
-            changes, past = self._changes, self.mission.past()
-            changed = await asyncio.to_thread(self.mission.past_with, incident)
-        without = await asyncio.to_thread(forecast, past)
-        found = await asyncio.to_thread(forecast, changed)
-        if changes != self._changes:
-            raise TeamformerError("something else has happened meanwhile; ask again")
-        ends = forecast_to_tree(found) | {"without": forecast_to_tree(without)}
-        return {"kind": "what_if", **ends, "text": incident.text()}
+            now = self.mission.as_it_stands()
+        incident = read_incident(message, now.scenario)
+        weighed = await apart(partial(what_if, now, incident))
+        watcher.tell(json.dumps({"kind": "what_if"} | weighed.to_tree()))
+        if now.is_planned:
+            luck = {"steps": await apart(partial(luck_of, weighed)), "is_luck": weighed.is_luck}
+            watcher.tell(json.dumps({"kind": "luck"} | luck))
+
+    def _stop(self, watcher: Watcher) -> None:
+        """End what a page has weighed, and the search for a plan."""
+        if self._errands.end(watcher):
+            watcher.tell(json.dumps({"kind": "stopped"}))
+        if self._errands.end(SEARCH):
+            self._tell_all("stopped", {})
 
     def _search_plan(self, seconds: float) -> None:
         """Begin to search for a better plan; the mission pauses, as the plan is for now."""
-        if self._search is not None and not self._search.done():
+        if self._errands.is_under_way(SEARCH):
             raise TeamformerError("a plan is being searched for already")
         self._pause()
-        self._search = asyncio.create_task(self._offer_plan(seconds))
+        self._errands.begin(SEARCH, self._offer_plan(seconds))
 
     async def _offer_plan(self, seconds: float) -> None:
         async with self.lock:
             past, moment = self.mission.past(), self._moment()
         self._tell_all("searching", {"seconds": seconds})
-        is_over = threading.Event()
         try:
-            found = await asyncio.to_thread(search_plan, past, seconds, is_over.is_set)
+            found = await apart(partial(search_plan, past, seconds))
         except TeamformerError as error:
-            self._tell_all("refused", {"text": str(error)})
+            for watcher in self.watchers:
+                watcher.tell(refusal(str(error), is_weighed=True))
             return
-        finally:
-            is_over.set()
         self._offer = (moment, found)
         ends = forecast_to_tree(found.forecast) | {"without": forecast_to_tree(found.without)}
         self._tell_all("offer", ends | {"text": "a plan of central", "at": moment[0]})
@@ -308,17 +326,18 @@ class Session:
             raise TeamformerError("there is no plan to take over; plan anew")
         moment, plan = self._offer
         self._offer = None
-        await self.happen(plan, moment)
+        async with self.lock:
+            if moment != self._moment():
+                raise TeamformerError("the mission has gone on since then; plan anew")
+            await self.happen(plan)
 
     def _moment(self) -> Moment:
         return self.mission.steps, self._changes
 
     def _predict(self) -> None:
         """Work out the mission's end in the background; only incidents change it."""
-        if self._forecast is not None and not self._forecast.done():
-            self._forecast.cancel()
         self._outlook = None
-        self._forecast = asyncio.create_task(self._tell_forecast())
+        self._errands.begin(FORECAST, self._tell_forecast())
 
     async def _tell_forecast(self) -> None:
         self._is_outdated = True
@@ -326,21 +345,16 @@ class Session:
             self._is_outdated = False
             async with self.lock:
                 past = self.mission.past()
-            is_over = threading.Event()
             try:
-                found = await asyncio.to_thread(forecast, past, is_over.is_set)
+                found = await apart(partial(forecast, past))
             except TeamformerError:  # of a policy; its step will tell more
                 self._tell_all("forecast", {"status": "failed"})
                 return
-            finally:
-                is_over.set()
             self._outlook = forecast_to_tree(found) | {"done_at": done_at_to_tree(found)}
             self._tell_all("forecast", self._outlook)
 
     def _work_out_bound(self) -> None:
-        if self._bound is not None:
-            self._bound.cancel()
-        self._bound = asyncio.create_task(self._tell_bound())
+        self._errands.begin(BOUND, self._tell_bound())
 
     async def _tell_bound(self) -> None:
         """Work out in the background what no plan can beat; incidents change it."""
@@ -367,27 +381,16 @@ class Session:
         return record_so_far(self.mission.record(), self.mission.is_running)
 
     def _state(self) -> Tree:
-        incidents = self.mission.incidents
         return {
+            "id": self._autosave.id,
             "is_playing": self.is_playing,
             "speed": self.speed,
             "watchers": len(self.watchers),
-            "incidents": [[steps + it.steps_later, it.text()] for steps, it in incidents],
-            "undo_to": incidents[-1][0] if incidents else None,
-            "leaving": self._leaving(),
+            **what_happened(self.mission, self._happening),
+            "saved_at": self._saved[0] if self._saved and self._saved[1] == self._changes else None,
             "planning": self._planning,
             "has_editor": self.has_editor,
         }
-
-    def _leaving(self) -> list[str]:
-        """Return the robots that are lost since the latest step, and count for nothing any more.
-
-        That is so already while the others plan for it.
-        """
-        now = self.mission.steps
-        latest = [incident for step, incident in self.mission.incidents if step == now]
-        latest += [] if self._happening is None else [self._happening]
-        return list(dict.fromkeys(it.robot for it in latest if isinstance(it, LostRobot)))
 
     def _tell_all(self, kind: str, news: Tree) -> None:
         text = json.dumps({"kind": kind} | news, separators=(",", ":"))

@@ -18,4 +18,8 @@ class Watcher:
         if self.outbox.qsize() < MOST_WAITING:
             self.outbox.put_nowait(text)
         elif self.outbox.qsize() == MOST_WAITING:
-            self.outbox.put_nowait(None)
+            self.let_go()
+
+    def let_go(self) -> None:
+        """Have the line end once what is queued is sent; the page may come again."""
+        self.outbox.put_nowait(None)

@@ -5,17 +5,21 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import secrets
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from teamformer.errors import TeamformerError
+from teamformer.live.autosave import NAME, Autosave, Identity
 from teamformer.live.drafts import (
     EMPTY,
     EXAMPLE,
+    Draft,
     can_be_drawn,
     open_draft,
     problems_of,
@@ -24,29 +28,24 @@ from teamformer.live.drafts import (
 )
 from teamformer.live.messages import Message, read_files, read_message
 from teamformer.live.mission_with_past import Mission
+from teamformer.live.resuming import Kept, StartMission, play_again
 from teamformer.live.session import AT_ONCE, Session
 from teamformer.live.watchers import Watcher
 from teamformer.model import Scenario
 from teamformer.sim.replay.record import Replay
 
-StartMission = Callable[[Scenario], Mission]
-
-
-@dataclass(frozen=True)
-class Draft:
-    """What is drawn: the tree of a scenario file, the name of its file, and its text if YAML."""
-
-    tree: Any
-    file: str = "mission.yaml"
-    text: str = ""
+FIRST_PLAN = "making the first plan"
+PLAYED_AGAIN = "playing the mission again up to where it was"
+"""What is being done before a mission is there."""
 
 
 class Workshop:
     """What pages speak to: an editor, or the session of a mission while one runs.
 
     It offers what a `Session` does, so that the server need not know which of them it has. With a
-    `mission`, that of the draft, it begins with running it. `say` tells the person who started it
-    how long the first plan of a mission takes.
+    `mission`, that of the draft, it begins with running it; with `kept` it goes on with the mission
+    of an autosave. `say` tells the person who started it how long the first plan of a mission
+    takes.
     """
 
     def __init__(
@@ -57,22 +56,26 @@ class Workshop:
         draft: Draft | None = None,
         mission: Scenario | None = None,
         say: Callable[[str], None] = lambda _: None,
+        kept: Kept | None = None,
     ) -> None:
         self.session: Session | None = None
         self._lock = asyncio.Lock()
         self._start, self._folder, self._speed = start, folder, speed
-        self._draft = draft or Draft(EXAMPLE)
-        self._mission = mission
+        self._draft = draft or (Draft(EXAMPLE) if kept is None else kept.identity.draft)
+        self._mission, self._kept = mission, kept
         self._say = say
-        self._is_starting = mission is not None
+        self._is_starting = mission is not None or kept is not None
         self._refusal = ""  # why the latest mission could not be started
+        self._doing = FIRST_PLAN  # while there is no mission yet
         self._watchers: set[Watcher] = set()
         self._clock: asyncio.Task[None] | None = None
 
     async def run(self) -> None:
         """Begin the mission that there is from the start, and let time pass until cancelled."""
         try:
-            if self._mission is not None:
+            if self._kept is not None:
+                await self._go_on(self._kept)
+            elif self._mission is not None:
                 await self._run(self._mission)
             await asyncio.Event().wait()
         finally:
@@ -85,7 +88,7 @@ class Workshop:
         watcher = Watcher()
         self._watchers.add(watcher)
         if self._is_starting:
-            watcher.tell(json.dumps({"kind": "starting", "scenario": self._draft.tree}))
+            self._tell_starting(watcher)
         else:
             self._tell_draft(watcher)
             if self._refusal:
@@ -132,10 +135,9 @@ class Workshop:
     async def _do(self, watcher: Watcher, message: Message) -> None:
         command = message["do"]
         if command == "check":
-            draft = message.get("scenario")
-            problems = await asyncio.to_thread(problems_of, draft)
-            self._keep(draft)
-            watcher.tell(json.dumps({"kind": "checked", "problems": problems}))
+            problems = await asyncio.to_thread(problems_of, self._take(watcher, message))
+            checked = {"kind": "checked", "problems": problems, "id": message.get("id")}
+            watcher.tell(json.dumps(checked))
         elif command == "open":
             name, text = message.get("name"), message.get("text")
             if not isinstance(name, str) or not isinstance(text, str):
@@ -144,53 +146,92 @@ class Workshop:
             is_yaml = name.lower().endswith((".yaml", ".yml"))
             file = str(Path(name).with_suffix(".yaml")) if name.endswith(".map") else name
             self._draft = Draft(tree, file, text if is_yaml else "")
-            self._tell_draft(watcher)
+            self._tell_draft(*self._watchers)
         elif command == "new":
             self._draft = Draft(EMPTY)
-            self._tell_draft(watcher)
+            self._tell_draft(*self._watchers)
         elif command == "save":
-            draft, name = message.get("scenario") or {}, message.get("name")
+            draft, name = self._take(watcher, message) or {}, message.get("name")
             path = write_draft(draft, name, self._folder, self._draft.text)
             watcher.tell(json.dumps({"kind": "saved", "paths": [str(path)]}))
         elif command == "run":
-            scenario = read_draft(message.get("scenario"))
-            self._keep(message.get("scenario"))
-            await self._run(scenario)
+            await self._run(read_draft(self._take(watcher, message)))
         else:
             raise TeamformerError("no mission runs yet; draw one and run it")
 
-    def _keep(self, tree: object) -> None:
-        """Keep what is drawn, for pages that come later and for the way back from its mission."""
-        if can_be_drawn(tree):
-            self._draft = Draft(tree, self._draft.file, self._draft.text)
+    def _take(self, watcher: Watcher, message: Message) -> Any:
+        """Return what a page has drawn; it is kept, and all other pages are shown it.
 
-    def _tell_draft(self, watcher: Watcher) -> None:
-        draft = {"scenario": self._draft.tree, "file": self._draft.file}
-        watcher.tell(json.dumps({"kind": "editor"} | draft))
+        What was drawn on another drawing than the one that is kept is refused, and the page is
+        shown that: so no page draws over what it has not seen.
+        """
+        tree, own, after = (message.get(key) for key in ("scenario", "id", "after"))
+        if own == self._draft.id:
+            return tree
+        if after not in (None, self._draft.id):
+            self._tell_draft(watcher)
+            raise TeamformerError(
+                "another page has drawn meanwhile, and this is its drawing; Undo goes back to yours"
+            )
+        if can_be_drawn(tree):
+            self._draft = replace(self._draft, tree=tree, id=str(own or secrets.token_hex(8)))
+            if not self._is_starting:
+                self._tell_draft(*self._watchers - {watcher})
+        return tree
+
+    def _tell_draft(self, *watchers: Watcher) -> None:
+        draft = {"scenario": self._draft.tree, "file": self._draft.file, "id": self._draft.id}
+        for watcher in watchers:
+            watcher.tell(json.dumps({"kind": "editor"} | draft))
+
+    def _tell_starting(self, *watchers: Watcher) -> None:
+        starting = {"kind": "starting", "scenario": self._draft.tree, "text": self._doing}
+        for watcher in watchers:
+            watcher.tell(json.dumps(starting))
 
     async def _run(self, scenario: Scenario) -> None:
         """Begin a mission, and have all pages come to it; or tell them why it cannot be run."""
         async with self._lock:
-            if self.session is not None:
-                raise TeamformerError("another page has run a mission already")
-            self._is_starting, self._refusal = True, ""
-            begun, loop = time.monotonic(), asyncio.get_running_loop()
-            telling = loop.call_later(AT_ONCE, self._say, "making the first plan ...")
-            for watcher in self._watchers:
-                watcher.tell(json.dumps({"kind": "starting", "scenario": self._draft.tree}))
-            try:
-                mission = await _start_apart(self._start, scenario)
-            except TeamformerError as error:
-                self._refuse(str(error))
-                return
-            finally:
-                telling.cancel()
-                self._is_starting = False
-            took = time.monotonic() - begun
-            if took > AT_ONCE:
-                self._say(f"the mission is ready after {took:.1f} s; the page starts it")
-            self.session = Session(mission, self._folder, self._speed, has_editor=True)
-            self._clock = asyncio.create_task(self.session.run())
+            autosave = Autosave(self._folder / NAME, Identity(secrets.token_hex(8), self._draft))
+            mission = await self._made(lambda: self._start(scenario), FIRST_PLAN)
+            if mission is not None:
+                autosave.begin(mission)
+                self._have_run(mission, autosave)
+
+    async def _go_on(self, kept: Kept) -> None:
+        """Go on with the mission of an autosave, as it stood when it was cut off."""
+        async with self._lock:
+            autosave = Autosave(kept.path, kept.identity)
+            mission = await self._made(partial(play_again, kept, self._start), PLAYED_AGAIN)
+            if mission is not None:
+                autosave.go_on()
+                self._have_run(mission, autosave)
+
+    async def _made(self, start: Callable[[], Mission], doing: str) -> Mission | None:
+        """Return a mission once it is made; or tell all pages why it cannot be, and return None."""
+        if self.session is not None:
+            raise TeamformerError("another page has run a mission already")
+        self._is_starting, self._refusal, self._doing = True, "", doing
+        begun, loop = time.monotonic(), asyncio.get_running_loop()
+        telling = loop.call_later(AT_ONCE, self._say, f"{doing} ...")
+        self._tell_starting(*self._watchers)
+        try:
+            mission = await _start_apart(start)
+        except TeamformerError as error:
+            self._refuse(str(error))
+            return None
+        finally:
+            telling.cancel()
+            self._is_starting = False
+        took = time.monotonic() - begun
+        if took > AT_ONCE:
+            self._say(f"the mission is ready after {took:.1f} s; the page starts it")
+        return mission
+
+    def _have_run(self, mission: Mission, autosave: Autosave) -> None:
+        """Let time pass for a mission, and have all pages come to it."""
+        self.session = Session(mission, self._folder, self._speed, True, autosave)
+        self._clock = asyncio.create_task(self.session.run())
         self._have_all_come_again()
 
     async def _edit(self) -> None:
@@ -224,7 +265,7 @@ class Workshop:
         self._watchers.clear()
 
 
-async def _start_apart(start: StartMission, scenario: Scenario) -> Mission:
+async def _start_apart(start: Callable[[], Mission]) -> Mission:
     """Make a mission, with its first plan, in a thread that does not keep Ctrl-C waiting."""
     loop = asyncio.get_running_loop()
     made: asyncio.Future[Mission] = loop.create_future()
@@ -241,7 +282,7 @@ async def _start_apart(start: StartMission, scenario: Scenario) -> Mission:
         mission: Mission | None = None
         error: BaseException | None = None
         try:
-            mission = start(scenario)
+            mission = start()
         except BaseException as raised:
             error = raised
         with contextlib.suppress(RuntimeError):  # the server has ended meanwhile

@@ -36,9 +36,23 @@ def draw_arrivals(scenario: Scenario, rng: np.random.Generator) -> tuple[Task, .
             most = min(arrivals.most_needs or len(caps), len(caps))
             chosen = rng.permutation(len(caps))[: rng.integers(1, most + 1)]
             needs = {caps[cap]: 1 for cap in sorted(chosen.tolist())}
-            named = Task(next(names), place, needs, arrivals.duration, step, has_arrived=True)
-            drawn.append(named)
+            if step > arrivals.since:  # those before are drawn, so that the others stay the same
+                named = Task(next(names), place, needs, arrivals.duration, step, has_arrived=True)
+                drawn.append(named)
     return tuple(drawn)
+
+
+def once_appeared(scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
+    """Return a scenario in which what has appeared by a truth is known, as tasks like others.
+
+    More appear as they would have.
+    """
+    if scenario.arrivals is None:
+        return scenario
+    arrived = truth.tasks[len(scenario.tasks) :]
+    known = tuple(replace(task, has_arrived=False) for task in arrived if task.appears <= steps)
+    arrivals = replace(scenario.arrivals, since=max(scenario.arrivals.since, steps))
+    return replace(scenario, arrivals=arrivals, tasks=(*scenario.tasks, *known))
 
 
 def with_arrivals(scenario: Scenario, truth: Scenario) -> Scenario:
@@ -63,7 +77,8 @@ def capabilities_in(scenario: Scenario, part: int) -> list[str]:
 
 def most_tasks(scenario: Scenario) -> int:
     """Return how many tasks there may be in the end."""
-    return len(scenario.tasks) + (scenario.arrivals.until if scenario.arrivals else 0)
+    arrivals = scenario.arrivals
+    return len(scenario.tasks) + (max(0, arrivals.until - arrivals.since) if arrivals else 0)
 
 
 def _free_names(scenario: Scenario) -> Iterator[str]:

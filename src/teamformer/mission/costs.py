@@ -28,7 +28,7 @@ def cost_of(weights: Mapping[str, float], parts: Mapping[str, float]) -> float:
 
 
 def judged_by(mission: Scenario) -> Mapping[str, float] | None:
-    """Return the weights that plans of a mission in steps are judged by; None: the makespan alone.
+    """Return the weights that plans of a mission are judged by; None: the makespan alone.
 
     A mission with windows and without a cost has its makespan and how late tasks are.
     """

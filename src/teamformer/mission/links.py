@@ -1,4 +1,4 @@
-"""Tasks whose starts are linked, done by different robots."""
+"""Tasks whose starts are linked: two that are linked directly are done by different robots."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.errors import Problem
+from teamformer.mission.costs import judged_by
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
 
 
 def is_linked(scenario: Scenario) -> bool:
-    """Say whether starts are linked or plans have a cost of their own."""
-    return bool(scenario.cost) or any(task.starts for task in scenario.tasks)
+    """Say whether starts are linked or plans are judged by more than the makespan."""
+    return judged_by(scenario) is not None or any(task.starts for task in scenario.tasks)
 
 
 def groups_of(tasks: Sequence[Task]) -> list[list[int]]:
@@ -30,6 +31,17 @@ def groups_of(tasks: Sequence[Task]) -> list[list[int]]:
     for number, at in enumerate(leader):
         groups.setdefault(at, []).append(number)
     return list(groups.values())
+
+
+def linked_with(tasks: Sequence[Task]) -> list[set[int]]:
+    """Return the tasks whose starts are linked with that of each directly: others do them."""
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    linked: list[set[int]] = [set() for _ in tasks]
+    for number, task in enumerate(tasks):
+        for name in task.starts:
+            linked[number].add(number_of[name])
+            linked[number_of[name]].add(number)
+    return linked
 
 
 def find_link_problems(scenario: Scenario) -> Iterator[Problem]:
@@ -80,15 +92,8 @@ def _problems_of_groups(scenario: Scenario) -> Iterator[Problem]:
         where = ("tasks", group[-1], "starts")
         if _is_contradictory([tasks[number] for number in group]):
             yield Problem(where, f"the gaps between the starts of {listed} contradict one another")
-        if len(group) > len(scenario.robots):
-            message = f"{listed} are done by different robots, of which there are"
-            yield Problem(where, f"{message} {len(scenario.robots)}; add some or drop a link")
-        needs = total(tasks[number].needs for number in group)
-        have = total(robot.can for robot in scenario.robots)
-        if not covers(have, needs):
-            short = describe(missing(have, needs))
-            message = f"{listed} are done by different robots, and all together lack {short}"
-            yield Problem(where, f"{message}; add robots or drop a link")
+        for apart in _all_apart(tasks, group):
+            yield from _problems_of_robots(scenario, apart)
     for number, task in enumerate(tasks):
         for name in task.after:
             other = number_of.get(name, number)
@@ -98,6 +103,39 @@ def _problems_of_groups(scenario: Scenario) -> Iterator[Problem]:
                 return
     if groups:
         yield from _problems_of_waiting(scenario, groups)
+
+
+def _all_apart(tasks: Sequence[Task], group: Sequence[int]) -> list[list[int]]:
+    """Return sets of tasks of a group of which each is linked with each other one directly.
+
+    Each task is in the one that it begins, or in one with all of these.
+    """
+    found: list[set[int]] = []
+    linked = linked_with(tasks)
+    for first in group:
+        apart = {first}
+        for other in group:
+            if apart <= linked[other]:
+                apart.add(other)
+        if not any(apart <= known for known in found):
+            found.append(apart)
+    return [sorted(apart) for apart in found]
+
+
+def _problems_of_robots(scenario: Scenario, apart: Sequence[int]) -> Iterator[Problem]:
+    """Return why there are too few robots for tasks that are done by different ones."""
+    tasks = scenario.tasks
+    where = ("tasks", max(number for number in apart if tasks[number].starts), "starts")
+    listed = ", ".join(f"'{tasks[number].name}'" for number in apart)
+    if len(apart) > len(scenario.robots):
+        message = f"{listed} are done by different robots, of which there are"
+        yield Problem(where, f"{message} {len(scenario.robots)}; add some or drop a link")
+    needs = total(tasks[number].needs for number in apart)
+    have = total(robot.can for robot in scenario.robots)
+    if not covers(have, needs):
+        short = describe(missing(have, needs))
+        message = f"{listed} are done by different robots, and all together lack {short}"
+        yield Problem(where, f"{message}; add robots or drop a link")
 
 
 def _is_contradictory(tasks: Sequence[Task]) -> bool:

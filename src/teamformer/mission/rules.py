@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
 from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
-from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, LIVE, REAL_ROBOTS, STEPS
+from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, REAL_ROBOTS, STEPS
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.mission_keys import HOME, TIMES
+from teamformer.mission.keys.unknown import Found, find_unknown, told_once
 from teamformer.mission.links import find_link_problems, find_links
 from teamformer.mission.loads import find_flown_loads
 from teamformer.mission.reach import can_reach, way_for
-from teamformer.mission.unknown_keys import Found, find_unknown, told_once
+from teamformer.mission.windows import find_endless_play
 from teamformer.roads import AIR, GROUND, Roads
 
 if TYPE_CHECKING:
@@ -73,6 +74,8 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("cost", ONLY_IN_CONTINUOUS_TIME), message)
     for problem in find_links(scenario):
         yield Problem(problem.where, f"{problem.message}; {remedy}")
+    for problem in find_endless_play(scenario):
+        yield Problem(problem.where, f"{problem.message}, or {remedy}")
 
 
 def rules_not_known_beforehand(scenario: Scenario) -> Iterator[Problem]:
@@ -89,18 +92,11 @@ def rules_not_planned(scenario: Scenario) -> Iterator[Problem]:
         yield from rules_not_known_beforehand(scenario)
 
 
-def rules_of_live_missions(scenario: Scenario) -> Iterator[Problem]:
-    """Return why a scenario cannot run where people may change it; nothing if it can."""
-    yield from rules_not_played(scenario)
-    rest = "which only `run` and `compare` know; drop {}, or use one of these"
-    yield from told_once(scenario, find_unknown(scenario, LIVE, is_surprise=True), rest.format)
-
-
 VERBS = {
     "run": rules_not_played,
     "compare": rules_not_played,
     "plan": rules_not_planned,
-    "live": rules_of_live_missions,
+    "live": rules_not_played,
 }
 """What refuses a scenario, by verb."""
 
@@ -116,13 +112,14 @@ def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
 
     So it is where missions are to be done by robots that are real.
     """
-    yield from rules_of_live_missions(scenario)
+    yield from rules_not_played(scenario)
     verbs = _verbs_for(scenario)
-    found = find_unknown(scenario, REAL_ROBOTS, is_surprise=True)
 
     def rest(key: str) -> str:
-        return f"which {REAL_ROBOTS} do not know; make {key} sure, drop it, or use {verbs}"
+        change = "drop it" if key == "arrivals" else f"make {key} sure, drop it"
+        return f"which {REAL_ROBOTS} do not know; {change}, or use {verbs}"
 
+    found = find_unknown(scenario, REAL_ROBOTS, is_surprise=True)
     yield from told_once(scenario, found, rest)
 
 
@@ -144,21 +141,6 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
         return f"which {REAL_ROBOTS} do not know; drop {key}, or use {verbs}"
 
     yield from told_once(scenario, found, rest)
-
-
-def opening_step(task: Task) -> int:
-    """Return how many steps have been made when a task may begin, those before it being done."""
-    return max(task.appears, window_opens(task))
-
-
-def window_opens(task: Task) -> int:
-    """Return how many steps have been made when the window of a task begins."""
-    return math.ceil(task.between[0]) if task.between else 0
-
-
-def may_begin_at_once(task: Task) -> bool:
-    """Say whether a task may begin in the first step."""
-    return not task.after and opening_step(task) == 0
 
 
 def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
@@ -276,8 +258,3 @@ def _circle(scenario: Scenario) -> list[str]:
                 path.append(other)
                 branches.append(iter(before[other]))
     return []
-
-
-def latest_end(between: tuple[float, float] | None) -> float:
-    """Return when a task must have ended not to be late."""
-    return math.inf if between is None else between[1]

@@ -10,7 +10,7 @@ from teamformer.errors import Problem
 from teamformer.mission.keys.key import CONTINUOUS
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.mission_keys import LONGEST_ARRIVALS
-from teamformer.mission.unknown_keys import find_unknown, told_once
+from teamformer.mission.keys.unknown import find_unknown, told_once
 
 if TYPE_CHECKING:
     from teamformer.model import Arrivals, Breakdown, Robot, Scenario, Task
@@ -46,6 +46,9 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
     if not 0 <= arrivals.until <= LONGEST_ARRIVALS:
         message = f"tasks appear until step {arrivals.until}; use 0 to {LONGEST_ARRIVALS:,}"
         yield Problem(("arrivals", "until"), message)
+    if not 0 <= arrivals.since <= LONGEST_ARRIVALS:
+        message = f"tasks appear since step {arrivals.since}; use 0 to {LONGEST_ARRIVALS:,}"
+        yield Problem(("arrivals", "since"), message)
     if not 0 <= arrivals.duration <= LARGEST_NUMBER:
         message = f"tasks that appear take {arrivals.duration} steps; use 0 to {LARGEST_NUMBER:,}"
         yield Problem(("arrivals", "duration"), message)

@@ -1,15 +1,62 @@
-"""Windows of time that a mission's precedence makes impossible to keep."""
+"""When tasks may begin and must have ended, and missions whose times cannot be kept or played."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
-from teamformer.mission.rules import latest_end, opening_step
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
+
+LONGEST_PLAY = 1_000_000
+"""Steps that a mission may take at least: every step is made and recorded, a minute for so many."""
+
+
+def opening_step(task: Task) -> int:
+    """Return how many steps have been made when a task may begin, those before it being done."""
+    return max(task.appears, window_opens(task))
+
+
+def window_opens(task: Task) -> int:
+    """Return how many steps have been made when the window of a task begins."""
+    return math.ceil(task.between[0]) if task.between else 0
+
+
+def may_begin_at_once(task: Task) -> bool:
+    """Say whether a task may begin in the first step."""
+    return not task.after and opening_step(task) == 0
+
+
+def latest_end(between: tuple[float, float] | None) -> float:
+    """Return when a task must have ended not to be late."""
+    return math.inf if between is None else between[1]
+
+
+def find_endless_play(scenario: Scenario) -> Iterator[Problem]:
+    """Return what makes a mission in steps so long that nobody waits for its end.
+
+    A mission whose step limit is lower ends with that.
+    """
+    if scenario.step_limit <= LONGEST_PLAY:
+        return
+    allowed = f"more than the {LONGEST_PLAY:,} steps that are played"
+    remedy = "let a step stand for more time, set a lower step_limit"
+    ends = _earliest_ends(scenario)
+    for number, task in enumerate(scenario.tasks):
+        begins = max([0.0, *(ends[name] for name in task.after)])
+        if ends[task.name] > LONGEST_PLAY >= begins:
+            message = f"task '{task.name}' ends in step {ends[task.name]:,.0f} at the earliest"
+            yield Problem(("tasks", number, _longest_part(task)), f"{message}, {allowed}; {remedy}")
+
+
+def _longest_part(task: Task) -> str:
+    """Return the key of a task that most of its time is for."""
+    parts = {"duration": task.duration, "unload": task.unload, "appears": task.appears}
+    parts["between"] = window_opens(task)
+    return max(parts, key=parts.__getitem__)
 
 
 def find_hopeless_windows(scenario: Scenario) -> Iterator[Problem]:
@@ -35,14 +82,15 @@ def find_hopeless_windows(scenario: Scenario) -> Iterator[Problem]:
 
 
 def _earliest_ends(scenario: Scenario) -> dict[str, float]:
-    """Return when each task ends at the earliest, by name: ways, teams and links are left out."""
+    """Return when each task is over at the earliest, by name, without ways, teams and links."""
     ends: dict[str, float] = {}
     left = list(scenario.tasks)
     while left:
         for task in left:
             if all(name in ends for name in task.after):
                 begin = max([_release(scenario, task), *(ends[name] for name in task.after)])
-                ends[task.name] = begin + _least_time(scenario, task)
+                end = begin + _least_time(scenario, task)
+                ends[task.name] = end if task.cancelled is None else min(end, task.cancelled)
         left = [task for task in left if task.name not in ends]
     return ends
 

@@ -17,7 +17,7 @@ SHARES = 3200
 """What a step of everything costs, for each task: how finely prices are told apart."""
 
 SMOOTH = 16
-"""What a step of the end of any task costs beside its price: it leads out of plateaus."""
+"""What a step of the end of any task costs a search beside its price: it leads out of plateaus."""
 
 
 class Prices(NamedTuple):
@@ -30,15 +30,12 @@ class Prices(NamedTuple):
 
 
 def prices_of(scenario: Scenario, tasks: Sequence[Task]) -> Prices:
-    """Return the prices of plans for some tasks of a mission.
-
-    A mission without a cost has its makespan and, if tasks have windows, how late they are.
-    """
+    """Return the prices of plans for some tasks of a mission; none if its makespan alone counts."""
     weights = judged_by(scenario)
     if weights is None or not tasks:
         nothing = np.zeros(0, np.int64)
         return Prices(nothing, nothing, nothing, nothing)
-    by_task = np.array([1.0 if scenario.cost is None else task.weight for task in tasks])
+    by_task = np.array([task.weight for task in tasks])
     wanted = {part: weights.get(part, 0.0) for part in
               ("makespan", "max_tardiness", "tardiness", "completion")}  # fmt: skip
     of_tasks = (wanted["tardiness"] + wanted["completion"]) * by_task.sum()
@@ -52,6 +49,6 @@ def prices_of(scenario: Scenario, tasks: Sequence[Task]) -> Prices:
     return Prices(
         due=np.array(due, np.int64),
         late=price(wanted["tardiness"] * by_task),
-        ends=price(wanted["completion"] * by_task) + SMOOTH,
+        ends=price(wanted["completion"] * by_task),
         whole=price([wanted["makespan"], wanted["max_tardiness"]]),
     )

@@ -104,7 +104,7 @@ class Race(Generic[Plan]):
 
 def search_by_clock(
     search: Callable[[float, int], None],
-    cost: Callable[[], float],
+    rank: Callable[[], tuple[float, ...]],
     deadline: float,
     race: Race[Any],
     offer: Callable[[], None],
@@ -113,17 +113,17 @@ def search_by_clock(
     """Search until one of three things happens: a deadline, the end of the race, enough rounds.
 
     `search` makes rounds. It is told how much of the time or of the rounds is over, from 0 to 1,
-    and how many rounds to make. `offer` is called whenever the cost has fallen.
+    and how many rounds to make. `offer` is called whenever the `rank` of its best plan has fallen.
     """
-    at_once, least, made = FEWEST_ROUNDS, cost(), 0
+    at_once, least, made = FEWEST_ROUNDS, rank(), 0
     begun = now = time.perf_counter()
     while now < deadline and made < rounds and not race.is_over:
         passed = max((now - begun) / (deadline - begun), made / rounds)
         at_once = int(min(at_once, rounds - made))
         search(passed, at_once)
         made += at_once
-        if cost() < least:
-            least = cost()
+        if rank() < least:
+            least = rank()
             offer()
         took, now = time.perf_counter() - now, time.perf_counter()
         at_once = max(1, min(2 * at_once, int(at_once * SECONDS_AT_ONCE / max(took, 1e-7))))

@@ -169,11 +169,14 @@ def _complete(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes)
     """Judge which tasks the record says were done."""
     recorded: dict[int, int] = {}
     for task, slot in step.done:
+        if slot is None:
+            notes.note(f"task {fleet.scenario.tasks[task].name} is done by nobody")
+            continue
         if task in recorded:
             notes.note(f"task {fleet.scenario.tasks[task].name} is done twice")
         recorded[task] = slot
     heading = {entry.slot: entry.task for entry in step.teams}
-    for task, slot in step.done:  # what is done is nobody's assignment any more
+    for task, slot in recorded.items():  # what is done is nobody's assignment any more
         if tasks.loads.is_load(task):
             heading[slot] = task
     tasks.complete(fleet, recorded, heading, number, notes)

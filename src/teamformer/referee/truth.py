@@ -36,7 +36,7 @@ def wrong_truths(scenario: Scenario, truth: Scenario) -> Iterator[str]:
 
 def _wrong_arrivals(scenario: Scenario, arrivals: Arrivals) -> Iterator[str]:
     """Say which tasks that appeared at random cannot have."""
-    latest = 0
+    latest = arrivals.since
     for task in scenario.tasks:
         if not task.has_arrived:
             continue

@@ -120,8 +120,9 @@ class TeamFormation:
         self._chunks = list(itertools.pairwise(edges))
         self.rewards = np.zeros((count, robots))
         self._is_viewed = False
-        moves = (self.worlds.rules["hides_places"] & self.worlds.rules["has_walls"]).any()
-        self._are_ways_fixed = not moves  # a task believed elsewhere has other ways to it
+        rules = self.worlds.rules
+        moves = (rules["hides_places"] | rules["has_loads"]) & rules["has_walls"]
+        self._are_ways_fixed = not moves.any()  # to a task elsewhere, or with a load, lead others
 
     def __enter__(self) -> TeamFormation:
         return self

@@ -11,12 +11,8 @@ from teamformer.errors import ScenarioError
 from teamformer.grid import Grid, Place
 from teamformer.mission.places import believed_place, possible_places
 from teamformer.mission.precedence import tasks_before
-from teamformer.mission.rules import (
-    FORESIGHTS,
-    NEW_TASKS,
-    rules_not_played,
-    window_opens,
-)
+from teamformer.mission.rules import FORESIGHTS, NEW_TASKS, rules_not_played
+from teamformer.mission.windows import window_opens
 from teamformer.model import Scenario, Task, World
 from teamformer.plane import DECIMALS, Plane
 from teamformer.rules.chance import first_state

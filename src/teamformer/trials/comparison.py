@@ -8,9 +8,8 @@ from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
-from teamformer.sim.replay.task_times import cost_of_record
 from teamformer.trials.methods import Method
-from teamformer.trials.rows import best_known, result_row
+from teamformer.trials.rows import Bars, bars_of, result_row
 from teamformer.trials.trial import Trial
 
 RunOne = Callable[[Scenario, Method, int], Trial]
@@ -25,18 +24,6 @@ class Failure:
     method: str
     seed: int
     error: TeamformerError
-
-
-@dataclass(frozen=True)
-class Bars:
-    """What trials of one mission are measured by: the fastest of them and the highest bound.
-
-    `least_cost` is that of the cheapest, if the mission has a cost.
-    """
-
-    best: int | None
-    bound: int | None
-    least_cost: float | None = None
 
 
 @dataclass(frozen=True)
@@ -63,7 +50,7 @@ class Comparison:
     def rows(self) -> list[dict[str, Any]]:
         """Return a row for each trial; of one that came to nothing, why."""
         return [
-            result_row(trial, self.bars[trial.replay.seed].best)
+            result_row(trial, self.bars[trial.replay.seed])
             if isinstance(trial, Trial)
             else _row_of_failure(trial)
             for trial in self.ran
@@ -121,15 +108,11 @@ def _find_bars(trials: Sequence[Trial], is_uncertain: bool) -> dict[int, Bars]:
 
     Else each seed is a mission of its own.
     """
-    bars = {}
-    for seed in dict.fromkeys(trial.replay.seed for trial in trials):
-        alike = [trial for trial in trials if trial.replay.seed == seed or not is_uncertain]
-        bounds = (trial.replay.lower_bound for trial in alike)
-        bound = max((bound for bound in bounds if bound is not None), default=None)
-        costs = (cost_of_record(trial.replay) for trial in alike)
-        least_cost = min((cost for cost in costs if cost is not None), default=None)
-        bars[seed] = Bars(best_known(alike), bound, least_cost)
-    return bars
+    seeds = dict.fromkeys(trial.replay.seed for trial in trials)
+    return {
+        seed: bars_of([it for it in trials if it.replay.seed == seed or not is_uncertain])
+        for seed in seeds
+    }
 
 
 def _knowing(trial: Trial, bars: Mapping[int, Bars]) -> Trial:

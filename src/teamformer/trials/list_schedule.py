@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission.rules import may_begin_at_once
+from teamformer.mission.windows import may_begin_at_once
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.relaxation.schedule import schedule_tasks

@@ -26,7 +26,7 @@ def routes_of(replay: Replay) -> tuple[Route, ...]:
                 place[robot], since[robot] = teams.place(robot), number
         for task, slot in step.done:
             start = taken.get(task, number) - replay.mission.tasks[task].duration
-            for robot in teams.robots[slot]:
+            for robot in teams.doers(slot):
                 earlier = stops[robot][-1].end if stops[robot] else 0
                 came = since[robot] if task not in taken else start
                 arrive = min(start, max(earlier, came))

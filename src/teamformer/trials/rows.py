@@ -3,18 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
+from teamformer.mission.costs import judged_by
 from teamformer.model import Scenario
 from teamformer.plane import Plane
 from teamformer.policies.central.plays import CentralPlan
 from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import cost_of_record, lateness
+from teamformer.sim.replay.task_times import cost_of_record, judged_value, lateness
 from teamformer.trials.trial import Trial
 
 
-def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
-    """Return the row of a trial; `best_known` is the fastest makespan that is known."""
+@dataclass(frozen=True)
+class Bars:
+    """What trials of one mission are measured by: the fastest of them and the highest bound.
+
+    `least` is the least of what plans of the mission are judged by: of the costs, say.
+    """
+
+    best: int | None
+    bound: int | None
+    least: float | None
+
+
+def bars_of(trials: Sequence[Trial]) -> Bars:
+    """Return the bars of several trials of one mission."""
+    replays = [trial.replay for trial in trials]
+    makespans = [replay.end.makespan for replay in replays]
+    makespans += [trial.plan.makespan for trial in trials if trial.plan]
+    bounds = (replay.lower_bound for replay in replays)
+    best = min((steps for steps in makespans if steps is not None), default=None)
+    bound = max((steps for steps in bounds if steps is not None), default=None)
+    if all(judged_by(replay.mission) is None for replay in replays):
+        return Bars(best, bound, best)
+    judged = (judged_value(replay) for replay in replays)
+    least = min((value for value in judged if value is not None), default=None)
+    return Bars(best, bound, least)
+
+
+def result_row(trial: Trial, bars: Bars) -> dict[str, Any]:
+    """Return the row of a trial; `bars` are those of all trials of its mission."""
     replay, end = trial.replay, trial.replay.end
     return {
         "scenario": replay.scenario.name,
@@ -40,9 +69,9 @@ def result_row(trial: Trial, best_known: int | None) -> dict[str, Any]:
         "simulating_seconds": round(trial.simulating_seconds, 6),
         "compiling_seconds": round(trial.compiling_seconds, 6),
         "total_seconds": round(trial.total_seconds, 6),
-        "best_known": best_known,
+        "best_known": bars.best,
         "lower_bound": replay.lower_bound,
-        "percent_over_best": percent_over(end.makespan, best_known),
+        "percent_over_best": percent_over_least(replay, bars),
         "percent_over_bound": percent_over(end.makespan, replay.lower_bound),
         **_plan_row(trial.plan),
     }
@@ -54,11 +83,9 @@ def rounded_cost(replay: Replay) -> float | None:
     return None if cost is None else round(cost, 6)
 
 
-def best_known(trials: Sequence[Trial]) -> int | None:
-    """Return the fastest of several trials of one scenario; None if none was completed."""
-    makespans = [trial.replay.end.makespan for trial in trials]
-    makespans += [trial.plan.makespan for trial in trials if trial.plan]
-    return min((steps for steps in makespans if steps is not None), default=None)
+def percent_over_least(replay: Replay, bars: Bars) -> float | None:
+    """Return by how many percent a trial is above the best one, by what plans are judged by."""
+    return percent_over(judged_value(replay), bars.least)
 
 
 def percent_over(value: float | None, bar: float | None) -> float | None:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from teamformer.capabilities import covers, describe, missing, total
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
+from teamformer.mission.links import linked_with
 from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.mission.reach import can_reach
 from teamformer.model import Scenario
@@ -26,7 +29,8 @@ def read_start_plan(path: Path, mission: Scenario) -> Plan:
 
     The order is that of the `start` of each task. Tasks that the plan leaves out come last, by as
     few robots as can do them. Raises `TeamformerError` for a file without a plan, and for a plan
-    with unknown names, or with robots that cannot do their task.
+    with unknown names, with robots that cannot do their task, or with one that does two tasks whose
+    starts are linked.
     """
     try:
         rows = _rows(json.loads(read_text(path, LARGEST, HINT)))
@@ -67,11 +71,41 @@ def _plan_of(rows: list[Row], mission: Scenario) -> Plan:
     for number, coalition in enumerate(robots):
         if coalition:
             _refuse_unable(mission, number, coalition)
-        else:
-            coalition |= _able(mission, number)
-    order = sorted(task_of.values(), key=start.__getitem__)
-    order = keep_precedence(order, tasks_before(mission.tasks))
+    _refuse_linked(mission, robots)
+    linked = linked_with(mission.tasks)
+    for number, coalition in enumerate(robots):
+        if not coalition:
+            taken = set[int]().union(*(robots[other] for other in linked[number]))
+            coalition |= _able(mission, number, taken)
+    order = _order_of([(robot, task_of[task]) for robot, task, _ in rows], start, mission)
     return Plan(tuple(order), tuple(tuple(sorted(robots[task])) for task in order))
+
+
+def _order_of(
+    stops: Sequence[tuple[str, int]], start: Sequence[float], mission: Scenario
+) -> list[int]:
+    """Return the order of the starts; what starts at one moment is in the order of the routes."""
+    order = sorted(range(len(start)), key=start.__getitem__)
+    before = tasks_before(mission.tasks)
+    as_routes = {task: list(before.get(task, ())) for task in order}
+    for (robot, task), (other_robot, next_one) in pairwise(stops):
+        if robot == other_robot and start[task] == start[next_one] and task != next_one:
+            as_routes[next_one].append(task)
+    kept = keep_precedence(order, as_routes)
+    return kept if len(kept) == len(order) else keep_precedence(order, before)
+
+
+def _refuse_linked(mission: Scenario, robots: Sequence[set[int]]) -> None:
+    """Refuse a plan in which a robot does two tasks whose starts are linked with one another."""
+    tasks = mission.tasks
+    for number, others in enumerate(linked_with(tasks)):
+        for other in others:
+            if both := robots[number] & robots[other]:
+                raise TeamformerError(
+                    f"the plan gives '{tasks[number].name}' and '{tasks[other].name}' to "
+                    f"{mission.robots[min(both)].name}, and their starts are linked",
+                    "let different robots do them",
+                )
 
 
 def _refuse_unable(mission: Scenario, task: int, coalition: set[int]) -> None:
@@ -86,10 +120,20 @@ def _refuse_unable(mission: Scenario, task: int, coalition: set[int]) -> None:
         )
 
 
-def _able(mission: Scenario, task: int) -> set[int]:
-    """Return robots that can do a task together, without one that they could spare."""
+def _able(mission: Scenario, task: int, taken: set[int]) -> set[int]:
+    """Return robots that can do a task together, without one that they could spare.
+
+    None of those are among them that are `taken` by tasks which its start is linked with.
+    """
     wanted, robots = mission.tasks[task], mission.robots
     able = {r for r, robot in enumerate(robots) if can_reach(mission.world, robot, wanted.at)}
+    able -= taken
+    if not covers(total(robots[robot].can for robot in able), wanted.needs):
+        raise TeamformerError(
+            f"the plan leaves out task '{wanted.name}', whose start is linked, and has nobody left "
+            "for it",
+            "say in the plan who does it",
+        )
     for robot in sorted(able, reverse=True):
         if covers(total(robots[other].can for other in able - {robot}), wanted.needs):
             able.remove(robot)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,8 @@ from teamformer.viewer.gantt import tick_step
 from teamformer.viewer.html import plain_page
 from teamformer.whole_files import write_whole
 
-ROW, BAR, LABEL, WIDTH, TOP, END = 24, 14, 340, 640, 30, 170
-"""Sizes in pixels: of a row, a bar, the changes, the gains, the axis, the makespans."""
+ROW, BAR = 24, 14
+"""Heights in pixels: of a row and of a bar. Along a row all is in percent, whatever fits there."""
 
 MOST_ROWS = 60
 """Of more changes, those that win or lose most are shown."""
@@ -20,17 +21,24 @@ MOST_ROWS = 60
 LONGEST_LOSS = 1.5
 """So many times the largest gain; the bar of a larger loss ends at the edge."""
 
-LONGEST_NAME = 50
+TICKS_APART = 2
+"""Half of the marks that `tick_step` finds room for: phones are narrow."""
 
 STYLE = """
 body{font:14px/1.4 system-ui,sans-serif;margin:24px;color:#1d2733;background:#fff}
-h1{font-size:20px;margin:0 0 4px}p{margin:0 0 12px;color:#4a5766;max-width:75ch}
-main{overflow-x:auto}svg{display:block}
-text{font:12px system-ui,sans-serif;fill:#1d2733}.dim{fill:#6b7785}
+h1{font-size:20px;margin:0 0 4px;overflow-wrap:anywhere}
+p{margin:0 0 12px;color:#4a5766;max-width:75ch;overflow-wrap:anywhere}
+ol{list-style:none;margin:0;padding:0;max-width:1200px}
+li{display:grid;grid-template-columns:minmax(150px,30%) 1fr 130px;gap:0 14px;align-items:center}
+.what{text-align:right;overflow-wrap:anywhere}
+svg{display:block;width:100%;overflow:visible}
+text{font:12px system-ui,sans-serif}text,.dim{fill:#5d6977;color:#5d6977}
 .grid{stroke:#e3e8ee}.zero{stroke:#6b7785}.noise{fill:#e3e8ee}
 .wins{fill:#157347}.loses{fill:#b3402a}.unsure{fill:#9aa7b5}
-@media(prefers-color-scheme:dark){body{background:#12181f;color:#dfe6ee}text{fill:#dfe6ee}
-p{color:#9aa7b5}.noise,.grid{fill:#2a3542;stroke:#2a3542}.dim{fill:#9aa7b5}
+@media(max-width:640px){body{margin:14px}li{grid-template-columns:1fr auto;padding:3px 0}
+.what{text-align:left}.bar{grid-column:1/3;grid-row:2}}
+@media(prefers-color-scheme:dark){body{background:#12181f;color:#dfe6ee}
+p,text,.dim{fill:#9aa7b5;color:#9aa7b5}.noise,.grid{fill:#2a3542;stroke:#2a3542}
 .wins{fill:#3fa873}.loses{fill:#d9725c}}
 """
 
@@ -44,7 +52,7 @@ def advice_page(advice: Mapping[str, Any]) -> str:
     """Return the page."""
     name = html.escape(str(advice["scenario"]))
     said = "".join(f"<p>{html.escape(line)}</p>" for line in _sentences(advice))
-    body = f"<h1>{name}: what would help</h1>{said}<main>{_drawing(advice)}</main>"
+    body = f"<main><h1>{name}: what would help</h1>{said}{_drawing(advice)}</main>"
     return plain_page(f"{name}, advice", STYLE, body)
 
 
@@ -69,21 +77,33 @@ def _sentences(advice: Mapping[str, Any]) -> list[str]:
 
 
 def _drawing(advice: Mapping[str, Any]) -> str:
+    """Return a list with a row for each change; all bars have one scale."""
     rows = _shown(advice["advice"])
     ends = [end for row in rows for end in (row["gain"], row["noise"], -row["noise"])]
     most, least = max([0.0, *ends]), min([0.0, *ends])
     if most > 0:
         least = max(least, -LONGEST_LOSS * most)
-    scale = WIDTH / max(most - least, 1e-9)
-    zero = LABEL - least * scale
-    height, width = TOP + ROW * len(rows) + 8, LABEL + WIDTH + END
-    parts = _axis(least, most, zero, scale, height)
-    for number, row in enumerate(rows):
-        parts += _row(row, TOP + ROW * number, zero, scale, least)
-    return (
-        '<svg role="img" aria-label="What each change wins" '
-        f'width="{width}" height="{height}" viewBox="0 0 {width} {height}">{"".join(parts)}</svg>'
-    )
+    scale = _Scale(least, most)
+    parts = [_axis(scale), *(_row(row, scale) for row in rows)]
+    return f'<ol aria-label="What each change wins">{"".join(parts)}</ol>'
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """Where gains lie along a row, in percent of its width."""
+
+    least: float
+    most: float
+
+    def at(self, gain: float) -> float:
+        """Return where a gain lies; a larger loss than fits lies at the edge."""
+        return 100 * (max(self.least, gain) - self.least) / max(self.most - self.least, 1e-9)
+
+    @property
+    def ticks(self) -> list[float]:
+        """Return the gains that have a line, which are round numbers."""
+        step = tick_step(max(TICKS_APART * (self.most - self.least), 1e-9))
+        return [n * step for n in range(int(self.least / step), int(self.most / step) + 1)]
 
 
 def _shown(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
@@ -93,39 +113,42 @@ def _shown(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     return [row for row in rows if id(row) in kept]
 
 
-def _axis(least: float, most: float, zero: float, scale: float, height: int) -> list[str]:
-    step = tick_step(max(most - least, 1e-9))
-    parts = []
-    for number in range(int(least / step), int(most / step) + 1):
-        x, looks = zero + number * step * scale, "grid" if number else "zero"
-        parts.append(f'<line class="{looks}" x1="{x:.1f}" x2="{x:.1f}" y1="20" y2="{height}"/>')
-        label = _signed(number * step)
-        parts.append(f'<text class="dim" x="{x:.1f}" y="14" text-anchor="middle">{label}</text>')
-    return parts
+def _axis(scale: _Scale) -> str:
+    labels = "".join(
+        f'<text x="{scale.at(gain):.1f}%" y="14" text-anchor="middle">{_signed(gain)}</text>'
+        for gain in scale.ticks
+    )
+    axis = f'<svg class="bar" height="20">{labels}</svg>'
+    return f'<li aria-hidden="true"><span></span>{axis}<span></span></li>'
 
 
 def _signed(value: float) -> str:
     return f"{value:+g}" if value else "0"
 
 
-def _row(row: Mapping[str, Any], y: int, zero: float, scale: float, least: float) -> list[str]:
+def _row(row: Mapping[str, Any], scale: _Scale) -> str:
     """Return a change's name, the band of noise, its bar and the makespan with it."""
-    end = zero + max(least, row["gain"]) * scale
-    gain, noise, middle = row["gain"], row["noise"], y + ROW / 2
-    name = str(row["change"])
-    cut = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
+    gain, noise, name = row["gain"], row["noise"], html.escape(str(row["change"]))
     looks = "unsure" if abs(gain) <= noise else "wins" if gain > 0 else "loses"
     told = f"{name}: {row['makespan']:g}, {_signed(gain)}; luck up to {noise:g}"
-    return [
-        f"<g><title>{html.escape(told)}</title>"
-        f'<text x="{LABEL - 12}" y="{middle + 4}" text-anchor="end">{html.escape(cut)}</text>',
-        _rect("noise", zero - noise * scale, zero + noise * scale, y + 2, ROW - 4),
-        _rect(looks, min(zero, end), max(zero, end), y + (ROW - BAR) // 2, BAR),
-        f'<text x="{LABEL + WIDTH + 12}" y="{middle + 4}">{round(row["makespan"], 2):g}'
-        f'<tspan class="dim" dx="10">{_signed(round(gain, 2))}</tspan></text></g>',
-    ]
+    parts = [_rect("noise", -noise, noise, scale, ROW - 4)]
+    parts += [_line(tick, scale) for tick in scale.ticks]
+    parts.append(_rect(looks, min(0, gain), max(0, gain), scale, BAR))
+    bar = f'<svg class="bar" role="img" aria-label="{told}" height="{ROW}"><title>{told}</title>'
+    takes = f'{round(row["makespan"], 2):g} <span class="dim">{_signed(round(gain, 2))}</span>'
+    return (
+        f'<li><span class="what">{name}</span>{bar}{"".join(parts)}</svg><span>{takes}</span></li>'
+    )
 
 
-def _rect(looks: str, left: float, right: float, top: int, height: int) -> str:
-    width = max(0.0, right - left)
-    return f'<rect class="{looks}" x="{left:.1f}" y="{top}" width="{width:.1f}" height="{height}"/>'
+def _line(gain: float, scale: _Scale) -> str:
+    x, looks = f"{scale.at(gain):.1f}%", "grid" if gain else "zero"
+    return f'<line class="{looks}" x1="{x}" x2="{x}" y1="0" y2="{ROW}"/>'
+
+
+def _rect(looks: str, begin: float, end: float, scale: _Scale, height: int) -> str:
+    left = scale.at(begin)
+    width, top = max(0.0, scale.at(end) - left), (ROW - height) // 2
+    return (
+        f'<rect class="{looks}" x="{left:.2f}%" y="{top}" width="{width:.2f}%" height="{height}"/>'
+    )

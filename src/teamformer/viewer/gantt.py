@@ -10,7 +10,8 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
-from teamformer.viewer.html import plain_page
+from teamformer.viewer.html import plan_page
+from teamformer.viewer.plan_table import STYLE_OF_TABLE, table_of_tasks
 from teamformer.whole_files import write_whole
 
 ROW, BAR, LABEL, WIDTH, TOP = 26, 16, 110, 1100, 34
@@ -30,6 +31,9 @@ text{font:12px system-ui,sans-serif;fill:#1d2733}
 .beside{font-size:10px}
 .path{fill:none;stroke:#d9730d;stroke-width:2.5}
 .late rect{stroke:#b3402a;stroke-width:3}
+.window{fill:#5d6977}[data-task],[data-robot]{cursor:pointer}
+.chosen .task{opacity:.3}.chosen .task.now{opacity:1}text.now{font-weight:700}
+@media(max-width:640px){body{margin:14px}}
 @media(prefers-color-scheme:dark){body{background:#12181f;color:#dfe6ee}text{fill:#dfe6ee}
 p{color:#9aa7b5}.wait{fill:#2a3542}.grid{stroke:#2a3542}}
 """
@@ -44,7 +48,9 @@ def gantt_page(plan: Mapping[str, Any]) -> str:
     """Return the page."""
     name = html.escape(str(plan["scenario"]))
     said = f"<h1>{name}</h1><p>{html.escape(_summary(plan))}</p>"
-    return plain_page(f"{name}, plan", STYLE, f"<main>{said}{_drawing(plan)}</main>")
+    chosen = '<p id="said" role="status"></p>'
+    body = f"<main>{said}{chosen}{_drawing(plan)}{table_of_tasks(plan)}</main>"
+    return plan_page(f"{name}, plan", STYLE + STYLE_OF_TABLE, body, plan)
 
 
 def _summary(plan: Mapping[str, Any]) -> str:
@@ -54,6 +60,8 @@ def _summary(plan: Mapping[str, Any]) -> str:
     if "cost" in plan:
         over += f", at a cost of {plan['cost']:g}"
     legend = "Lines are ways, pale bars waits"
+    if plan.get("windows"):
+        legend += ", thin lines below bars the windows of tasks"
     if plan.get("critical_path"):
         legend += "; orange is the chain that the end hangs on"
     if plan["bound"] <= 0:
@@ -74,7 +82,7 @@ def _drawing(plan: Mapping[str, Any]) -> str:
     for number, route in enumerate(routes):
         y = TOP + ROW * number
         names.append(_name(str(route["robot"]), y))
-        parts += _row(route, y, scale, hue, plan["late"])
+        parts += _row(route, y, scale, hue, plan)
     parts += _critical_path(plan, scale)
     left = LABEL - 8  # half of the axis's first number is left of the time's beginning
     width = LABEL + WIDTH + 24 - left
@@ -114,7 +122,8 @@ def _name(robot: str, y: int) -> str:
     name = html.escape(robot if len(robot) <= LONGEST_NAME else f"{robot[: LONGEST_NAME - 1]}…")
     title = "" if len(robot) <= LONGEST_NAME else f"<title>{html.escape(robot)}</title>"
     middle = y + ROW / 2
-    return f'<text x="{LABEL - 10}" y="{middle + 4}" text-anchor="end">{title}{name}</text>'
+    known = f'data-robot="{html.escape(robot)}"'
+    return f'<text {known} x="{LABEL - 10}" y="{middle + 4}" text-anchor="end">{title}{name}</text>'
 
 
 def _axis(plan: Mapping[str, Any], scale: float, height: int) -> list[str]:
@@ -146,7 +155,7 @@ def _row(
     y: int,
     scale: float,
     hue: Mapping[str, int],
-    late: Mapping[str, float],
+    plan: Mapping[str, Any],
 ) -> list[str]:
     """Return a robot's row: lines for ways, pale bars for waits, bars for tasks."""
     middle = y + ROW / 2
@@ -157,11 +166,21 @@ def _row(
         parts.append(_way(free, stop["arrive"], middle, scale))
         if stop["start"] > stop["arrive"]:
             parts.append(_bar(stop["arrive"], stop["start"], y, scale, 'class="wait"'))
-        parts.append(_task(stop, y, scale, hue[stop["task"]], stop["task"] in late))
+        parts += _window(plan, stop["task"], y, scale)
+        parts.append(_task(stop, y, scale, hue[stop["task"]], stop["task"] in plan["late"]))
         begins = math.inf if after is None else min(after["arrive"], after["start"])
         parts.append(_name_beside(stop, (begins - stop["end"]) * scale, y, scale))
         free = stop["end"]
     return [*parts, _way(free, route["back"], middle, scale)]
+
+
+def _window(plan: Mapping[str, Any], task: str, y: int, scale: float) -> list[str]:
+    """Return a line below a task's bar from when to when it is to be done, if that is said."""
+    if task not in plan.get("windows", {}):
+        return []
+    begin, end = (LABEL + min(when, plan["makespan"]) * scale for when in plan["windows"][task])
+    place = f'x="{begin:.1f}" y="{y + ROW - 4}" width="{max(1, end - begin):.1f}" height="2"'
+    return [f'<rect class="window" {place}/>']
 
 
 def _name_beside(stop: Mapping[str, Any], room: float, y: int, scale: float) -> str:
@@ -196,4 +215,5 @@ def _task(stop: Mapping[str, Any], y: int, scale: float, hue: int, is_late: bool
         x = LABEL + stop["start"] * scale + width / 2
         label = f'<text x="{x:.1f}" y="{y + ROW / 2 + 4}" text-anchor="middle">{name}</text>'
     marked = "task late" if is_late else "task"
-    return f'<g class="{marked}"><title>{said}</title>{bar}{label}</g>'
+    known = f'data-task="{name}"'
+    return f'<g class="{marked}" {known}><title>{said}</title>{bar}{label}</g>'

@@ -18,33 +18,48 @@ from teamformer.whole_files import own_number, write_whole
 SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "record/critical_path", "record/over_time"),
+    *("record/reasons", "record/critical_path", "record/over_time", "record/checking"),
     *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
     *("draw/teams", "draw/groups", "draw/legend", "draw/extras", "draw/names", "draw/map"),
     *("views/time_canvas", "views/bars", "views/critical_path", "views/gantt"),
     *("views/plots", "views/columns", "views/table", "panel/dom", "panel/notice"),
-    *("panel/chips", "panel/waiting"),
+    *("panel/attempt", "panel/chips", "panel/waiting"),
     *("panel/inspector", "panel/rows", "panel/lists", "panel/header", "panel/playback"),
-    *("panel/timeline", "panel/files", "panel/controls"),
+    *("panel/timeline", "panel/saving", "panel/files", "panel/controls"),
     *("compared/curves", "compared/panel", "compared/companion"),
     *("player", "app", "look"),
 )
 """The scripts of every page in the order in which they are put together."""
 
 LIVE_SCRIPTS = (
-    *("live/link", "live/player", "live/panel", "live/app", "live/starting"),
+    *("live/link", "live/player", "live/alerts", "live/panel", "live/app", "live/starting"),
     *("editor/draft", "editor/panel", "editor/app", "live/main"),
 )
 """What the page of a live mission has besides; they open it, as `main` opens that of a record."""
 
 
+PLAN_SCRIPTS = ("panel/dom", "panel/saving", "plan/plan")
+"""What the page of a plan has."""
+
+
 def plain_page(title: str, style: str, body: str) -> str:
     """Return a page that needs nothing else, has no scripts and loads nothing."""
-    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
+    return _small_page(title, style, body, f"style-src {_fingerprint(style)}")
+
+
+def plan_page(title: str, style: str, body: str, plan: Mapping[str, object]) -> str:
+    """Return the page of a plan, with the plan and the scripts that tell of it."""
+    script = "\n".join(_read(f"{name}.js") for name in PLAN_SCRIPTS)
+    held = f'<script type="application/json" id="plan">{_json_for_html(plan)}</script>'
+    run = f'<script type="module">{script}</script>'
+    policy = f"style-src {_fingerprint(style)}; script-src {_fingerprint(script)}"
+    return _small_page(title, style, f"{body}{held}{run}", policy)
+
+
+def _small_page(title: str, style: str, body: str, policy: str) -> str:
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f'<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
-        f"style-src 'sha256-{digest}'\">"
+        f'<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; {policy}">'
         '<meta name="viewport" content="width=device-width">'
         f"<title>{title}</title><style>{style}</style></head><body>{body}</body></html>\n"
     )

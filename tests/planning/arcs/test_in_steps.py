@@ -84,9 +84,9 @@ def test_searching_on_never_loses_the_best_and_every_coalition_is_able(seed: int
     scenario, situation = drawn(seed)
     arcs = TeamArcs(situation, seed)
     assert arcs.begin_anew()
-    first = arcs.search.cost
+    first = arcs.search.rank
     arcs.search.anneal(4 * TICKS, TICKS, 0, 3000, 3000)
-    assert arcs.search.cost <= first
+    assert arcs.search.rank <= first
     plan, problem = arcs.plan, situation.problem
     for task, size in enumerate(plan.size.tolist()):
         crew = plan.coalition[task, :size].tolist()

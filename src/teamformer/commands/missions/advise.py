@@ -11,9 +11,9 @@ from rich.text import Text
 from teamformer.advice.advise import advise_on
 from teamformer.advice.changes import FEWER
 from teamformer.advice.suggestions import Advice
-from teamformer.commands.compiling import announce_compiling, announce_planner
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import (
-    Counting,
+    Timing,
     out,
     prepare_file,
     print_json,
@@ -22,29 +22,26 @@ from teamformer.commands.console import (
 )
 from teamformer.commands.interruption import Interruption
 from teamformer.errors import Problem, TeamformerError
-from teamformer.mission.links import is_linked
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 from teamformer.trials.methods import default_for, load_method
 from teamformer.viewer.advice_page import write_advice
 
-SECONDS = 60.0
-"""Processor time that searches may take in all; `tf.advise(mission, seconds=...)` takes longer."""
-
 MOST_LINES = 15
 
 
-def advise(path: Path, page: Path | None, as_json: bool) -> int:
+def advise(path: Path, page: Path | None, time_limit: float, as_json: bool) -> int:
     """Measure what would help a mission and show it; return the exit status."""
     mission = read_scenario(path, _rules_not_advised_on)
     if page is not None:
         if page.suffix.lower() not in (".html", ".htm"):
             raise TeamformerError(f"{page}: the advice is a page", "name a file that ends in .html")
         prepare_file(page)
-    _announce(mission)
-    with Interruption(), Counting("searches") as counting:
-        advice = advise_on(mission, SECONDS, processors(), counting.update)
+    if mission.time != "continuous":
+        _prepare(mission)
+    with Interruption(), Timing("searches", time_limit) as timing:
+        advice = advise_on(mission, time_limit, processors(), timing.update)
     if page is not None:
         write_advice(advice.row, page)
         say(f"page: {page}")
@@ -52,6 +49,9 @@ def advise(path: Path, page: Path | None, as_json: bool) -> int:
         print_json(advice.row)
     else:
         _show(advice)
+    if advice.unmeasured:
+        count = len(advice.unmeasured)
+        say(f"there was no time for {count} changes; a longer --time-limit measures more")
     return 0
 
 
@@ -60,14 +60,11 @@ def _rules_not_advised_on(mission: Scenario) -> Iterator[Problem]:
         yield from rules_not_played(mission)
 
 
-def _announce(mission: Scenario) -> None:
-    """Say what the user has to wait for, and what is measured."""
-    if mission.time != "continuous":
-        announce_compiling([load_method(default_for(mission))], mission)
-        if mission.has_surprises:
-            say("not everything is known: this is measured for what is to be expected")
-    else:
-        announce_planner(is_linked(mission))
+def _prepare(mission: Scenario) -> None:
+    """Compile what planning in steps needs, and say what is measured."""
+    compile_ahead([load_method(default_for(mission))], mission)
+    if mission.has_surprises:
+        say("not everything is known: this is measured for what is to be expected")
 
 
 def _show(advice: Advice) -> None:
@@ -90,8 +87,6 @@ def _show(advice: Advice) -> None:
         out.print(f"and {len(helpful) - MOST_LINES} more; --json tells all")
     for line in _lines_on_sparing(advice):
         out.print(line, markup=False)
-    if advice.unmeasured:
-        say(f"there was no time for {len(advice.unmeasured)} changes; tf.advise takes longer")
 
 
 def _told(value: float) -> str:

@@ -9,19 +9,21 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import out, prepare_folder, print_json, say, wide
 from teamformer.commands.interruption import Interruption
 from teamformer.commands.missions.run import plan_line, watch_trial
 from teamformer.errors import TeamformerError
+from teamformer.mission.costs import LATENESS, judged_by
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay.task_times import cost_of_record
+from teamformer.sim.replay.record import Replay
+from teamformer.sim.replay.task_times import cost_of_record, lateness
 from teamformer.sim.replay.writing import replay_to_tree, write_replay
-from teamformer.trials.comparison import Bars, Comparison, Failure, compare_methods
+from teamformer.trials.comparison import Comparison, Failure, compare_methods
 from teamformer.trials.methods import Method, load_method
-from teamformer.trials.rows import percent_over
+from teamformer.trials.rows import Bars, percent_over, percent_over_least
 from teamformer.trials.trial import Trial
 from teamformer.viewer.html import write_comparison
 
@@ -56,7 +58,7 @@ def compare(
     methods = [load_method(name, time_limit) for name in names]
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling(methods, mission)
+    compile_ahead(methods, mission)
     with Interruption() as interruption:
         compared = compare_methods(mission, methods, seeds, _run_one)
         interruption.hold()  # what was run is told and written first
@@ -79,8 +81,8 @@ def _tell(compared: Comparison, as_json: bool) -> None:
     else:
         mission = compared.trials[0].replay.scenario
         out.print(Text(mission.name, style="bold"))
-        wide.print(_table(compared))
-        for line in _bar_lines(compared.bars, mission.has_surprises):
+        wide.print(_table(compared, mission))
+        for line in _bar_lines(compared.bars, mission):
             out.print(line)
         for trial in compared.trials:
             if trial.plan is not None:
@@ -120,44 +122,60 @@ def _reason(error: TeamformerError) -> str:
     return "; ".join(lines)
 
 
-def _bar_lines(bars: Mapping[int, Bars], is_uncertain: bool) -> list[str]:
+def _bar_lines(bars: Mapping[int, Bars], mission: Scenario) -> list[str]:
     """Return the bars as they are shown: those of each seed where they differ."""
     said = {
         seed: f"best known {bar.best or '-'}, lower bound {bar.bound or '-'}"
-        + ("" if bar.least_cost is None else f", least cost {bar.least_cost:g}")
+        + (f", least cost {bar.least:g}" if mission.cost and bar.least is not None else "")
         for seed, bar in bars.items()
     }
-    if is_uncertain and len(said) > 1:
-        return [f"seed {seed}: {line}" for seed, line in said.items()]
-    return list(said.values())[:1]
+    if mission.has_surprises and len(said) > 1:
+        return [f"seed {seed}: {line}" for seed, line in said.items()] + _what_is_best(mission)
+    return list(said.values())[:1] + _what_is_best(mission)
 
 
-def _table(compared: Comparison) -> Table:
-    """Return a row for each trial; of a mission with a cost also that, and the best costs least."""
+def _what_is_best(mission: Scenario) -> list[str]:
+    """Return by what a mission with windows and without a cost is judged, which nobody wrote."""
+    if mission.cost or judged_by(mission) is None:
+        return []
+    late = f"{LATENESS} times its weight for each step that a task is late"
+    return [f"`to best` counts the makespan, and {late}"]
+
+
+def _table(compared: Comparison, mission: Scenario) -> Table:
+    """Return a row for each trial, with what it costs and how late it is if the mission says so."""
     table = Table(box=None, header_style="dim")
-    is_priced = any(trial.replay.scenario.cost for trial in compared.trials)
-    for column in COLUMNS:
+    for column in (*COLUMNS[:3], *_extra_cells(mission, None), *COLUMNS[3:]):
         table.add_column(column, justify="left" if column == "method" else "right")
-        if column == "makespan" and is_priced:
-            table.add_column("cost", justify="right")
     for trial in compared.ran:
         if isinstance(trial, Failure):
             table.add_row(Text(trial.method), str(trial.seed), "failed")
         else:
-            table.add_row(*_cells(trial, compared.bars[trial.replay.seed], is_priced))
+            table.add_row(*_cells(trial, compared.bars[trial.replay.seed]))
     return table
 
 
-def _cells(trial: Trial, bars: Bars, is_priced: bool) -> list[Text | str]:
-    replay, end, cost = trial.replay, trial.replay.end, cost_of_record(trial.replay)
+def _extra_cells(mission: Scenario, replay: Replay | None) -> dict[str, str]:
+    """Return what a record tells only of some missions, by column; no record has empty cells."""
+    cells = {}
+    if mission.cost:
+        cost = None if replay is None else cost_of_record(replay)
+        cells["cost"] = "" if cost is None else f"{cost:g}"
+    if any(task.between for task in mission.tasks):
+        late = {} if replay is None else lateness(replay)
+        cells["late"] = f"{len(late)} by {sum(late.values()):g}" if late else "-"
+    return cells
+
+
+def _cells(trial: Trial, bars: Bars) -> list[Text | str]:
+    replay, end = trial.replay, trial.replay.end
     makespan = end.status if end.makespan is None else str(end.makespan)
-    judged = (cost, bars.least_cost) if is_priced else (end.makespan, bars.best)
-    over = [percent_over(*judged), percent_over(end.makespan, replay.lower_bound)]
+    over = [percent_over_least(replay, bars), percent_over(end.makespan, replay.lower_bound)]
     return [
         Text(replay.method),
         str(replay.seed),
         makespan,
-        *(["" if cost is None else f"{cost:g}"] if is_priced else []),
+        *_extra_cells(replay.scenario, replay).values(),
         *("" if gap is None else f"{gap:+.0f}%" for gap in over),
         f"{end.tasks_done}/{len(replay.scenario.tasks)}",
         str(end.joins),

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import secrets
+import shlex
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.commands.addresses import Address, check_address
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.missions.run import chosen_method
+from teamformer.coordination import Plan
+from teamformer.errors import TeamformerError
 from teamformer.extras import require
-from teamformer.mission.rules import rules_of_live_missions
+from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
 from teamformer.scenarios.smallest import smallest_scenario
@@ -21,10 +25,9 @@ from teamformer.trials.methods import load_method
 
 if TYPE_CHECKING:
     from teamformer.fleet.observer.session import ObserverSession
+    from teamformer.live.mission_with_past import Mission
+    from teamformer.live.resuming import StartMission
     from teamformer.live.workshop import Workshop
-
-LOOPBACK = ("127.0.0.1", "localhost", "::1")
-
 
 SPEED = 4.0
 """Steps a second at first; the page changes it."""
@@ -35,12 +38,13 @@ TIME_LIMIT = 10.0
 
 @dataclass(frozen=True)
 class Options:
-    """What the command line says of a live mission."""
+    """What the command line says of a live mission; `resumes` one that was cut off."""
 
     method: str | None
     seed: int
     address: Address
     folder: Path
+    resumes: bool = False
 
 
 def live(path: Path | None, options: Options) -> int:
@@ -48,27 +52,33 @@ def live(path: Path | None, options: Options) -> int:
 
     What was done by then is saved.
     """
-    require("live", "starlette", "uvicorn", "websockets")
+    require("live")
     prepare_folder(options.folder)
     check_address(options.address)
-    session, name = _prepare(path, options)
+    if options.resumes:
+        session, name = _prepare_to_go_on(path, options)
+    else:
+        session, name = _prepare(path, options)
+        _put_aside(options.folder)
     serve_page(session, name, options.address)
     return 0
 
 
 def serve_page(session: Workshop | ObserverSession, name: str, at: Address) -> None:
     """Serve a mission's page until Ctrl-C, and save."""
-    from teamformer.live.server import Doors, make_app, serve
+    from teamformer.live.doors import Doors
+    from teamformer.live.server import make_app, serve
     from teamformer.viewer.html import live_page
 
-    token = None if at.host in LOOPBACK else secrets.token_urlsafe(16)
-    doors = Doors(_names(at.host, at.port), token)
-    address = f"http://{_bracketed(at.host)}:{at.port}/"
-    if token is not None:
-        address += f"?token={token}"
+    token = None if at.is_here_only else secrets.token_urlsafe(16)
+    doors = Doors(at.names, token, frozenset(at.further))
+    ending = "" if token is None else f"?token={token}"
 
     def tell() -> None:
-        say(f"live: {address}")
+        for address in at.to_open():
+            say(f"live: {address}{ending}")
+        if at.further:
+            say(f"live: as {', '.join(at.further)} with /{ending} at the end")
         say("Ctrl-C ends it and saves what was done")
 
     def save() -> None:
@@ -82,32 +92,57 @@ def serve_page(session: Workshop | ObserverSession, name: str, at: Address) -> N
         serve(app, at.host, at.port, tell)
 
 
+def _put_aside(folder: Path) -> None:
+    """Keep the autosave of a mission that was cut off, and say how to go on with it."""
+    from teamformer.live.resuming import put_aside
+
+    kept = put_aside(folder)
+    if kept is not None:
+        say("note: a mission was cut off before it was saved; to go on with it:")
+        say(f"note: teamformer live {shlex.quote(str(kept))} --resume")
+
+
+def _prepare_to_go_on(path: Path | None, options: Options) -> tuple[Workshop, str]:
+    """Return what goes on with a mission that was cut off: that of a file, or the latest one."""
+    from teamformer.live.resuming import drop_half_line, find_autosave, read_autosave
+    from teamformer.live.workshop import Workshop
+
+    if options.method is not None or options.seed != 0:
+        raise TeamformerError(
+            "a mission goes on by the method and the seed that it began with",
+            "leave out --method and --seed",
+        )
+    kept = read_autosave(path or find_autosave(options.folder))
+    drop_half_line(kept)
+    chosen = chosen_method(kept.method, kept.scenario, TIME_LIMIT)
+    compile_ahead([chosen], kept.scenario)
+    say(f"goes on: {kept.text()}")
+    start = _starting(kept.method, kept.seed)
+    return Workshop(start, options.folder, SPEED, say=say, kept=kept), kept.scenario.name
+
+
+def _starting(method: str | None, seed: int) -> StartMission:
+    """Return what makes missions: by a method, or by the one that suits each if none is named."""
+    from teamformer.live.mission_with_past import Mission
+
+    def start(mission: Scenario, plans: Sequence[tuple[int, Plan]] = ()) -> Mission:
+        chosen = chosen_method(method, mission, TIME_LIMIT).name
+        return Mission(mission, lambda: load_method(chosen, TIME_LIMIT), seed, plans)
+
+    return start
+
+
 def _prepare(path: Path | None, options: Options) -> tuple[Workshop, str]:
     """Return what draws and runs missions; what is wrong with the file is refused at once."""
-    from teamformer.live.drafts import draft_of_file
-    from teamformer.live.mission_with_past import Mission
-    from teamformer.live.workshop import Draft, Workshop
+    from teamformer.live.drafts import Draft, draft_of_file
+    from teamformer.live.workshop import Workshop
 
-    scenario = None if path is None else read_scenario(path, rules_of_live_missions)
-    name = options.method
-    chosen = chosen_method(name, scenario or smallest_scenario(), TIME_LIMIT)
-    announce_compiling([chosen], scenario)
-
-    def start(mission: Scenario) -> Mission:
-        chosen = chosen_method(name, mission, TIME_LIMIT).name
-        return Mission(mission, lambda: load_method(chosen, TIME_LIMIT), options.seed)
-
+    scenario = None if path is None else read_scenario(path, rules_not_played)
+    chosen = chosen_method(options.method, scenario or smallest_scenario(), TIME_LIMIT)
+    compile_ahead([chosen], scenario)
+    start = _starting(options.method, options.seed)
     if path is None or scenario is None:
         return Workshop(start, options.folder, SPEED, say=say), "editor"
     text = path.read_text(encoding="utf-8") if path.suffix.lower() != ".json" else ""
     draft = Draft(draft_of_file(path, path.stem), path.name, text)
     return Workshop(start, options.folder, SPEED, draft, scenario, say), scenario.name
-
-
-def _names(host: str, port: int) -> frozenset[str]:
-    hosts = LOOPBACK if host in LOOPBACK else (host,)
-    return frozenset(f"{_bracketed(name)}:{port}".lower() for name in hosts)
-
-
-def _bracketed(host: str) -> str:
-    return f"[{host}]" if ":" in host else host

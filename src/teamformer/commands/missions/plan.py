@@ -9,9 +9,8 @@ from typing import Any
 from rich.table import Table
 from rich.text import Text
 
-from teamformer.commands.compiling import announce_compiling, announce_planner
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import out, prepare_folder, print_json, say
-from teamformer.mission.links import is_linked
 from teamformer.mission.rules import rules_not_planned
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario
@@ -40,7 +39,8 @@ def plan(
     begin = None if start is None else read_start_plan(start, scenario)
     if folder is not None:
         prepare_folder(folder)
-    _announce(scenario, method)
+    if scenario.time != "continuous":
+        _prepare(scenario, method)
     made = plan_mission(scenario, method, time_limit, begin)
     if made is None:
         say(f"no plan was found for {scenario.name}; a longer --time-limit may find one")
@@ -56,12 +56,9 @@ def plan(
     return 0
 
 
-def _announce(scenario: Scenario, method: str) -> None:
-    """Say what the user has to wait for, and what is planned."""
-    if scenario.time == "continuous":
-        announce_planner(is_linked(scenario))
-        return
-    announce_compiling([load_method(method)])
+def _prepare(scenario: Scenario, method: str) -> None:
+    """Compile what planning in steps needs, and say what is planned."""
+    compile_ahead([load_method(method)])
     if scenario.has_surprises:
         say("not everything is known: this is planned for what is to be expected")
 

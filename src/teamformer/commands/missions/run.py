@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.capabilities import describe
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import (
     StepProgress,
     out,
@@ -38,7 +38,7 @@ from teamformer.sim.replay.task_times import cancelled_steps, cost_of_record, la
 from teamformer.sim.replay.teams import completions
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.methods import DEFAULT, Method, default_for, load_method
-from teamformer.trials.rows import best_known, result_row, seconds_of
+from teamformer.trials.rows import bars_of, result_row, seconds_of
 from teamformer.trials.trial import Trial, run_trial
 from teamformer.truth import draw_truth
 
@@ -84,7 +84,7 @@ def run(
         check_foxglove(foxglove)
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling([method], mission)
+    compile_ahead([method], mission)
     with Interruption() as interruption:
         trial = watch_trial(mission, method, seed, interruption)
         interruption.hold()  # what was played is told and written first
@@ -103,7 +103,7 @@ def _tell(trial: Trial, robot: int | None, as_json: bool) -> None:
     """Print what came of a trial, and a robot's story if one is asked for."""
     story = [] if robot is None else list(story_lines(trial.replay, robot))
     if as_json:
-        row = result_row(trial, best_known=best_known([trial]))
+        row = result_row(trial, bars_of([trial]))
         chain = path_rows(trial.replay.mission, path_of_record(trial.replay))
         told = {"critical_path": chain} | ({} if robot is None else {"story": story})
         print_json(row | told)

@@ -22,7 +22,7 @@ from teamformer.bench.runner import AUTHORS, Request, fitting_cells, run_benchma
 from teamformer.bench.store import Store, folders_beside
 from teamformer.bench.suites import Suite, load_suite, player_of
 from teamformer.bench.summary import Summary, summarise
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import (
     Counting,
     err,
@@ -35,6 +35,7 @@ from teamformer.commands.console import (
 )
 from teamformer.commands.policies.bench_others import WORLDS, Asked, bench_others
 from teamformer.errors import TeamformerError
+from teamformer.extras import require
 from teamformer.scenarios.authors import read_worlds
 from teamformer.trials.methods import Method
 
@@ -96,7 +97,7 @@ def _measure(request: Request, options: BenchOptions) -> list[Row]:
     """Run what is missing, write tables and figures, and return all rows."""
     place = TemporaryDirectory() if options.folder is None else nullcontext(options.folder)
     with place as folder, Store(Path(folder), request.about, say) as store:
-        announce_compiling(_to_compile(request))
+        compile_ahead(_to_compile(request))
         with Counting("trials") as counting:
             run_benchmark(request, store, chosen_engine(), say, counting.update)
         rows = list(store.rows.values())
@@ -179,6 +180,7 @@ def _table(summaries: list[Summary]) -> Table:
 
 
 def _fly_missions(options: BenchOptions, as_json: bool) -> int:
+    require("robotarium")
     from teamformer.commands.robots.robotarium import fly_missions
 
     method = options.methods[0] if options.methods else "plan"
@@ -195,7 +197,6 @@ def _rehearse_worlds(options: BenchOptions, as_json: bool) -> int:
 def _measure_speed(as_json: bool) -> int:
     from teamformer.bench.measurements.speed import measure_speed
 
-    announce_compiling()
     table = Table("what", "figure", "unit", box=None, header_style="dim")
     for row in measure_speed():
         if as_json:
@@ -211,7 +212,6 @@ def _measure_speed(as_json: bool) -> int:
 def _measure_size(folder: Path | None, as_json: bool) -> int:
     from teamformer.bench.measurements.size import measure_size
 
-    announce_compiling()
     table = Table(box=None, header_style="dim")
     for header in ("method", "robots, tasks", "makespan", "run, s", "MB", "check, s", "MB"):
         table.add_column(header, justify="right")

@@ -25,7 +25,6 @@ from teamformer.bench.others.report import (
 from teamformer.bench.others.results import Result, measure, result_of
 from teamformer.bench.peers.names import LIBRARIES, PEERS
 from teamformer.bench.peers.peer_plan import OutOfReachError
-from teamformer.commands.compiling import announce_planner
 from teamformer.commands.console import Counting, prepare_folder, say, wide
 from teamformer.errors import TeamformerError
 from teamformer.extras import require
@@ -108,7 +107,6 @@ def _measure_all(
 ) -> Iterator[Result]:
     """Plan every instance by every method, but for what was measured before."""
     before = {(result.instance, result.method, result.time_limit): result for result in known}
-    announce_planner()
     warm_up()
     pairs = [(instance, method) for instance in instances for method in methods]
     file: TextIO | None = None if folder is None else (folder / ROWS).open("a", encoding="utf-8")

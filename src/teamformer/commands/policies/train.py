@@ -8,7 +8,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from teamformer.commands.compiling import announce_compiling
 from teamformer.commands.console import prepare_folder, say
 from teamformer.commands.interruption import Interruption
 from teamformer.errors import ScenarioError, TeamformerError
@@ -41,7 +40,6 @@ def train(options: TrainOptions) -> int:
 
     settings, folder = _begun(options) if _is_begun(options.settings) else _new(options)
     _prepare(folder)
-    announce_compiling()
     try:
         with Interruption():
             table = _Table()

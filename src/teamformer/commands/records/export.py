@@ -21,24 +21,31 @@ def export(record: Path, wanted: Sequence[Path]) -> int:
 
     `.mcap` and `.gif` are as named, `.yaml`, `.yml` and `.json` the mission with all that happened
     to it, and a name without an ending is a folder for CSV tables. Raises `TeamformerError` for
-    other endings, and for a mission that is there already, before anything is written.
+    other endings, for a mission that is there already, and for a record that cannot be read, before
+    anything is written.
     """
     for path in wanted:
         if path.resolve() == record.resolve():
             raise TeamformerError(f"{path}: this is the record itself", "name another file")
-        _prepare(path)
+        _refuse_unwritten(path)
     replay = read_replay(record)
+    for path in wanted:
+        (prepare_folder if _is_folder(path) else prepare_file)(path)
     for path in wanted:
         for written in _write(replay, path):
             say(f"file: {written}")
     return 0
 
 
-def _prepare(path: Path) -> None:
-    """Make sure that a file can be written."""
+def _is_folder(path: Path) -> bool:
+    """Say whether a name is that of a folder for tables."""
+    return path.is_dir() or not path.suffix
+
+
+def _refuse_unwritten(path: Path) -> None:
+    """Raise `TeamformerError` for what cannot be written by its name, or is there already."""
     ending = path.suffix.lower()
-    if path.is_dir() or not ending:
-        prepare_folder(path)
+    if _is_folder(path):
         return
     if ending not in (".mcap", ".gif", *MISSIONS):
         raise TeamformerError(f"{path}: what is to be in this file?", HINT)
@@ -48,13 +55,12 @@ def _prepare(path: Path) -> None:
         require("mcap", "foxglove")
     if ending == ".gif":
         require("gif", "PIL")
-    prepare_file(path)
 
 
 def _write(replay: Replay, path: Path) -> Sequence[Path]:
     """Write one of the files wanted, or a folder's; return what was written."""
     ending = path.suffix.lower()
-    if path.is_dir():
+    if _is_folder(path):
         from teamformer.export.csv_tables import write_tables
 
         return write_tables(replay, path)

@@ -89,7 +89,7 @@ def _body_maker(name: str, mission: Mission, robot: int) -> Callable[[ZenohTrans
         return lambda transport: RemoteBody(transport, robot)
     if kind == "vda5050":
         require("fleet", "paho")
-        from teamformer.fleet.bodies.vda5050 import Vda5050Body
+        from teamformer.fleet.bodies.vda5050.body import Vda5050Body
 
         return lambda _: Vda5050Body(rest, mission, robot)
     if kind == "nav2":

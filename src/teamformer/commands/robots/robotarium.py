@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.capabilities import describe
-from teamformer.commands.compiling import announce_compiling
+from teamformer.commands.compiling import compile_ahead
 from teamformer.commands.console import Counting, out, prepare_folder, print_json, say, write_rows
 from teamformer.commands.missions.run import chosen_method
 from teamformer.errors import TeamformerError
@@ -57,7 +57,7 @@ def fly(path: Path, options: FlightOptions, as_json: bool) -> int:
 
         prepare_folder(options.folder)
         film = Film()
-    announce_compiling([method])
+    compile_ahead([method])
     done = run_experiment(
         scenario,
         method,
@@ -116,7 +116,7 @@ def fly_missions(trials: int, method: str, seed: int, folder: Path | None, as_js
         say("without robotarium-python-simulator: only the plant is measured")
     if folder is not None:
         prepare_folder(folder)
-    announce_compiling([_decentralised(method, smallest_scenario())])
+    compile_ahead([_decentralised(method, smallest_scenario())])
     rows = []
     with Counting("missions") as counting:
         for row in bench_robotarium(trials, method, seed, has_rps):

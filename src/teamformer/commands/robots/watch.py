@@ -24,7 +24,7 @@ def watch(
 
     What was seen by then is saved. `foxglove` is a port on which Foxglove may watch too.
     """
-    require("live", "starlette", "uvicorn", "websockets")
+    require("live")
     prepare_folder(folder)
     check_address(address)
     if foxglove is not None:

@@ -23,6 +23,7 @@ from teamformer.fleet.messages import (
     SERVE,
     WALK,
     Beat,
+    DeedFact,
     FactsNote,
     LeadNote,
     Message,
@@ -139,7 +140,8 @@ class Agent:
         knowledge = self.knowledge
         done, loads = tuple(sorted(knowledge.done)), tuple(knowledge.loads.values())
         life, age = self.membership.life, self.age(now)
-        return Remembered(life, done, knowledge.added, age, loads=loads)
+        deeds = tuple(knowledge.deeds.values())
+        return Remembered(life, done, knowledge.added, age, loads=loads, deeds=deeds)
 
     @property
     def memory_version(self) -> tuple[int, int]:
@@ -173,7 +175,7 @@ class Agent:
             if self.knowledge.add_task(body.task):
                 notices.append(Notice(OPERATOR, Receipt(body.task.key)))
             if is_known:  # who offers what is known wants to know what is
-                notices.append(Notice(OPERATOR, self.knowledge.note()))
+                notices.append(Notice(OPERATOR, self.knowledge.note_for_onlookers()))
 
     def _hear_beat(self, beat: Beat, sender: int, now: float, notices: list[Notice]) -> None:
         membership, words = self.membership, self.knowledge.words
@@ -208,6 +210,9 @@ class Agent:
         self._place = (report.x, report.y)
         if report.leg != self.command.leg or self.command.task not in self.knowledge.tasks:
             return
+        if report.is_done and self.service.is_at_work_on(self.command.task):
+            robots = self.service.at_work(now)
+            self.knowledge.note_deed(DeedFact(self.command.task, self.age(now), robots))
         if report.is_done and self.knowledge.mark_done(self.command.task, now):
             self.voice.hurry()
         elif self._has_load(self.command.task):
@@ -226,7 +231,9 @@ class Agent:
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
         if wants_to_move:
             self._wanted = place
-        self.membership.judge_myself(now, *self._place, wants_to_move, self._waits(now))
+        x, y = self._place
+        is_unable = self._report.is_unfit
+        self.membership.judge_myself(now, x, y, wants_to_move, self._waits(now), is_unable)
 
     def _waits(self, now: float) -> float:
         """Return for how many seconds it may stand in one place though it gets on."""
@@ -264,6 +271,7 @@ class Agent:
                 service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
         is_there = is_for_it and (self.carries or self._is_at(service.goal))
+        is_there = is_there and not report.is_unfit
         if is_there and self._has_load(service.goal):
             is_on_its_way = self.command.place not in (None, self.knowledge.place_of(service.goal))
             is_there = not (is_on_its_way or report.is_gone or self.membership.is_stuck)

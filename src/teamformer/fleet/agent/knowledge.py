@@ -15,9 +15,11 @@ from msgspec.structs import replace
 
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import (
+    MOST_DEEDS,
     MOST_MOVES,
     MOST_NEWS,
     MOST_TASKS,
+    DeedFact,
     FactsNote,
     LoadFact,
     TaskFact,
@@ -42,6 +44,7 @@ class Remembered(Struct, frozen=True, array_like=True):
     age: float = 0.0  # seconds of the mission
     seen_at: float = 0.0  # by the clock of the machine, seconds
     loads: tuple[LoadFact, ...] = ()
+    deeds: tuple[DeedFact, ...] = ()
 
 
 class Knowledge:
@@ -57,6 +60,7 @@ class Knowledge:
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
         self.done: set[int] = set()
         self.loads: dict[int, LoadFact] = {}  # those that are not where their tasks are
+        self.deeds = {deed.key: deed for deed in remembered.deeds}  # what this robot has done
         self.digest = 0
         self.changes = 0  # grows with every fact
         self.refused = 0  # facts that made no sense
@@ -118,6 +122,12 @@ class Knowledge:
         self.changes += 1
         return True
 
+    def note_deed(self, deed: DeedFact) -> None:
+        """Note what this robot has done; if that is very much, the oldest is forgotten."""
+        self.deeds.setdefault(deed.key, deed)
+        if len(self.deeds) > MOST_DEEDS:
+            del self.deeds[next(iter(self.deeds))]
+
     def place_of(self, key: int) -> Place:
         """Return where a task is, or where its load is believed to lie."""
         at = self.loads.get(key) or self.tasks[key]
@@ -170,6 +180,10 @@ class Knowledge:
         """Return all facts, for who knows others."""
         done = tuple(sorted(self.done))[:MOST_TASKS]
         return FactsNote(done, self.added, self.digest, tuple(self.loads.values()))
+
+    def note_for_onlookers(self) -> FactsNote:
+        """Return all facts, and what this robot has done with whom."""
+        return replace(self.note(), deeds=tuple(self.deeds.values()))
 
     @property
     def added(self) -> tuple[TaskFact, ...]:

@@ -54,6 +54,7 @@ class Membership:
         self.heard = now  # when anybody was last heard
         self._tick = now
         self.is_stuck = False  # it wants to get on and does not
+        self.is_unable = False  # its body says that it cannot do what it is told
         self._is_deaf = False
         self._moved = (now, 0.0, 0.0)
 
@@ -120,13 +121,13 @@ class Membership:
             self.seen[robot] = max(self.seen[robot], now)
 
     def judge_myself(
-        self, now: float, x: float, y: float, wants_to_move: bool, waits: float
+        self, now: float, x: float, y: float, wants_to_move: bool, waits: float, is_unable: bool
     ) -> None:
-        """Say whether this robot is fit: it hears somebody, and gets on where it wants to.
+        """Say whether this robot is fit: it hears somebody, is able, and gets on where it wants to.
 
         Who gets on may stand in one place for `waits` seconds.
         """
-        before = self.is_stuck, self.is_fit
+        before = self.is_stuck, self.is_unable, self.is_fit
         _, was_x, was_y = self._moved
         if (x, y) != (was_x, was_y):
             self._moved = (now, x, y)
@@ -135,10 +136,11 @@ class Membership:
             self._moved = (now, x, y)
         if now - self._moved[0] > max(self.timers.stuck, waits):
             self.is_stuck = True
+        self.is_unable = is_unable
         is_alone = self._knowledge.mission.robots == 1
         self._is_deaf = not is_alone and now - self.heard > self.timers.deaf * self.stretch
-        self.is_fit = not (self.is_stuck or self._is_deaf)
-        self.changes += (self.is_stuck, self.is_fit) != before
+        self.is_fit = not (self.is_stuck or self.is_unable or self._is_deaf)
+        self.changes += (self.is_stuck, is_unable, self.is_fit) != before
 
     def doubt_myself(self, now: float, x: float, y: float, waits: float) -> None:
         """Call this robot stuck, until it moves, if it carried a load and long did not get on.
@@ -157,8 +159,10 @@ class Membership:
     def live(self) -> frozenset[int]:
         """Return the robots to count on: not called lost, and fit by their own word.
 
-        A robot that hears nobody counts on itself all the same; one that is stuck does not.
+        A robot that hears nobody counts on itself all the same; one that is stuck or unable does
+        not.
         """
         words, me = self._knowledge.words, self._knowledge.me
         others = {w.robot for w in words if not w.is_lost and w.is_fit and w.robot != me}
-        return frozenset(others if self.is_stuck or self.is_leaving else others | {me})
+        is_out = self.is_stuck or self.is_unable or self.is_leaving
+        return frozenset(others if is_out else others | {me})

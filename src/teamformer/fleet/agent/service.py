@@ -73,6 +73,15 @@ class Service:
         here = (word.robot for word in self._members(now) if word.phase >= HERE)
         return self._knowledge.me, *here
 
+    def is_at_work_on(self, key: int) -> bool:
+        """Say whether this robot serves a task."""
+        return self.phase == SERVE and self.goal == key
+
+    def at_work(self, now: float) -> tuple[int, ...]:
+        """Return the robots of this one's team that serve its task, by number."""
+        others = (word.robot for word in self._members(now) if word.phase == SERVE)
+        return tuple(sorted((self._knowledge.me, *others)))
+
     def is_in_hands(self, key: int, now: float) -> bool:
         """Say whether another robot says that it is at work on a task."""
         return any(

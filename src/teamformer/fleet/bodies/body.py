@@ -41,6 +41,7 @@ class Report(NamedTuple):
     carries: bool = False  # the load of the task
     load: Place | None = None  # where it sees the load of the task lie
     is_gone: bool = False  # it sees that the load of the task does not lie where it stands
+    is_unfit: bool = False  # it cannot do what it is told, and nobody is to count on it for now
 
 
 class Body(Protocol):

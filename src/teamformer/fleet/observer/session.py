@@ -16,17 +16,27 @@ from pathlib import Path
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.fleet_mission import row_of
-from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
+from teamformer.fleet.messages import EVERYBODY, OPERATOR, Beat, Notice, Offer, Post, TaskFact
+from teamformer.fleet.observer.alerts import Alerts
+from teamformer.fleet.observer.mission_clock import MissionClock
 from teamformer.fleet.observer.silence import Silence
+from teamformer.fleet.observer.troubles import troubles
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.transports.transport import Transport
 from teamformer.live.incidents import NewTask
-from teamformer.live.messages import Message, read_incident, read_message
+from teamformer.live.messages import read_incident, read_message
 from teamformer.live.page_trees import Tree, record_so_far
+from teamformer.live.refusals import or_refuse
 from teamformer.live.watchers import Watcher
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.writing import step_to_tree, write_replay
+
+LISTENS = 3.0
+"""Seconds that agents have to tell what was done before."""
+
+MOST_PAST = 1_000_000
+"""Steps that are written down of the time before it came."""
 
 PATIENCE = 20.0
 """Seconds until a task that too few robots hold is given up."""
@@ -35,7 +45,7 @@ PATIENCE = 20.0
 class ObserverSession:
     """Hears a fleet, writes down a step each so many seconds and tells everybody.
 
-    `say` tells the person who started it of robots that are not heard, which pages show as well.
+    `say` tells the person who started it of alerts, which pages show as well.
     """
 
     def __init__(
@@ -56,22 +66,26 @@ class ObserverSession:
         self._incidents: list[tuple[int, str]] = []
         self._say_aloud = say
         self.on_step: Callable[[Replay], None] | None = None  # given what was seen so far
-        names = [robot.name for robot in watch.mission.scenario.robots]
-        self._silence = Silence(names, time.monotonic())
+        names = tuple(robot.name for robot in watch.mission.scenario.robots)
+        self._silence, self._alerts = Silence(names, time.monotonic()), Alerts(names)
+        self._step, self._clock = watch.mission.step, MissionClock(MOST_PAST * watch.mission.step)
+        self._has_begun = False  # to write down steps
         transport.listen_to(range(watch.mission.robots))
 
     async def run(self) -> None:
         """Hear and tell until cancelled."""
-        due = asked = time.monotonic()
+        asked = time.monotonic()
         while True:
             came = await asyncio.to_thread(self._transport.receive, min(0.1, AGAIN))
             now = time.monotonic()
             self._hear(came, now)
-            if not self.watch.has_facts and now >= asked:
+            is_to_ask = self.watch.wonders if self._has_begun else not self.watch.is_told
+            if is_to_ask and now >= asked:
                 asked = now + AGAIN
                 self._ask_for_facts()
-            if now >= due and self._silence.was_any_heard:
-                due = max(due + self.watch.mission.step, now)
+            if self._clock.is_set and not self._has_begun:
+                self._begin(now)
+            while self._has_begun and len(self.watch.steps) < self._clock.age(now) // self._step:
                 self._make_step()
 
     def join(self) -> Watcher:
@@ -89,10 +103,7 @@ class ObserverSession:
 
     async def act(self, watcher: Watcher, text: str) -> None:
         """Do what a page asks for, or tell it why not."""
-        try:
-            await self._do(watcher, read_message(text))
-        except TeamformerError as error:
-            watcher.tell(json.dumps({"kind": "refused", "text": str(error)}))
+        await or_refuse(watcher, self._do(watcher, text))
 
     async def record(self) -> Replay:
         """Return what has been seen so far."""
@@ -109,7 +120,8 @@ class ObserverSession:
         """Hear no more."""
         self._transport.close()
 
-    async def _do(self, watcher: Watcher, message: Message) -> None:
+    async def _do(self, watcher: Watcher, text: str) -> None:
+        message = read_message(text)
         command = message["do"]
         if command == "happen":
             incident = read_incident(message, self.watch.scenario)
@@ -118,6 +130,9 @@ class ObserverSession:
                     "a fleet's robots are lost and back by themselves; end or start their agents"
                 )
             await self._add(incident)
+        elif command == "acknowledge":
+            self._alerts.acknowledge(str(message.get("alert")))
+            self._tell_all("state", self._state())
         elif command == "save":
             saved = {"kind": "saved", "paths": [str(p) for p in self.save()], "note": self.note}
             watcher.tell(json.dumps(saved))
@@ -159,20 +174,34 @@ class ObserverSession:
                 continue
             if message.sender != OPERATOR:
                 self._silence.hear(message.sender, now)
+                body = message.body
+                self._clock.hear(body.age if type(body) is Beat else 0.0, now)
             for operator in self._operators.values():
                 operator.hear(message)
             for task in self.watch.hear(message):
-                if task.key not in self._operators:  # that one is told once it is accepted
+                if self._has_begun and task.key not in self._operators:  # or told once accepted
                     self._tell_of_task(f"task {task.name} added by an operator")
         if self._silence.was_any_heard != was_any_heard:
             self._tell_all("state", self._state())
-        self._listen_for_silence(now)
+        self._find_alerts(now)
 
-    def _listen_for_silence(self, now: float) -> None:
-        """Tell everybody when other robots than before are not heard, until all is done."""
-        if self._silence.changes(now) and not self.watch.is_over:  # then they leave
-            warning = self._silence.warning(now)
-            self._say_aloud(warning.text() if warning else "all robots are heard again")
+    def _find_alerts(self, now: float) -> None:
+        """Tell everybody what is wrong, and what no longer is, until all is done."""
+        if self.watch.is_over:  # then robots leave
+            if self._alerts.held:
+                self._alerts.clear()
+                self._tell_all("state", self._state())
+            return
+        found = troubles(self.watch, self._clock.age(now)) if self._has_begun else []
+        born = now - self._clock.age(now)
+        found = [it if it.since is None else it._replace(since=born + it.since) for it in found]
+        new, past = self._alerts.find([*found, *self._silence.alerts(now)], now)
+        for alert in new:
+            self._say_aloud(alert.text())
+        for alert in past:
+            if not alert.is_return:
+                self._say_aloud(f"no longer: {alert.what}")
+        if new or past:
             self._tell_all("state", self._state())
 
     def _ask_for_facts(self) -> None:
@@ -182,6 +211,15 @@ class ObserverSession:
 
     def _say(self, notice: Notice) -> None:
         self._transport.send(notice.to, self._post.seal(OPERATOR, notice))
+
+    def _begin(self, now: float) -> None:
+        """Begin to write down steps, once agents have told what was done before, if it was long."""
+        age = self._clock.age(now)
+        if age >= self._step and not self.watch.is_told and self._clock.listened(now) < LISTENS:
+            return
+        self._has_begun = True
+        self.watch.begin(age)
+        self._tell_all("mission", {"record": self._record()} | self._state())
 
     def _make_step(self) -> None:
         step = self.watch.step()
@@ -203,9 +241,19 @@ class ObserverSession:
         speed, is_over = 1 / self.watch.mission.step, self.watch.is_over
         is_heard = self._silence.was_any_heard
         watched = {"is_playing": is_heard, "speed": speed, "watchers": len(self._watchers)}
-        warning = None if is_over else self._silence.warning(time.monotonic())
-        told = {"is_heard": is_heard, "is_over": is_over, "warning": warning and warning._asdict()}
+        told = {"is_heard": is_heard, "is_over": is_over, "alerts": self._alerts_told()}
         return watched | {"incidents": self._incidents, "is_fleet": True} | told
+
+    def _alerts_told(self) -> list[Tree]:
+        """Return the alerts as pages are told: since which second of the mission, for how long."""
+        now, is_set = time.monotonic(), self._clock.is_set
+        return [
+            {"key": it.key, "what": it.what, "why": it.why, "do": it.do}
+            | {"since": self._clock.age(it.since or now) if is_set else None}
+            | {"seconds": now - (it.since or now)}
+            | {"is_acknowledged": it.key in self._alerts.acknowledged}
+            for it in self._alerts.held
+        ]
 
     def _tell_all(self, kind: str, news: Tree) -> None:
         text = json.dumps({"kind": kind} | news, separators=(",", ":"))

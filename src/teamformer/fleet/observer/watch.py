@@ -1,21 +1,38 @@
-"""What an onlooker makes of what robots say: a record that grows by a step each so many seconds."""
+"""What an onlooker makes of what robots say: a record with a step for each of the mission.
+
+Who did a task is as one of them tells who did it, or as they were heard at work on it. Of what
+nobody can tell it is recorded that it is done by then, and that nobody knows by whom.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 from teamformer.fleet.fleet_mission import Mission
-from teamformer.fleet.messages import SERVE, Beat, FactsNote, LoadFact, Message, TaskFact, Word
+from teamformer.fleet.messages import (
+    SERVE,
+    Beat,
+    DeedFact,
+    FactsNote,
+    LoadFact,
+    Message,
+    TaskFact,
+    Word,
+)
 from teamformer.fleet.rehearsal.record import (
     Deed,
     Teams,
     deed_of,
+    deeds_by_step,
     doers_goals,
     team_changes,
     teams_shown,
     who_did,
 )
+from teamformer.fleet.rehearsal.trace import Finished
 from teamformer.grid import Grid, Place
 from teamformer.model import Task
 from teamformer.plane import DECIMALS
@@ -23,26 +40,28 @@ from teamformer.rules.constants import NOBODY
 from teamformer.sim.replay.record import FLEET, Ending, Replay, Step, TaskAt, TeamAt
 
 STAYS = 3
-"""Steps for which a robot's word that it is at work holds on, if it says something else since.
+"""Steps for which a robot's word that it is at work holds on, if it says something else since."""
 
-By then it is also told who did a task, be not all heard who are needed for it.
-"""
+ANSWERS = 1.5
+"""Seconds that agents have to tell who did a task, after STAYS steps at the earliest."""
 
 
 class _Service(NamedTuple):
-    """What a robot was at work on by its word, in which team, after how many steps."""
+    """What a robot was at work on by its word, in which team; after how many steps it said so."""
 
     task: int
     team: int
+    since: int
     step: int
 
 
 class Watch:
     """Keeps everybody's newest word, the tasks and which are done; `step` writes down what changed.
 
-    A robot is lost while its newest word says so. Robots in one place that say they are one team
-    are shown as one, and so are, in the step in which it is heard of, those that did a task: they
-    said that they serve it, and not much later what they do next.
+    Who comes late begins with `begin`, so that steps are numbered as the mission's. A robot is lost
+    while its newest word says so. Robots in one place that say they are one team are shown as one,
+    and so are, in the step in which it is heard of, those that did a task: they said that they
+    serve it, and not much later what they do next.
     """
 
     def __init__(self, mission: Mission) -> None:
@@ -51,9 +70,10 @@ class Watch:
         self.words: dict[int, Word] = {}
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
         self.steps: list[Step] = []
-        self.has_facts = False  # whether it has been told what was done before it came
+        self.tellers: set[int] = set()  # who has told it what was done before it came
         self._number = {task.key: number for number, task in enumerate(mission.tasks)}
         self._done: dict[int, int] = {}  # task -> step in which that was heard of
+        self._told: dict[int, DeedFact] = {}  # who did what and when, by those who did
         self._news: list[int] = []
         self._served: dict[int, _Service] = {}  # by robot: the last that it said it is at work on
         self._loads: dict[int, LoadFact] = {}  # that were moved, by task
@@ -68,6 +88,15 @@ class Watch:
         """Say whether all tasks that it knows are done, and told."""
         return len(self._done) == len(self.tasks) and not self._news
 
+    def open_tasks(self) -> list[tuple[int, TaskFact]]:
+        """Return the tasks that are not done, with their numbers."""
+        undone = (task for task in self.tasks.values() if task.key not in self._done)
+        return [(self._number[task.key], task) for task in undone]
+
+    def at_work(self, key: int) -> dict[int, int]:
+        """Return the robots that say they are at work on a task, and in which step they began."""
+        return {r: it.since for r, it in self._served.items() if self._is_serving(r, key)}
+
     def hear(self, message: Message) -> list[TaskFact]:
         """Take in a message; return the operators' tasks in it that were not known."""
         body = message.body
@@ -77,8 +106,10 @@ class Watch:
             for key in body.news:
                 self._note_done(key)
         elif type(body) is FactsNote:
-            self.has_facts = True
+            self.tellers.add(message.sender)
             new = [task for task in body.added if self.learn(task)]
+            for deed in body.deeds:
+                self._take_deed(deed)
             for key in body.done:
                 self._note_done(key)
             for load in body.loads:
@@ -98,6 +129,42 @@ class Watch:
         self.scenario = replace(self.scenario, tasks=(*self.scenario.tasks, added))
         return True
 
+    @property
+    def is_told(self) -> bool:
+        """Say whether all that are known to be there have told what was done before it came."""
+        there = {robot for robot, word in self.words.items() if not word.is_lost}
+        return bool(self.tellers) and there <= self.tellers
+
+    @property
+    def wonders(self) -> bool:
+        """Say whether a task is done and nobody knows yet by whom: agents may tell."""
+        return any(not self._deed(key).robots for key in self._news)
+
+    def begin(self, age: float) -> None:
+        """Write down the steps of a mission that has been going on for so many seconds.
+
+        They have what agents tell that they did. Where robots were then, nobody knows; they are
+        drawn where they start, or where they did something last.
+        """
+        step = self.mission.step
+        past = int(age / step)
+        told = {key: self._deed(key) for key in self._news if key in self._told}
+        told = {key: deed for key, deed in told.items() if deed.robots}
+        times = sorted((min(self._told[key].at, past * step), key) for key in told)
+        rows = deeds_by_step((Finished(*each) for each in times), told, step)[:past]
+        places = {robot: at.at for robot, at in enumerate(self.scenario.robots)}
+        for deeds in rows:
+            said = {robot: (robot, place) for robot, place in places.items()}
+            self.steps.append(self._drawn(said, {}, deeds))
+            places |= {robot: deed.at for deed in deeds for robot in deed.robots}
+        written = {deed.task for deeds in rows for deed in deeds}
+        self._news = [key for key in self._news if self._number[key] not in written]
+        self.steps += [Step()] * (past - len(rows))
+        self._done = dict.fromkeys(self._done, past + 1)
+        self._served = {
+            r: service._replace(since=past, step=past) for r, service in self._served.items()
+        }
+
     def step(self) -> Step:
         """Write down what has changed since the last step, and return it.
 
@@ -113,40 +180,50 @@ class Watch:
         lost, back = sorted(gone - self._lost), sorted(self._lost - gone)
         self._lost = gone
         lifted = {robot: lay for robot, lay in self._lifted().items() if robot not in gone}
-        at = {robot: self._as_place(lay.x, lay.y) for robot, lay in lifted.items()}
         said = {
-            robot: (
-                NOBODY - robot if robot in back else self._team_of(robot),
-                at.get(robot, self._place(robot)),
-            )
+            robot: (NOBODY - robot if robot in back else self._team_of(robot), self._place(robot))
             for robot in range(self.mission.robots)
             if robot not in gone  # who is back is alone at first
         }
-        places, teams, doers = teams_shown(said, [deed for deed in deeds if deed.robots])
-        before = self._teams | {robot: (robot,) for robot in back}
-        splits, joins = team_changes(before, teams, lost)
-        self._teams = teams
+        goals = {robot: self._goal_of(robot) for robot in said}
+        self._teams |= {robot: (robot,) for robot in back}
         self._carried |= {lay.key for lay in lifted.values()}
-        taken = {
-            self._number[lifted[robot].key]: slot
-            for slot, robots in teams.items()
-            for robot in robots
-            if robot in lifted
-        }
+        made = self._drawn(said, goals, deeds, self._taking(lifted), lost)
+        self._news = [key for key in self._news if not said or key not in ripe]
+        left, self._left = tuple(self._left.values()), {}
+        self.steps.append(replace(made, back=tuple(back), left=left))
+        return self.steps[-1]
+
+    def _drawn(
+        self,
+        said: Mapping[int, tuple[int, Place]],
+        aims: Mapping[int, int | None],
+        deeds: Sequence[Deed],
+        taking: Sequence[Deed] = (),
+        lost: Sequence[int] = (),
+    ) -> Step:
+        """Return a step that shows teams as they say they are, and what they have done.
+
+        `aims` is what robots head for.
+        """
+        places, teams, doers = teams_shown(said, [deed for deed in deeds if deed.robots], taking)
+        splits, joins = team_changes(self._teams, teams, lost)
+        slots = {robot: slot for slot, robots in teams.items() for robot in robots}
+        taken = {load.task: slots[load.robots[0]] for load in taking}
         goals = doers_goals(doers, taken)
         shown = {
-            slot: TeamAt(slot, *places[slot], goals.get(slot, self._goal_of(slot)))
+            slot: TeamAt(slot, *places[slot], goals.get(slot, aims.get(slot)))
             for slot in sorted(teams)
         }
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
-        self._shown = shown
-        done = tuple((deed.task, self._who(deed, teams)) for deed in deeds)
-        self._news = [key for key in self._news if not teams or key not in ripe]
-        left, self._left = tuple(self._left.values()), {}
-        made = Step(joins, splits, tuple(lost), tuple(back), rows, done)
-        made = replace(made, taken=tuple(taken.items()), left=left)
-        self.steps.append(made)
-        return made
+        self._teams, self._shown = teams, shown
+        is_known = [not slots.keys().isdisjoint(deed.robots) for deed in deeds]
+        done = tuple(
+            (deed.task, who_did(deed, teams) if known else None)
+            for deed, known in zip(deeds, is_known, strict=True)
+        )
+        made = Step(joins, splits, tuple(lost), teams=rows, done=done)
+        return replace(made, taken=tuple(taken.items()))
 
     def record(self) -> Replay:
         """Return what has been seen so far."""
@@ -175,7 +252,10 @@ class Watch:
         if known is None or word.version > known.version:
             self.words[word.robot] = word
             if word.phase == SERVE:
-                self._served[word.robot] = _Service(word.goal, word.team, len(self.steps))
+                now = since = len(self.steps)
+                if known is not None and (known.phase, known.goal) == (SERVE, word.goal):
+                    since = self._served[word.robot].since
+                self._served[word.robot] = _Service(word.goal, word.team, since, now)
 
     def _note_load(self, load: LoadFact) -> None:
         """Note that a load was set down."""
@@ -203,6 +283,12 @@ class Watch:
                 found[robot] = lay
         return found
 
+    def _taking(self, lifted: Mapping[int, TaskFact | LoadFact]) -> list[Deed]:
+        """Return each load that robots say they have taken up, where it lay, with all of them."""
+        loads = {lay.key: self._as_place(lay.x, lay.y) for lay in lifted.values()}
+        robots = {key: tuple(r for r, lay in lifted.items() if lay.key == key) for key in loads}
+        return [Deed(self._number[key], at, robots[key]) for key, at in loads.items()]
+
     def _note_done(self, key: int) -> None:
         if key in self.tasks and key not in self._done:
             self._done[key] = len(self.steps) + 1
@@ -229,18 +315,31 @@ class Watch:
         return None if number is None or word is None or word.goal in self._done else number
 
     def _is_ripe(self, key: int) -> bool:
-        """Say whether those who were heard to do a task can have done it, or were waited for.
+        """Say whether it is known who did a task, or has been waited for.
 
         The words of some may come after those of another that it is done; not for ever, and nobody
         waits while those who did it leave.
         """
-        robots, seen = self._deed(key).robots, len(self.steps) + 2 - self._done[key]
-        if any(self.words[robot].is_lost for robot in robots) or seen >= STAYS:
-            return True
-        return not robots or self.mission.covers(robots, self.tasks[key].needs)
+        seen = len(self.steps) + 2 - self._done[key]
+        is_late = seen >= max(STAYS, math.ceil(ANSWERS / self.mission.step))
+        has_left = any(self.words[robot].is_lost for robot in self._heard_at_work(key))
+        return is_late or has_left or bool(self._deed(key).robots)
+
+    def _take_deed(self, deed: DeedFact) -> None:
+        """Take in what a robot did with others, each of whom may know of more."""
+        known = self._told.get(deed.key, deed)
+        robots = tuple(sorted({*known.robots, *deed.robots}))
+        self._told[deed.key] = DeedFact(deed.key, min(known.at, deed.at), robots)
 
     def _deed(self, key: int) -> Deed:
-        """Return who did a task: who said last that they are at work on it, as one team.
+        """Return who did a task, as they tell or were heard; nobody if these cannot do it."""
+        robots = self._told[key].robots if key in self._told else self._heard_at_work(key)
+        if not self.mission.covers(robots, self.tasks[key].needs):
+            robots = ()
+        return deed_of(self._number[key], self.scenario.tasks, robots)
+
+    def _heard_at_work(self, key: int) -> tuple[int, ...]:
+        """Return who said last that they are at work on a task, as one team.
 
         Who has not said so for a while, and says something else now, did not stay to the end.
         """
@@ -252,24 +351,11 @@ class Watch:
         }
         last = max(at_work.values(), key=lambda service: service.step, default=None)
         team = NOBODY if last is None else last.team
-        robots = tuple(sorted(robot for robot, each in at_work.items() if each.team == team))
-        return deed_of(self._number[key], self.scenario.tasks, robots)
+        return tuple(sorted(robot for robot, each in at_work.items() if each.team == team))
 
     def _is_serving(self, robot: int, key: int) -> bool:
         word = self.words[robot]
         return word.phase == SERVE and word.goal == key
-
-    def _who(self, deed: Deed, teams: Teams) -> int:
-        """Return the team to show as the one that did a task; of unheard ones the nearest to it."""
-        if deed.robots:
-            return who_did(deed, teams)
-        (x, y) = deed.at
-
-        def away(slot: int) -> float:
-            at = self._shown[slot]
-            return (at.x - x) ** 2 + (at.y - y) ** 2
-
-        return min(sorted(self._shown), key=away, default=0)
 
     def _as_task(self, task: TaskFact, steps: int) -> Task:
         names = {other.name for other in self.scenario.tasks}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import secrets
 import signal
-import sys
 import threading
 import time
 from collections.abc import Sequence
@@ -20,6 +19,7 @@ from teamformer.fleet.messages import Message, Notice, Post
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.telling import Telling
+from teamformer.fleet.saying import say
 from teamformer.fleet.transports.transport import Sluice, Transport
 
 if TYPE_CHECKING:
@@ -181,5 +181,4 @@ class AgentProcess:
         self.is_ending = True
 
     def _say(self, message: str) -> None:
-        name = self.mission.scenario.robots[self.robot].name
-        print(f"{name}: {message}", file=sys.stderr, flush=True)
+        say(self.mission.scenario.robots[self.robot].name, message)

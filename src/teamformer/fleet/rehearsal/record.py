@@ -1,9 +1,9 @@
 """Turns the trace of a rehearsal into a record that `view` shows: one step of it a step of time.
 
 Robots that say they are in one team, and are in one place, are drawn as a team. Those that did a
-task, or took up a load, are drawn where they did to the end of the step, though they may have gone
-on. If some of them did another task with others in the same step, that is drawn in the next; so is
-a load that they took up then. Operators' tasks are tasks that appear.
+task, or took up a load, are drawn as a team where they did to the end of the step, though they may
+have gone on. If some of them did another task with others in the same step, that is drawn in the
+next; so is a load that they took up then. Operators' tasks are tasks that appear.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Teams = dict[int, tuple[int, ...]]
 
 @dataclass(frozen=True)
 class Deed:
-    """A task that was done in a step, where, and by which robots."""
+    """A task that was done in a step, or whose load was taken up, where, and by which robots."""
 
     task: int
     at: Place
@@ -50,7 +50,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     tasks, number = _tasks_of(rehearsal)
     done = rehearsal.world.done.values()
     by_key = {it.key: deed_of(number[it.key], tasks, it.robots) for it in done}
-    deeds = _deeds_by_step(events, by_key, mission.step)
+    deeds = deeds_by_step(events, by_key, mission.step)
     deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
     robots = _robots_of(rehearsal, deeds)
     scenario = replace(mission.scenario, tasks=tasks, robots=robots, teams=())
@@ -198,12 +198,12 @@ class _Teller:
         for robot in lost:
             del self._says[robot]
         lifted, left = self._loads(lifts, done)
-        at = {robot: lift.place for lift in lifted.values() for robot in lift.robots}
         said = {
-            robot: (team, self._as_place(*at.get(robot, self._place(self._walks[robot], now))))
+            robot: (team, self._as_place(*self._place(self._walks[robot], now)))
             for robot, (team, _) in self._says.items()
         }
-        places, teams, doers = teams_shown(said, done)
+        taking = [Deed(k, self._as_place(*it.place), it.robots) for k, it in lifted.items()]
+        places, teams, doers = teams_shown(said, done, taking)
         splits, joins = team_changes(self._teams, teams, lost)
         self._teams = teams
         slot_of = {robot: slot for slot, robots in teams.items() for robot in robots}
@@ -238,8 +238,8 @@ class _Teller:
         return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
 
 
-def _deeds_by_step(
-    events: Sequence[Event], deeds: Mapping[int, Deed], step: float
+def deeds_by_step(
+    events: Iterable[Event], deeds: Mapping[int, Deed], step: float
 ) -> list[list[Deed]]:
     """Return what each step shows as done, from the first step to the last that shows anything.
 
@@ -273,14 +273,14 @@ def _at_once(deeds: Sequence[Deed]) -> tuple[list[Deed], list[Deed]]:
 
 
 def teams_shown(
-    said: Mapping[int, tuple[int, Place]], done: Sequence[Deed]
+    said: Mapping[int, tuple[int, Place]], done: Sequence[Deed], taking: Sequence[Deed] = ()
 ) -> tuple[dict[int, Place], Teams, set[int]]:
     """Return places by robot, teams, and the slots of teams that have just done something.
 
-    `said` has each robot's team by its word, and its place. Who has done several tasks in a step
-    is where it did the last.
+    `said` has each robot's team by its word, and its place; `taking` are the loads taken up. Who
+    has done several tasks in a step is where it did the last.
     """
-    did = {robot: deed for deed in done for robot in deed.robots if robot in said}
+    did = {robot: deed for deed in (*taking, *done) for robot in deed.robots if robot in said}
     groups: dict[tuple[int, int, Place], list[int]] = {}
     places = {}
     for robot, (team, place) in sorted(said.items()):
@@ -289,7 +289,7 @@ def teams_shown(
         key = (-1, team, place) if deed is None else (deed.task, 0, deed.at)
         groups.setdefault(key, []).append(robot)
     teams = {robots[0]: tuple(robots) for robots in groups.values()}
-    return places, teams, {slot for slot in teams if slot in did}
+    return places, teams, {slot for slot in teams if did.get(slot) in done}
 
 
 def doers_goals(doers: Iterable[int], taken: Mapping[int, int]) -> dict[int, int | None]:

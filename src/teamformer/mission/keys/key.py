@@ -14,7 +14,6 @@ REQUIRED: Final = "must be there"
 STEPS, CONTINUOUS = "steps", "continuous time"
 REAL_ROBOTS = "fleets and the Robotarium"
 BEFOREHAND = "plans made beforehand"
-LIVE = "live missions"
 """Who may not know a key."""
 
 

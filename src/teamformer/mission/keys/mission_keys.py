@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import CONTINUOUS, LIVE, STEPS, Key, Unknown
+from teamformer.mission.keys.key import STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     Either,
@@ -17,7 +17,7 @@ from teamformer.mission.keys.kinds import (
     Whole,
     Word,
 )
-from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS
+from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS, SURPRISES
 from teamformer.mission.keys.task_keys import (
     CONTINUOUS_TIME,
     LARGEST_WEIGHT,
@@ -65,6 +65,12 @@ ARRIVALS_KEYS = (
         held_as="most_needs",
     ),
     Key("duration", Whole(0, is_checked_later=True), "steps that each of them takes", default=0),
+    Key(
+        "since",
+        Whole(0, LONGEST_ARRIVALS, is_checked_later=True),
+        "none appear before so many steps are made",
+        default=0,
+    ),
 )
 
 RADIUS = Number(0, can_be_infinite=True)
@@ -147,7 +153,7 @@ MISSION_KEYS = (
         Part(COST_KEYS),
         f"what plans minimise, such as `{{makespan: 1, tardiness: 2}}` {CONTINUOUS_TIME}",
         default=None,
-        without="the makespan and, if tasks have windows, how late they are",
+        without="the makespan or, if tasks have windows, `{makespan: 1, tardiness: 2}`",
     ),
     Key(
         "finding_radius",
@@ -162,6 +168,6 @@ MISSION_KEYS = (
         f"`{{rate: 0.05, until: 60}}`: tasks that appear at random {NOT_KNOWN}",
         default=None,
         without="none",
-        unknown=Unknown((CONTINUOUS, LIVE), "tasks appear at random", is_surprise=True),
+        unknown=Unknown(SURPRISES, "tasks appear at random", is_surprise=True),
     ),
 )

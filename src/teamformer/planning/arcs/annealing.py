@@ -25,6 +25,7 @@ from teamformer.planning.arcs.arc_problem import (
 from teamformer.planning.arcs.coalition_choice import Choice, empty_choice
 from teamformer.planning.arcs.draws import draw_task
 from teamformer.planning.arcs.graph import (
+    AIM,
     COST,
     MAKESPAN,
     Graph,
@@ -37,6 +38,7 @@ from teamformer.planning.arcs.graph import (
 from teamformer.planning.arcs.in_steps.members import replace_member, ride
 from teamformer.planning.arcs.in_steps.stretches import move_stretch
 from teamformer.planning.arcs.judging import (
+    AIMED,
     CHAINED,
     Trial,
     accept,
@@ -148,12 +150,12 @@ class ArcSearch:
             heat = hot + int((cold - hot) * passed)
             self.anneal(heat, heat, 0, rounds, rounds)
 
-        search_by_clock(anneal, lambda: self.cost, deadline, race, offer, rounds)
+        search_by_clock(anneal, lambda: self.rank, deadline, race, offer, rounds)
 
     @property
-    def cost(self) -> int:
-        """Return what the best plan costs."""
-        return int(self._best.total[COST])
+    def rank(self) -> tuple[int, int]:
+        """Return what the best plan is compared by: its aim, then its cost."""
+        return int(self._best.total[AIM]), int(self._best.total[COST])
 
     @property
     def best(self) -> CoalitionPlan:
@@ -218,11 +220,11 @@ def anneal_arcs(
             is_short = move_task(problem, graph, trial, choice, moved, random, task, leg, limit)
         cost = sum_up_trial(problem, graph, trial) if is_short else 0
         is_kept = is_short and cost <= allowed
-        if is_kept and is_best and cost >= total[COST]:
+        if is_kept and is_best and not is_less(trial.number[AIMED], cost, total[AIM], total[COST]):
             is_kept, must_copy = False, True  # not yet: the best is written down first
         if is_kept:
             accept(problem, graph, trial, cost)
-            is_best = cost < best.total[COST]
+            is_best = is_less(total[AIM], cost, best.total[AIM], best.total[COST])
         else:
             undo(graph, trial)
             take_back(graph, moved)
@@ -242,6 +244,13 @@ def write_down(problem: ArcProblem, graph: Graph, best: Graph) -> None:
     """
     if is_in_steps(graph):
         time_anew(problem, graph)
-        if graph.total[COST] >= best.total[COST]:
+        now, least = graph.total, best.total
+        if not is_less(now[AIM], now[COST], least[AIM], least[COST]):
             return
     copy_graph(graph, best)
+
+
+@kernel
+def is_less(aim: int, cost: int, other_aim: int, other_cost: int) -> bool:
+    """Say whether a plan is better than another: by its aim, and by its cost if these are equal."""
+    return aim < other_aim or (aim == other_aim and cost < other_cost)

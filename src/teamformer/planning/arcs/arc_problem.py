@@ -10,6 +10,7 @@ from teamformer.arrays import Int32s, Ints
 from teamformer.planning.arcs.covers import list_covers
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, different_rows
 from teamformer.planning.prices import SHARES, Prices
+from teamformer.planning.prices import SMOOTH as SMOOTH_IF_PRICED
 
 Records = np.recarray[Any, np.dtype[np.void]]
 
@@ -119,14 +120,14 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
 
 
 def _weights(tasks: int, steps: StepRules | None) -> Ints:
-    """Return the weights of makespan and ends in what a plan in steps costs, and the divisor.
+    """Return the weights of makespan and ends in what a search in steps goes by, and the divisor.
 
-    Without prices the ends of tasks count a little, so that plans of one makespan differ.
+    The ends of tasks only lead the search: so plans of one makespan differ.
     """
     if steps is None:
         return np.array([1, 0, 1, 0])
     if len(steps.prices.due) > 0:
-        return np.array([steps.prices.whole[0], 1, SHARES * tasks, 1])
+        return np.array([steps.prices.whole[0], SMOOTH_IF_PRICED, SHARES * tasks, 1])
     return np.array([100 * tasks, steps.habits[SMOOTH], 100 * tasks, 0])
 
 

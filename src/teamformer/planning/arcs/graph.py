@@ -13,7 +13,7 @@ leave it are at their next one: `in_steps` has that for the latter.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from teamformer.planning.arcs.arc_problem import (
 )
 from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways, start_in_steps
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan, empty_plan
+from teamformer.planning.continuous.schedule import SPREAD, CoalitionPlan, empty_plan
 from teamformer.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -54,8 +54,8 @@ NODE = np.dtype(
 WORTH = np.dtype(
     [
         ("due", np.int64),
-        ("price", np.int64),  # of each tick until its end
-        ("late_price", np.int64),  # of each tick that it is late
+        ("price", np.int64),  # in steps: of each tick until its end
+        ("late_price", np.int64),  # in steps: of each tick that it is late
     ]
 )
 
@@ -66,8 +66,9 @@ WAY = np.dtype([("to", np.int64), ("key", np.int64), ("pace", np.int64), ("comes
 FIRST, LAST = -1, NEVER
 """The keys of depots and homes."""
 
-MAKESPAN, COST, BACK_SUM, LATE, LATEST, END_SUM = range(6)
-"""What is known of a graph as a whole; LATEST is the home that is reached last."""
+MAKESPAN, COST, BACK_SUM, PRICE, LATEST, END_SUM, AIM = range(7)
+"""What is known of a graph as a whole; LATEST is the home that is reached last, PRICE what it costs
+when tasks end. Plans are judged by AIM; COST also has what leads a search."""
 
 
 class Graph(NamedTuple):
@@ -76,7 +77,7 @@ class Graph(NamedTuple):
     nodes: Records  # (places + 1,) NODE: tasks, depots by place, and one for all homes
     seats: Records  # (tasks * most + 2 * robots,) SEAT
     back: Ints  # (robots,) when each home is reached
-    total: Ints  # (6,)
+    total: Ints  # (7,)
     comes: Ints  # (seats,) in steps: when who leaves a seat is at the next; empty in other time
     order: Int32s  # (tasks,) in steps: the tasks by their keys, when all was timed
     ways: Records  # (seats of a node,) WAY, room for the ways that lead from a node
@@ -96,7 +97,6 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     worth = np.zeros(tasks, WORTH).view(np.recarray)
     nodes.duration[:tasks] = np.maximum(problem.duration, 1 if steps is None else 0)
     nodes.release[:tasks], worth.due[:] = problem.release, problem.due
-    worth.price[:] = worth.late_price[:] = 1
     if steps is not None and len(steps.prices.due) > 0:
         worth.due[:] = np.minimum(steps.prices.due, FAR) * TICKS
         worth.price[:], worth.late_price[:] = steps.prices.ends, steps.prices.late
@@ -121,7 +121,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
         nodes,
         seats,
         back=np.zeros(robots, np.int64),
-        total=np.zeros(6, np.int64),
+        total=np.zeros(7, np.int64),
         comes=np.zeros(0 if steps is None else len(seats), np.int64),
         order=np.arange(tasks, dtype=np.int32),
         ways=np.zeros(widest, WAY).view(np.recarray),
@@ -194,14 +194,31 @@ def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
 
 
 @kernel
+def aim_of(problem: ArcProblem, graph: Graph, makespan: int, price: int) -> int:
+    """Return what a plan is judged by, the makespan and what it costs when tasks end.
+
+    In steps it does not count which task of a step has its turn first.
+    """
+    if is_in_steps(graph):
+        makespan -= makespan % TICKS
+    return problem.weights[0] * makespan + price
+
+
+@kernel
 def cost_of(
-    problem: ArcProblem, graph: Graph, makespan: int, back_sum: int, end_sum: int, late: int
+    problem: ArcProblem, graph: Graph, makespan: int, back_sum: int, end_sum: int, price: int
 ) -> int:
-    """Return what a plan costs, in ticks: late robots or, in steps, late tasks add to it."""
+    """Return what a search goes by, in ticks: plans of one aim cost less if all is over early."""
     if is_in_steps(graph):
         weights = problem.weights
-        return (weights[0] * makespan + weights[1] * end_sum + late) // weights[2]
-    return makespan + back_sum // (SPREAD * len(graph.back)) + LATENESS * late
+        return (weights[0] * makespan + weights[1] * end_sum + price) // weights[2]
+    return makespan + back_sum // (SPREAD * len(graph.back))
+
+
+@kernel
+def priced(worth: Any, end: int) -> int:
+    """Return what it costs that a task ends then, by its row of WORTH."""
+    return worth.price * end + worth.late_price * max(0, end - worth.due)
 
 
 @entry
@@ -263,19 +280,19 @@ def _send(problem: ArcProblem, graph: Graph, node: int) -> None:
 @kernel
 def sum_up(problem: ArcProblem, graph: Graph) -> None:
     """Work out the makespan and the cost of a graph whose times are known."""
-    total, back, late, end_sum = graph.total, graph.back, 0, 0
+    total, back, price, end_sum = graph.total, graph.back, 0, 0
     latest, back_sum = 0, 0
     for robot in range(len(back)):
         back_sum += back[robot]
         if back[robot] > back[latest]:
             latest = robot
     for task in range(len(problem.near)):
-        end, worth = graph.nodes[task].end, graph.worth[task]
-        late += worth.late_price * max(0, end - worth.due)
-        end_sum += worth.price * end
+        end_sum += graph.nodes[task].end
+        price += priced(graph.worth[task], graph.nodes[task].end)
     total[LATEST], total[MAKESPAN] = latest, back[latest]
-    total[BACK_SUM], total[END_SUM], total[LATE] = back_sum, end_sum, late
-    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, late)
+    total[BACK_SUM], total[END_SUM], total[PRICE] = back_sum, end_sum, price
+    total[AIM] = aim_of(problem, graph, back[latest], price)
+    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, price)
 
 
 def plan_of(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> CoalitionPlan:

@@ -16,16 +16,19 @@ from teamformer.arrays import Int32s, Ints
 from teamformer.jit import kernel
 from teamformer.planning.arcs.arc_problem import ArcProblem, Records
 from teamformer.planning.arcs.graph import (
+    AIM,
     BACK_SUM,
     COST,
     END_SUM,
-    LATE,
     LATEST,
     MAKESPAN,
+    PRICE,
     Graph,
+    aim_of,
     back_of,
     cost_of,
     is_in_steps,
+    priced,
     start_of,
     tail_of,
 )
@@ -41,17 +44,17 @@ PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN = range(8)
 ARRIVING, PARTING = 1, 2
 """What is to be worked out of a node on the agenda: its start, or in steps also who leaves when."""
 
-LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED = range(7)
+LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED, AIMED = range(8)
 """Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
 key of a node whose arcs out have changed: behind it tails still hold; the seats by which what the
-makespan hangs on comes to the task at hand and leaves it, or NOBODY; and the length of the chain,
-or NOBODY if the plan has changed since it was listed."""
+makespan hangs on comes to the task at hand and leaves it, or NOBODY; the length of the chain, or
+NOBODY if the plan has changed since it was listed; and the aim of the graph with the change."""
 
 
 class Trial(NamedTuple):
     """A change at hand."""
 
-    number: Ints  # (7,)
+    number: Ints  # (8,)
     log: Records  # ENTRY
     agenda: Records  # (tasks + 1,) WAITING, latest first
     homes: Int32s  # (robots,) homes whose arc in, or its begin, has changed
@@ -62,7 +65,7 @@ class Trial(NamedTuple):
 def empty_trial(graph: Graph, timed_again: int = 0) -> Trial:
     """Return room for a change; `timed_again` is how often tasks may be timed more than once."""
     room = 10 * len(graph.seats) + 4 * len(graph.nodes) + len(graph.back) + timed_again
-    number = np.zeros(7, np.int64)
+    number = np.zeros(8, np.int64)
     number[CHAINED] = NOBODY
     return Trial(
         number=number,
@@ -212,7 +215,7 @@ def _send_on(problem: ArcProblem, graph: Graph, trial: Trial, node: int) -> None
 def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
     """Time the homes, and return what the plan costs now; `total` stays until it is accepted."""
     number, back, total = trial.number, graph.back, graph.total
-    makespan, back_sum, late, end_sum = 0, total[BACK_SUM], total[LATE], total[END_SUM]
+    makespan, back_sum, price, end_sum = 0, total[BACK_SUM], total[PRICE], total[END_SUM]
     is_latest_changed = False
     for index in range(number[HOMES]):
         robot = trial.homes[index]
@@ -235,9 +238,10 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
         if trial.log[entry].what == END:
             task, old_end = trial.log[entry].index, trial.log[entry].old
             end, worth = graph.nodes[task].end, graph.worth[task]
-            end_sum += worth.price * (end - old_end)
-            late += worth.late_price * (max(0, end - worth.due) - max(0, old_end - worth.due))
-    return cost_of(problem, graph, makespan, back_sum, end_sum, late)
+            end_sum += end - old_end
+            price += priced(worth, end) - priced(worth, old_end)
+    number[AIMED] = aim_of(problem, graph, makespan, price)
+    return cost_of(problem, graph, makespan, back_sum, end_sum, price)
 
 
 @kernel
@@ -273,7 +277,7 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
     """Give tasks the keys of their starts and their tails, from the latest one backwards."""
     number, nodes, seats = trial.number, graph.nodes, graph.seats
     total, back = graph.total, graph.back
-    total[COST] = cost
+    total[AIM], total[COST] = number[AIMED], cost
     number[CHAINED] = NOBODY
     is_latest_changed = False
     for place in range(number[LOGGED]):
@@ -281,9 +285,8 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
         if trial.log[place].what == END:
             node, worth = nodes[index], graph.worth[index]
             node.key = 2 * (node.end - node.duration) + 1
-            total[END_SUM] += worth.price * (node.end - old)
-            late, was_late = max(0, node.end - worth.due), max(0, old - worth.due)
-            total[LATE] += worth.late_price * (late - was_late)
+            total[END_SUM] += node.end - old
+            total[PRICE] += priced(worth, node.end) - priced(worth, old)
         elif trial.log[place].what == BACK:
             total[BACK_SUM] += back[index] - old
             is_latest_changed |= index == total[LATEST]

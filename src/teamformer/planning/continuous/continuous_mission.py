@@ -13,6 +13,7 @@ from teamformer.arrays import Floats, Int32s, Ints
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
+from teamformer.mission.costs import judged_by, weighed
 from teamformer.mission.keys.mission_keys import HOME as ENDS_HOME
 from teamformer.mission.links import is_linked
 from teamformer.mission.precedence import tasks_before
@@ -20,10 +21,7 @@ from teamformer.mission.windows import release_of
 from teamformer.model import Scenario
 from teamformer.planning.arcs.linked.solve import LinkedSolution
 from teamformer.planning.continuous.links import (
-    HOME,
-    MAKESPAN,
     PART_OF,
-    TARDINESS,
     Link,
     LinkedProblem,
     link_problem,
@@ -35,7 +33,7 @@ from teamformer.planning.continuous.problem import (
     without_spares,
 )
 from teamformer.planning.continuous.routes import MissionPlan
-from teamformer.planning.continuous.schedule import LATENESS, SPREAD, CoalitionPlan, empty_plan
+from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.times import Clock
 from teamformer.planning.relaxation.problem import count_table, least_carried
@@ -43,8 +41,12 @@ from teamformer.planning.relaxation.ways import ends_of
 from teamformer.roads import AIR, Roads
 from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
-MOST_TICKS = 2 * 10**9
-"""About how many ticks everything takes at most, one task after the other."""
+MOST_TICKS, MOST_WITH_WAITS = 2 * 10**9, 10**12
+"""About how many ticks everything takes at most, one task after the other: all that is done, and
+that with waiting for the last window to begin."""
+
+MOST_WEIGHT = 10**6
+"""Tasks that weigh more together have fewer ticks: what they cost has to stay a whole number."""
 
 NO_WAY = 1000
 """Where no way is, it takes this many times longer than everything."""
@@ -72,9 +74,7 @@ class ContinuousMission:
         the true times are earlier, and no start comes too late for another.
         """
         timed = self.time(solution.plan)
-        if isinstance(solution, LinkedSolution):
-            return replace(timed, curve=self._weighed(solution.curve))
-        rounding = len(self.scenario.tasks) + 2  # ways and durations in a chain, half a tick each
+        rounding = rounding_of(self.scenario)
         bound = max(0.0, (solution.bound - rounding) / self.scale)
         is_as_timed = (
             not self._has_slow_loads or timed.makespan <= bound + 2 * rounding / self.scale
@@ -83,25 +83,40 @@ class ContinuousMission:
             timed,
             bound=min(timed.makespan, bound),
             is_proven=solution.is_proven and is_as_timed,
-            curve=tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve),
+            curve=self._curve_of(solution),
         )
 
-    def as_arrays(self, plan: Plan) -> CoalitionPlan:
-        """Return a plan of all tasks as searches have it: nobody is in it who can be spared."""
-        problem = self.problem.base if isinstance(self.problem, LinkedProblem) else self.problem
-        made = empty_plan(problem)
+    def as_arrays(self, plan: Plan, with_spares: bool = False) -> CoalitionPlan:
+        """Return a plan of all tasks as searches have it: nobody is in it who can be spared.
+
+        Or, `with_spares`, as it is.
+        """
+        made = empty_plan(self.base)
         made.order[:] = plan.order
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
-            needed = without_spares(problem, task, coalition)
-            made.size[task] = len(needed)
-            made.coalition[task, : len(needed)] = needed
+            robots = coalition if with_spares else without_spares(self.base, task, coalition)
+            made.size[task] = len(robots)
+            made.coalition[task, : len(robots)] = robots
         return made
 
-    def _weighed(self, curve: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-        """Return the curve of a linked problem in units; without a cost it is none of times."""
-        if self.scenario.cost is None:
+    def worth_of(self, plan: MissionPlan) -> float:
+        """Return what a plan is judged by: what it costs, or its makespan if that alone counts."""
+        weights = judged_by(self.scenario)
+        if plan.cost is not None or weights is None:
+            return plan.makespan if plan.cost is None else plan.cost
+        ends = {stop.task: stop.end for route in plan.routes for stop in route.stops}
+        return weighed(self.scenario, weights, ends, plan.makespan)
+
+    def _curve_of(self, solution: Solution | LinkedSolution) -> tuple[tuple[float, float], ...]:
+        """Return a curve in units; that of a linked problem without a cost is none of times."""
+        if isinstance(solution, LinkedSolution) and self.scenario.cost is None:
             return ()
-        return tuple((seconds, cost / self.scale) for seconds, cost in curve)
+        return tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve)
+
+    @property
+    def base(self) -> CoalitionProblem:
+        """Return the problem without links and costs."""
+        return self.problem.base if isinstance(self.problem, LinkedProblem) else self.problem
 
     @property
     def _has_slow_loads(self) -> bool:
@@ -110,9 +125,7 @@ class ContinuousMission:
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules."""
-        problem = self.problem
-        base = problem.base if isinstance(problem, LinkedProblem) else problem
-        parts = (self.ways, self.home, self.pace, self.origin, base.site, self.carry)
+        parts = (self.ways, self.home, self.pace, self.origin, self.base.site, self.carry)
         return Clock(self.scenario, *parts).time(plan)
 
 
@@ -130,7 +143,13 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     carry[:, [task.to is None for task in tasks]] = 0.0
     np.einsum("pkk->pk", ways[:, : len(tasks)])[:] = 0.0  # not the way from an end to a beginning
     home = _ways_home(scenario, places)
-    scale = _scale(scenario, ways, home, carry)
+    busy, waits = _longest(scenario, ways, home, carry)
+    scale = _scale(busy, waits, sum(task.weight for task in tasks))
+
+    def ticks(times: npt.ArrayLike) -> Ints:
+        known = np.where(np.isfinite(times), times, NO_WAY * (busy + waits))
+        return np.rint(known * scale).astype(np.int64)
+
     counts = count_table([robot.can for robot in robots], scenario)
     needs = count_table([task.needs for task in tasks], scenario)
     carried = _most_carried if any(task.starts for task in tasks) else least_carried
@@ -140,14 +159,14 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     ]
     origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
     problem = pose_problem(
-        ways=_ticks(ways, scale),
-        home=_ticks(home, scale),
+        ways=ticks(ways),
+        home=ticks(home),
         pace=pace,
         origin=origin,
         counts=counts,
         needs=needs,
-        duration=_ticks(takes, scale),
-        release=_ticks([release_of(task) for task in tasks], scale),
+        duration=ticks(takes),
+        release=ticks([release_of(task) for task in tasks]),
         due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
         precedence=[(k, task) for task, before in tasks_before(tasks).items() for k in before],
         forming=round(scenario.forming * scale),
@@ -155,6 +174,11 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     )
     linked = _link(scenario, problem, scale) if is_linked(scenario) else problem
     return ContinuousMission(scenario, ways, home, origin, pace, carry, scale, linked)
+
+
+def rounding_of(scenario: Scenario) -> int:
+    """Return by how many ticks a time may be off: what is rounded in a chain, half a tick each."""
+    return len(scenario.tasks) + 2
 
 
 def _most_carried(counts: Int32s, takes: Floats, need: Int32s) -> float:
@@ -167,21 +191,21 @@ def _most_carried(counts: Int32s, takes: Floats, need: Int32s) -> float:
 
 
 def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> LinkedProblem:
-    """Return a mission's problem with its linked starts and the weights of its cost."""
+    """Return a mission's problem with its linked starts and the weights of its cost.
+
+    The longest gaps are longer by what ticks round, so that one which is just long enough is.
+    """
     number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
+    rounding = rounding_of(scenario)
     links = [
-        Link(number, number_of[name], round(least * scale), round(most * scale))
+        Link(number, number_of[name], round(least * scale), round(most * scale) + rounding)
         for number, task in enumerate(scenario.tasks)
         for name, (least, most) in task.starts.items()
     ]
-    if scenario.cost is None:
-        spread = SPREAD * len(scenario.robots)
-        weight: dict[int, float] = {MAKESPAN: spread, HOME: 1, TARDINESS: LATENESS * spread}
-    else:
-        total = sum(scenario.cost.values())
-        weight = {PART_OF[name]: value / total for name, value in scenario.cost.items()}
-    by_task = [1.0 if scenario.cost is None else task.weight for task in scenario.tasks]
-    return link_problem(problem, links, weight, by_task)
+    weights = judged_by(scenario) or {"makespan": 1}
+    total = sum(weights.values())
+    weight = {PART_OF[name]: value / total for name, value in weights.items()}
+    return link_problem(problem, links, weight, [task.weight for task in scenario.tasks])
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
@@ -224,19 +248,22 @@ def _ways_home(scenario: Scenario, places: Sequence[Place]) -> Floats:
     return np.array([home[r.moves, r.at if ends == ENDS_HOME else ends] / r.speed for r in robots])
 
 
-def _scale(scenario: Scenario, ways: Floats, home: Floats, carry: Floats) -> float:
-    """Return a power of ten: ticks in a unit, so many that everything takes MOST_TICKS or less."""
+def _longest(scenario: Scenario, ways: Floats, home: Floats, carry: Floats) -> tuple[float, float]:
+    """Return how long all that is done takes at most, and when the last task may begin."""
     longest = max(part[np.isfinite(part)].max(initial=0.0) for part in (ways, home))
     total = sum(task.duration + task.unload + scenario.forming for task in scenario.tasks)
     total += float(carry.max(axis=0).sum())
     total += longest * (len(scenario.tasks) + 1) + 1e-6
-    total += max(release_of(task) for task in scenario.tasks)
-    scale = 1e-6
-    while 10 * scale * total <= MOST_TICKS:
+    return total, max(release_of(task) for task in scenario.tasks)
+
+
+def _scale(busy: float, waits: float, weight: float) -> float:
+    """Return a power of ten: as many ticks in a unit as there may be of all times together.
+
+    One window that begins long after all else does not make what is done before it coarse.
+    `weight` is that of all tasks.
+    """
+    most, scale = MOST_WITH_WAITS / max(1.0, weight / MOST_WEIGHT), 1e-6
+    while 10 * scale * busy <= MOST_TICKS and 10 * scale * (busy + waits) <= most:
         scale *= 10
     return scale
-
-
-def _ticks(times: npt.ArrayLike, scale: float) -> Ints:
-    known = np.where(np.isfinite(times), times, NO_WAY * MOST_TICKS / scale / 10)
-    return np.rint(known * scale).astype(np.int64)

@@ -1,7 +1,8 @@
 """The coalition problem with links between the starts of tasks, and with weights for a cost.
 
-Tasks that are linked form a group: they are planned together, by different robots, and start at
-once or so many ticks after one another as their gaps say. All other tasks are groups of one.
+Tasks that are linked, directly or by others, form a group: they are planned together, and start at
+once or so many ticks after one another as their gaps say. Two that are linked directly are done by
+different robots. All other tasks are groups of one.
 """
 
 from __future__ import annotations
@@ -14,14 +15,15 @@ import numpy.typing as npt
 
 from teamformer.arrays import Floats, Int32s, Ints
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.continuous.schedule import SPREAD
 
 FREE = -NEVER
 """A gap that says nothing."""
 
 MAKESPAN, HOME, TRAVEL, TARDINESS, MAX_TARDINESS, COMPLETION = range(6)
-"""What a plan is judged by: when the last robot is home, when all are home, added up, their time
+"""What is known of a plan: when the last robot is home, when all are home, added up, their time
 on the way, by how much tasks are late, added up by weight, by how much the latest one is, and when
-tasks end, added up by weight."""
+tasks end, added up by weight. Plans are judged by all but HOME, which only leads a search."""
 
 PARTS = 6
 
@@ -55,6 +57,17 @@ class LinkedProblem(NamedTuple):
     task_weight: Floats  # (tasks,)
 
 
+def is_bounded(problem: LinkedProblem) -> bool:
+    """Say whether a bound of the makespan says something of plans in which nothing is late.
+
+    Loads that are linked are carried as slowly as can be (`continuous_mission`): bounds may then
+    be too high.
+    """
+    is_free = bool((problem.gap == FREE).all())
+    weight = problem.weight
+    return is_free and weight[MAKESPAN] > 0 and weight[TRAVEL] == weight[COMPLETION] == 0
+
+
 def link_problem(
     base: CoalitionProblem,
     links: Sequence[Link],
@@ -64,6 +77,7 @@ def link_problem(
     """Return a problem with its links worked out; parts that have no weight do not count."""
     tasks, weights = len(base.needs), np.zeros(PARTS)
     weights[list(weight)] = list(weight.values())
+    weights[HOME] = weights[MAKESPAN] / (SPREAD * len(base.counts))
     gap = np.full((tasks, tasks), FREE)
     leader = list(range(tasks))
     for task, other, least, most in links:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from itertools import islice
 
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
-from teamformer.jit import needs_compiling
-from teamformer.planning.arcs.annealing import ArcSearch, anneal_arcs
-from teamformer.planning.arcs.linked.search import LinkedSearch, anneal_links
+from teamformer.planning.arcs.annealing import ArcSearch
+from teamformer.planning.arcs.linked.search import LinkedSearch
 from teamformer.planning.arcs.linked.solve import LinkedSolution, plan_linked, solve_linked
 from teamformer.planning.continuous.bounds.makespan import improving_bounds
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, refuse_no_way
@@ -19,7 +20,7 @@ from teamformer.planning.continuous.links import MAKESPAN, LinkedProblem, link_p
 from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.routes import MissionPlan
-from teamformer.planning.continuous.schedule import CoalitionPlan
+from teamformer.planning.continuous.schedule import CoalitionPlan, schedule_of
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
 
 Planner = Callable[[CoalitionProblem, float, CoalitionPlan | None], Solution | None]
@@ -39,7 +40,7 @@ LINKED_PLANNERS: dict[str, LinkedPlanner] = {
 }
 """The same where starts are linked or plans have a cost of their own."""
 
-__all__ = ["PLANNERS", "is_compiled", "plan_continuous", "warm_up"]
+__all__ = ["PLANNERS", "plan_continuous", "warm_up"]
 
 
 def plan_continuous(
@@ -48,34 +49,51 @@ def plan_continuous(
     """Return the plan that a method makes; None if there is no coalition for some task.
 
     `central` begins with `start`, a plan of all tasks, if that is better than its own first one.
+    What it returns is never worse: if nothing better is found, it is that plan as it is.
     """
-    problem, first = mission.problem, None if start is None else mission.as_arrays(start)
-    if not isinstance(problem, LinkedProblem):
-        solution: Solution | LinkedSolution | None = PLANNERS[method](problem, seconds, first)
-    elif method in LINKED_PLANNERS:
-        solution = LINKED_PLANNERS[method](problem, seconds, first)
-        if solution is None:
-            raise TeamformerError(
-                f"{mission.scenario.name}: no coalitions were found for tasks that are linked",
-                "different robots do them, so add robots or drop a link",
-            )
-    else:
+    first = None if start is None else mission.as_arrays(start)
+    solution = _solve(mission, method, seconds, first)
+    made = None if solution is None else mission.tell(solution)
+    if start is not None:
+        given = mission.time(mission.as_arrays(start, with_spares=True))
+        made = _better_one(mission, made, given)
+    if made is not None:
+        refuse_no_way(mission, made)
+    elif isinstance(mission.problem, LinkedProblem):
         raise TeamformerError(
-            f"--method {method} knows no starts that are linked and no cost but the makespan",
-            f"use {', '.join(LINKED_PLANNERS)}",
+            f"{mission.scenario.name}: no coalitions were found for tasks that are linked",
+            "different robots do them, so add robots or drop a link",
         )
-    if solution is None:
-        return None
-    plan = mission.tell(solution)
-    refuse_no_way(mission, plan)
-    return plan
+    return made
 
 
-def is_compiled(is_linked: bool = False) -> bool:
-    """Say whether the search was compiled before, so that nobody has to wait for it."""
-    if is_linked:
-        return not needs_compiling(anneal_links)
-    return not needs_compiling(anneal_arcs)
+def _solve(
+    mission: ContinuousMission, method: str, seconds: float, start: CoalitionPlan | None
+) -> Solution | LinkedSolution | None:
+    """Return what a method finds; refuse one that does not know what the mission is judged by."""
+    scenario, problem = mission.scenario, mission.problem
+    if not isinstance(problem, LinkedProblem):
+        return PLANNERS[method](problem, seconds, start)
+    if method in LINKED_PLANNERS:
+        return LINKED_PLANNERS[method](problem, seconds, start)
+    if scenario.cost is None and not any(task.starts for task in scenario.tasks):
+        return PLANNERS[method](problem.base, seconds, start)
+    raise TeamformerError(
+        f"--method {method} knows no starts that are linked and no cost",
+        f"use {', '.join(LINKED_PLANNERS)}",
+    )
+
+
+def _better_one(
+    mission: ContinuousMission, made: MissionPlan | None, given: MissionPlan
+) -> MissionPlan | None:
+    """Return the better one of what was found and what was given, with what is known of both."""
+    if made is None:
+        return None if math.isinf(given.makespan) else given
+    if mission.worth_of(made) <= mission.worth_of(given):
+        return made
+    bound = min(made.bound, given.makespan)
+    return replace(given, bound=bound, curve=made.curve)
 
 
 @cache
@@ -94,6 +112,8 @@ def warm_up(is_linked: bool = False) -> None:
         linked = LinkedSearch(link_problem(problem, (), {MAKESPAN: 1}), 0)
         linked.begin_anew()
         linked.anneal(1.0, 10)
+        schedule_of(problem, linked.best)
+        list(islice(improving_bounds(problem, lambda: 10), 2))
         return
     search = ArcSearch(problem, 0)
     search.begin_anew()

@@ -8,6 +8,7 @@ import numpy as np
 
 from teamformer.arrays import Int32s, Ints
 from teamformer.jit import entry, kernel
+from teamformer.mission.costs import LATENESS
 from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem
 
 if TYPE_CHECKING:
@@ -15,9 +16,6 @@ if TYPE_CHECKING:
 
 SPREAD = 20
 """The mean time at which robots are home weighs this many times less than the last one."""
-
-LATENESS = 2
-"""A tick that a task ends too late weighs this many ticks of makespan."""
 
 MAKESPAN, COST, BACK_SUM, LATE = range(4)
 

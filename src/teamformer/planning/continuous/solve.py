@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
 from teamformer.planning.arcs.annealing import ArcSearch, has_few_tasks, shared_annealings
-from teamformer.planning.continuous.bounds.makespan import improving_bounds
+from teamformer.planning.continuous.bounds.raising import MANY_TASKS, proof_share, raise_bound
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous.problem import CoalitionProblem
 from teamformer.planning.continuous.schedule import (
     COST,
-    LATE,
-    LATENESS,
     MAKESPAN,
     CoalitionPlan,
     Schedule,
@@ -23,12 +20,7 @@ from teamformer.planning.continuous.schedule import (
 )
 from teamformer.planning.race import Judgement, Race
 
-PROOF, LARGE_PROOF = 0.3, 0.1
-"""Share of the time that one thread spends on bounds at most, with few tasks and with more. With
-few, CP-SAT gets as much again. With many tasks only the first bound is asked for: later ones were
-no better."""
-
-MANY_TASKS, SECONDS_EACH = 120, 3.0
+SECONDS_EACH = 3.0
 """A search of fewer than `MANY_TASKS` tasks anneals again every `SECONDS_EACH` seconds."""
 
 COOLER = (1, 3)
@@ -55,14 +47,9 @@ class Solution:
         return int(self.schedule.total[MAKESPAN])
 
     @property
-    def late(self) -> int:
-        """Return by how many ticks all tasks together end too late."""
-        return int(self.schedule.total[LATE])
-
-    @property
     def is_proven(self) -> bool:
-        """Say whether no plan is better: everything in time, and no later than the bound."""
-        return self.late == 0 and self.makespan <= self.bound
+        """Say whether no plan is better: it is over no later than the bound."""
+        return self.makespan <= self.bound
 
 
 def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
@@ -109,14 +96,13 @@ def solve(
 
 
 def judge(problem: CoalitionProblem, plan: CoalitionPlan) -> Judgement:
-    """Compare plans by makespan and lateness, and only then by what a search goes by.
+    """Compare plans by their makespans, and only then by what leads a search.
 
-    To that it also counts how early robots are home on average, which shows it the way.
+    That also counts how early robots are home on average.
     """
     total = schedule_of(problem, plan).total
-    makespan, late = int(total[MAKESPAN]), int(total[LATE])
-    rank = makespan + LATENESS * late, int(total[COST])
-    return Judgement(rank, makespan, math.inf if late > 0 else makespan)
+    makespan = int(total[MAKESPAN])
+    return Judgement((makespan, int(total[COST])), makespan, makespan)
 
 
 def _search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> None:
@@ -138,24 +124,16 @@ def _search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> 
 
 
 def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> None:
-    """Work out a bound, prove small problems, and search for the rest of the time."""
+    """Work out a bound, prove small problems, and search for the rest of the time.
+
+    CP-SAT gets as large a share of what is left as bounds get.
+    """
     tasks = len(problem.needs)
-    is_provable = has_few_tasks(tasks)
-    share = PROOF if is_provable else LARGE_PROOF
-    if tasks >= MANY_TASKS:
-        share = 0.0
-    _raise_bound(problem, race, time.perf_counter() + share * race.seconds_left)
-    if is_provable and is_small(problem) and not race.is_over:
-        proof = solve_exactly(problem, race.plan, race.bound, share * race.seconds_left)
+    raise_bound(problem, race, lambda: int(race.judgement.value))
+    if has_few_tasks(tasks) and is_small(problem) and not race.is_over:
+        seconds = proof_share(tasks) * race.seconds_left
+        proof = solve_exactly(problem, race.plan, race.bound, seconds)
         race.raise_bound(proof.bound)
         if proof.plan is not None:
             race.offer(proof.plan)
     _search(problem, seed, race)
-
-
-def _raise_bound(problem: CoalitionProblem, race: Race[CoalitionPlan], deadline: float) -> None:
-    """Raise the bound until a moment, or until it is over."""
-    for bound in improving_bounds(problem, lambda: int(race.judgement.value)):
-        race.raise_bound(bound)
-        if race.is_over or time.perf_counter() > deadline:
-            break

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from teamformer.arrays import Floats, Int32s, Ints
 from teamformer.mission.costs import cost_of, parts_of_ends
-from teamformer.mission.rules import latest_end
-from teamformer.mission.windows import release_of
+from teamformer.mission.windows import latest_end, release_of
 from teamformer.model import Scenario
 from teamformer.planning.continuous.routes import MissionPlan, Route, Stop
 from teamformer.planning.continuous.schedule import CoalitionPlan
+
+SAME = 1e-5
+"""By such a share of all time starts may go on to change, as times are rounded."""
 
 
 class Clock:
@@ -43,7 +46,8 @@ class Clock:
         """Return a plan with its times.
 
         Tasks are timed in the plan's order; where starts are linked again and again until nothing
-        changes, as a task may wait for one that comes later.
+        changes, as a task may wait for one that comes later. A plan in which robots wait for one
+        another for ever has no end.
         """
         before = self._places_before(plan)
         self._takes = np.array([self._time_taken(task, doers) for task, doers in enumerate(before)])
@@ -56,6 +60,9 @@ class Clock:
                 self._keep_gaps(task, start)
             if (start == was).all():
                 break
+        else:
+            if is_linked and (start - was > SAME * start.max()).any():
+                start[:] = math.inf
         return self._tell(plan, before, start)
 
     def _places_before(self, plan: CoalitionPlan) -> list[dict[int, int]]:

@@ -24,7 +24,7 @@ from teamformer.capabilities import Counts
 from teamformer.grid import Place
 from teamformer.jit import kernel
 from teamformer.mission.precedence import tasks_before
-from teamformer.mission.rules import opening_step
+from teamformer.mission.windows import opening_step
 from teamformer.model import Robot, Scenario, Task
 from teamformer.planning.continuous.problem import listed
 from teamformer.planning.prices import Prices, prices_of

@@ -74,7 +74,7 @@ class TeamArcs:
         self.begin_at(timed.plan)
         hot = self.search.leg // COOL
         self.search.anneal(hot, hot // COLD, 0, rounds, rounds)
-        return min(timed, self.best, key=cost_of)
+        return min(timed, self.best, key=rank_of)
 
     def plan_anew(self, rounds: int) -> TimedPlan | None:
         """Return the best plan found in so many rounds from an empty plan.
@@ -132,9 +132,9 @@ class TeamArcs:
         return plan_teams(plan.order.tolist(), coalitions)
 
 
-def cost_of(timed: TimedPlan) -> int:
+def rank_of(timed: TimedPlan) -> tuple[int, int]:
     """Return what plans are compared by."""
-    return timed.cost
+    return timed.rank
 
 
 def _near_of(tasks: int, types: int) -> int:

@@ -165,7 +165,7 @@ def _by_halving(arcs: TeamArcs, plans: list[Named], rounds: int) -> Named:
         plans = [(name, arcs.improve(plan, share)) for name, plan in plans]
         if len(plans) == 1:
             return plans[0]
-        plans = sorted(plans, key=_cost_of)[: (len(plans) + 1) // 2]
+        plans = sorted(plans, key=_lead_of)[: (len(plans) + 1) // 2]
 
 
 def _starts(situation: Situation, rounds: Rounds) -> Iterator[Named]:
@@ -197,7 +197,7 @@ def _search_once(arcs: TeamArcs, rounds: Rounds, step: int, old: TimedPlan | Non
             found = arcs.plan_anew(rounds.arcs)
             assert found is not None, "it was found before"
             plans.append((ANEW, found))
-    best = min(plans, key=_cost_of)
+    best = min(plans, key=_rank_of)
     return (CREWS, arcs.improve(crews[1], rounds.arcs)) if best is crews else best
 
 
@@ -211,8 +211,12 @@ def _hopeful(plans: list[Named], step: int) -> list[Named]:
     ]
 
 
-def _cost_of(named: Named) -> int:
-    return named[1].cost
+def _rank_of(named: Named) -> tuple[int, int]:
+    return named[1].rank
+
+
+def _lead_of(named: Named) -> int:
+    return named[1].lead
 
 
 def kept_plan(situation: Situation, old: Plan) -> TeamPlan:

@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.arrays import Array
 from teamformer.coordination import Known, Plan
 from teamformer.grid import Grid, Place
-from teamformer.mission.rules import opening_step
+from teamformer.mission.windows import opening_step
 from teamformer.model import Scenario, Task
 from teamformer.planning.relaxation.problem import Future, Relaxed, future_of, relax_ways
 from teamformer.planning.relaxation.ways import are_ways_straight, ends_of

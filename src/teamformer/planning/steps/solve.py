@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from teamformer.planning.race import Judgement, Race
 from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.planning.steps.arc_search import COLD, COOL, LARGE, LESS_HOT, TeamArcs, cost_of
+from teamformer.planning.steps.arc_search import COLD, COOL, LARGE, LESS_HOT, TeamArcs, rank_of
 from teamformer.planning.steps.initial import crew_plans
 from teamformer.planning.steps.shared_plan import relaxed_rounds, rounds_for
 from teamformer.planning.steps.situation import Situation
@@ -33,14 +33,14 @@ def begin_race(first: TimedPlan, begun: float, deadline: float) -> Race[TimedPla
 def _judge(plan: TimedPlan) -> Judgement:
     """Compare plans by their costs; where tasks have prices the makespan is not all that counts."""
     bounded = math.inf if plan.has_prices else plan.makespan
-    return Judgement((plan.cost,), plan.makespan, bounded)
+    return Judgement(plan.rank, plan.makespan, bounded)
 
 
 def first_plan(situation: Situation) -> TimedPlan | None:
     """Return the best of the first plans; None if a task has too few robots."""
     problem = situation.problem
     starts = [plan for plan in crew_plans(problem) if is_able(problem, plan)]
-    return min((time_team_plan(situation, start) for start in starts), key=cost_of, default=None)
+    return min((time_team_plan(situation, start) for start in starts), key=rank_of, default=None)
 
 
 def is_able(problem: Relaxed, plan: TeamPlan) -> bool:

@@ -16,14 +16,20 @@ from teamformer.planning.steps.timing import empty_groups
 class TimedPlan:
     """A plan whose tasks are given to those who do them, and when they are done.
 
-    `cost` is what plans are compared by, `ends` (tasks,) are steps, and `has_prices` says that more
-    than the makespan counts.
+    `cost` is what plans are judged by, and `lead` the same with what leads a search. `ends`
+    (tasks,) are steps, and `has_prices` says that more than the makespan counts.
     """
 
     plan: TeamPlan
     cost: int
+    lead: int
     ends: Array
     has_prices: bool = False
+
+    @property
+    def rank(self) -> tuple[int, int]:
+        """Return what plans are compared by: what they cost, then what leads a search."""
+        return self.cost, self.lead
 
     @property
     def makespan(self) -> int:
@@ -48,7 +54,7 @@ def without_riders(situation: Situation, timed: TimedPlan) -> TimedPlan:
             coalition, size = timed.plan.coalition.copy(), timed.plan.size.copy()
             coalition[task, : len(rest)], size[task] = rest, len(rest)
             fewer = time_team_plan(situation, TeamPlan(timed.plan.order, coalition, size))
-            if fewer.cost < timed.cost:
+            if fewer.rank < timed.rank:
                 timed, seat = fewer, min(seat, int(fewer.plan.size[task]) - 1)
     return timed
 
@@ -62,6 +68,6 @@ def time_team_plan(situation: Situation, plan: TeamPlan) -> TimedPlan:
     groups = empty_groups(problem, situation.company, situation.forming_steps)
     own = TeamPlan(*(array.copy() for array in plan))
     own.order[:] = keep_order(problem.before, own.order.tolist())
-    cost = settle(problem, situation.crossings, own, groups)
+    cost, lead = settle(problem, situation.crossings, own, groups)
     ends = groups.end[: len(problem.appears)].copy()
-    return TimedPlan(own, int(cost), ends, has_prices(problem))
+    return TimedPlan(own, int(cost), int(lead), ends, has_prices(problem))

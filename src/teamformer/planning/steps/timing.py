@@ -16,7 +16,7 @@ import numpy as np
 
 from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
-from teamformer.planning.prices import SHARES
+from teamformer.planning.prices import SHARES, SMOOTH
 from teamformer.planning.relaxation.problem import Relaxed, pace_together, way_number
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.team_plan import TeamPlan
@@ -26,9 +26,9 @@ from teamformer.rules.pairing import pair_off
 STEP = 200
 """What a step of makespan costs, for each task."""
 STEP_OF_END = 30
-"""What a step of the end of any task costs: it leads out of plateaus."""
+"""What a step of the end of any task costs a search: it leads out of plateaus."""
 STEP_WALKED = 1
-"""What a step walked by a robot costs, so that nobody trails along without use."""
+"""What a step walked by a robot costs a search, so that nobody trails along without use."""
 LATE = 10_000
 """Steps of makespan that a robot lost before its task's end is worth."""
 
@@ -96,10 +96,10 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
 def time_plan(
     problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
 ) -> tuple[Any, Any]:
-    """Return the cost of a plan, a whole number, and the step in which its last task is done.
+    """Return what a plan costs, and the same with what leads a search; both are whole numbers.
 
-    Where a mission has prices, these make the cost. Leaves in `groups` each task's start and
-    end, the task it waited for, and what was done on the way.
+    That is the makespan or, where a mission has prices, what these make of it. Leaves in `groups`
+    each task's start and end, the task it waited for, and what was done on the way.
     """
     _gather_at_start(problem, groups)
     tasks, has_prices = len(plan.order), len(problem.prices.due) > 0
@@ -111,14 +111,13 @@ def time_plan(
             walked += _meet(problem, crossings, plan, groups, task)
             makespan = max(makespan, groups.free[task])
         total += groups.end[task]
+    cost, everything, smooth = step * makespan, np.int64(STEP * tasks), np.int64(STEP_OF_END)
     if has_prices:
-        cost = makespan * step + _price_of_ends(problem, groups) + STEP_WALKED * walked
-        if groups.losses[0]:
-            cost += LATE * SHARES * tasks * _count_late(problem, plan, groups)
-        return cost, makespan
+        cost += _price_of_ends(problem, groups)
+        everything, smooth = np.int64(SHARES * tasks), np.int64(SMOOTH)
     if groups.losses[0]:
-        makespan += LATE * _count_late(problem, plan, groups)
-    return STEP * tasks * makespan + STEP_OF_END * total + STEP_WALKED * walked, makespan
+        cost += LATE * everything * _count_late(problem, plan, groups)
+    return cost, cost + smooth * total + STEP_WALKED * walked
 
 
 @kernel

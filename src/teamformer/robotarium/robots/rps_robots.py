@@ -35,14 +35,16 @@ class RpsRobots:
     """Robots of one run of the simulator; begin with poses (robots, 3), end with `finish()`."""
 
     def __init__(self, poses: Array, robotarium: Any = None) -> None:
-        make = robotarium or load_robotarium()
+        self._said = io.StringIO()  # by the simulator, which prints among what we print
         self._robots = len(poses)
-        self._simulator = make(
-            number_of_robots=self._robots,
-            show_figure=False,
-            sim_in_real_time=False,
-            initial_conditions=np.array(poses, dtype=float).T.copy(),
-        )
+        with self._hushed():
+            make = robotarium or load_robotarium()
+            self._simulator = make(
+                number_of_robots=self._robots,
+                show_figure=False,
+                sim_in_real_time=False,
+                initial_conditions=np.array(poses, dtype=float).T.copy(),
+            )
         self._measured = self._look()
         self.faults = Faults()
 
@@ -59,22 +61,27 @@ class RpsRobots:
         """Move for a tick at velocities (robots, 2)."""
         self.faults = self.faults.after(self._measured, velocities)
         told = np.array(velocities, dtype=float).T.copy()  # (2, robots)
-        self._simulator.set_velocities(np.arange(self._robots), told)
-        self._simulator.step()
+        with self._hushed():
+            self._simulator.set_velocities(np.arange(self._robots), told)
+            self._simulator.step()
         self._measured = self._look()
 
     def finish(self) -> str:
-        """End the run as the testbed wants it, and return what the simulator says of it."""
-        said = io.StringIO()
-        with contextlib.redirect_stdout(said):
+        """End the run as the testbed wants it, and return what the simulator has said of it."""
+        with self._hushed():
             if hasattr(self._simulator, "call_at_scripts_end"):
                 self._simulator.call_at_scripts_end()
             else:
                 self._simulator.debug()
-        return said.getvalue()
+        return self._said.getvalue()
+
+    def _hushed(self) -> contextlib.AbstractContextManager[Any]:
+        """Keep what the simulator prints for its report."""
+        return contextlib.redirect_stdout(self._said)
 
     def _look(self) -> Array:
-        poses: Array = np.array(self._simulator.get_poses(), dtype=float).T.copy()
+        with self._hushed():
+            poses: Array = np.array(self._simulator.get_poses(), dtype=float).T.copy()
         return poses
 
 

@@ -18,6 +18,7 @@ from teamformer.scenarios.file_access import read_text
 from teamformer.scenarios.files import scenario_from_tree
 from teamformer.scenarios.trees.mission import RECORD
 from teamformer.sim.replay.record import (
+    FLEET,
     HEARD,
     STATUSES,
     VERSION,
@@ -172,13 +173,16 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
         )
     with inside("end"):
         end = _ending(tree["end"])
+    method, steps = text_of(tree["method"]), tuple(_steps(tree["steps"], robots, tasks, along))
+    if method != FLEET and any(slot is None for step in steps for _, slot in step.done):
+        raise DamageError("a task is done by nobody, which only the record of a fleet may say")
     return Replay(
         scenario=scenario,
-        method=text_of(tree["method"]),
+        method=method,
         seed=whole_number(tree["seed"]),
         orders=orders,
         start=start,
-        steps=tuple(_steps(tree["steps"], robots, tasks, along)),
+        steps=steps,
         end=end,
         lower_bound=None if bound is None else count_of(bound),
         plans=plans,
@@ -263,7 +267,10 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
             )
             for slot, x, y, task in rows_of(tree.get("teams", []), 4)
         ),
-        done=_pairs(tree.get("done", []), tasks, robots),
+        done=tuple(
+            (number_below(task, tasks), None if slot is None else number_below(slot, robots))
+            for task, slot in rows_of(tree.get("done", []), 2)
+        ),
         named=numbers_below(tree.get("named", []), robots),
         took=_pairs(tree.get("took", []), robots, robots),
         heard=tuple(_heard(row, robots) for row in rows_of(tree.get("heard", []), 3)),

@@ -48,7 +48,8 @@ class Step:
     lost: tuple[int, ...] = ()
     back: tuple[int, ...] = ()  # each is a team of its own, where it was lost
     teams: tuple[TeamAt, ...] = ()  # whose slot, place or assignment changed
-    done: tuple[tuple[int, int], ...] = ()  # task, team that did it
+    done: tuple[tuple[int, int | None], ...] = ()
+    """Task, team that did it; of fleets also None: it is done by then, and nobody knows by whom."""
     named: tuple[int, ...] = ()  # teams whose decision named their task, where tasks are shared out
     took: tuple[tuple[int, int], ...] = ()  # like robots that exchanged their parts of the plan
     heard: tuple[tuple[int, int, str], ...] = ()  # sender, receiver, what: one of HEARD

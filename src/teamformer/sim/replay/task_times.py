@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from teamformer.mission.costs import cost_in_steps
+from teamformer.mission.costs import cost_in_steps, judged_by, weighed
 from teamformer.mission.precedence import tasks_before
-from teamformer.mission.rules import latest_end, window_opens
+from teamformer.mission.windows import latest_end, window_opens
 from teamformer.rules.constants import NEVER
 from teamformer.sim.replay.record import Replay
 
@@ -58,6 +58,17 @@ def opening_steps(replay: Replay) -> list[int]:
 def cost_of_record(replay: Replay) -> float | None:
     """Return what a mission cost; None if it has no cost, or is not over."""
     return cost_in_steps(replay.mission, done_steps(replay), replay.end.makespan)
+
+
+def judged_value(replay: Replay) -> float | None:
+    """Return what plans of the mission are judged by, the less the better; None if it is not over.
+
+    It is the cost, the mean of makespan and lateness if there are windows, or the makespan.
+    """
+    weights, makespan = judged_by(replay.mission), replay.end.makespan
+    if weights is None or makespan is None:
+        return makespan
+    return weighed(replay.mission, weights, done_steps(replay), makespan)
 
 
 def lateness(replay: Replay) -> dict[str, float]:

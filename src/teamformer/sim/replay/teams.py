@@ -69,6 +69,10 @@ class Teams:
         """Have a robot back where it was lost, a team of its own."""
         self._found((robot,), self._left_at[robot], NOBODY)
 
+    def doers(self, slot: int | None) -> tuple[int, ...]:
+        """Return the robots of a team that did a task; nobody where nobody knows the team."""
+        return () if slot is None else self.robots[slot]
+
     def place(self, robot: int) -> Place:
         """Return where a robot is; of a lost one, where it was lost."""
         slot = self.slot[robot]
@@ -94,4 +98,4 @@ def completions(replay: Replay) -> Iterator[tuple[int, int, tuple[int, ...]]]:
     for number, step in enumerate(replay.steps, start=1):
         teams.follow(step)
         for task, slot in step.done:
-            yield number, task, teams.robots[slot]
+            yield number, task, teams.doers(slot)

@@ -281,8 +281,8 @@ class App {
     this.isDrawing = true;
     requestAnimationFrame(() => {
       this.isDrawing = false;
-      for (const companion of this.companions) companion.caption();
-      for (const drawing of this.drawings()) drawing.draw();
+      for (const companion of this.companions) attempt("the captions", () => companion.caption());
+      for (const drawing of this.drawings()) attempt("the drawing", () => drawing.draw());
     });
   }
 
@@ -310,11 +310,11 @@ class App {
   }
 
   showStep() {
-    showFigures(this);
-    showDetails(this);
-    this.compared.show();
-    this.lists.follow();
-    this.tables[this.view]?.show();
+    attempt("the figures", () => showFigures(this));
+    attempt("the details", () => showDetails(this));
+    attempt("the comparison", () => this.compared.show());
+    attempt("the lists", () => this.lists.follow());
+    attempt("the table", () => this.tables[this.view]?.show());
     showPlayback(this);
     showSwitches(this);
     this.writeAddress();

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 import time
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -27,6 +26,7 @@ from teamformer.fleet.bodies.ros2.goals import (
 )
 from teamformer.fleet.bodies.ros2.graph import Graph, Whereabouts
 from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.saying import say
 from teamformer.grid import Place
 
 if TYPE_CHECKING:
@@ -180,7 +180,7 @@ class Nav2Body:
         return pose_at(self._address.frame, *at, yaw, stamp)
 
     def _say(self, message: str) -> None:
-        print(f"{self._name}: {message}", file=sys.stderr, flush=True)
+        say(self._name, message)
 
 
 def _markers(graph: Graph, mission: Mission, robot: int, frame: str) -> Markers | None:

@@ -113,6 +113,8 @@ def _consider(
         return
     room.seen[tail] = number[STAMP]
     head, kind, place = seats[tail].next, seats[tail].kind, seats[tail].node
+    if place < len(problem.near) and tail >= nodes[place].first + nodes[place].taken:
+        return  # the task is out, and so is the seat where another of its group was
     to = seats[head].node
     if not nodes[place].key < cut < nodes[to].key or number[FOUND] == MOST_CANDIDATES:
         return

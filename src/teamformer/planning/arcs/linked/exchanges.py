@@ -10,7 +10,7 @@ from teamformer.planning.arcs.graph import Graph
 from teamformer.planning.arcs.judging import KIND, Trial, record
 from teamformer.planning.arcs.linked.candidates import Room
 from teamformer.planning.arcs.linked.judging import Ledger, Links, lead, way_out
-from teamformer.planning.arcs.linked.moves import has_groups_apart
+from teamformer.planning.arcs.linked.moves import has_links_apart
 from teamformer.planning.continuous.links import TRAVEL
 from teamformer.rules.chance import draw_below
 
@@ -61,9 +61,7 @@ def exchange_rests(
         lead(problem, graph, trial, ledger, last_of_two, home_of_two)
     if links.members.shape[1] == 2:  # nothing is linked
         return True
-    return has_groups_apart(links, graph, room, tail) and has_groups_apart(
-        links, graph, room, begin
-    )
+    return has_links_apart(links, graph, room, tail) and has_links_apart(links, graph, room, begin)
 
 
 @kernel

@@ -9,7 +9,7 @@ from random import Random
 
 import numpy as np
 
-from teamformer.planning.continuous.links import LinkedProblem
+from teamformer.planning.continuous.links import FREE, LinkedProblem
 from teamformer.planning.continuous.problem import NOBODY, without_spares
 from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
 
@@ -20,7 +20,7 @@ def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | N
     Without `draws` the group that is due first is next, by robots that are there soonest; with
     them both are drawn.
     """
-    base, group_of = problem.base, problem.group.tolist()
+    base, group_of, is_linked = problem.base, problem.group.tolist(), problem.gap > FREE
     before = [[other for other in row if other != NOBODY] for row in base.before.tolist()]
     members = [[task for task in row if task != NOBODY] for row in problem.members.tolist()]
     waiting = [{group_of[other] for task in tasks for other in before[task]} for tasks in members]
@@ -31,21 +31,24 @@ def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | N
         ready = [group for group in sorted(left) if not waiting[group] & left]
         group = _draw(ready, draws) if draws else min(ready, key=lambda one: (due[one], one))
         left.remove(group)
-        taken: set[int] = set()
         tasks = list(members[group])
         while tasks:
             task = _draw(tasks, draws) if draws else tasks[0]
+            taken = {
+                robot
+                for other in np.flatnonzero(is_linked[task])
+                for robot in plan.coalition[other, : plan.size[other]].tolist()
+            }
             comes = np.maximum(free + base.ways[base.pace, place, task], base.release[task])
             coalition = _able_coalition(problem, task, taken, comes, draws)
             if coalition is None:
                 return None
             plan.size[task] = len(coalition)
             plan.coalition[task, : len(coalition)] = coalition
-            taken |= set(coalition)
             tasks.remove(task)
+            order.append(task)
             place[coalition] = task
             free[coalition] = comes[coalition].max() + base.duration[task]
-        order += members[group]
     plan.order[:] = order
     return plan
 

@@ -68,7 +68,8 @@ class Ledger(NamedTuple):
 
     part: Ints  # (PARTS,)
     then: Ints  # (PARTS,)
-    cost: Floats  # (3,)
+    cost: Floats  # (3,) what plans are judged by
+    lead: Floats  # (3,) the same and what leads a search: how early all robots are home
     start: Ints  # (tasks,) room for the starts of a group
     is_less_late: Int32s  # (1,) whether a task that was the latest is late by less
 
@@ -85,6 +86,7 @@ def empty_ledger(problem: LinkedProblem) -> Ledger:
         part=np.zeros(PARTS, np.int64),
         then=np.zeros(PARTS, np.int64),
         cost=np.zeros(3),
+        lead=np.zeros(3),
         start=np.zeros(len(problem.group), np.int64),
         is_less_late=np.zeros(1, np.int32),
     )
@@ -221,7 +223,17 @@ def sum_up_change(
             then[MAX_TARDINESS] = max(then[MAX_TARDINESS], late)
     ledger.cost[THEN] = 0.0
     for part in range(len(then)):
-        ledger.cost[THEN] += links.weight[part] * then[part]
+        if part != HOME:
+            ledger.cost[THEN] += links.weight[part] * then[part]
+    ledger.lead[THEN] = ledger.cost[THEN] + links.weight[HOME] * then[HOME]
+
+
+@kernel
+def is_better(ledger: Ledger, one: int, other: int) -> bool:
+    """Say whether one of NOW, THEN and BEST costs less than another, or as much and leads on."""
+    if ledger.cost[one] == ledger.cost[other]:
+        return ledger.lead[one] < ledger.lead[other]
+    return ledger.cost[one] < ledger.cost[other]
 
 
 @kernel
@@ -233,7 +245,13 @@ def accept_change(graph: Graph, trial: Trial, ledger: Ledger) -> None:
             node.key = 2 * (node.end - node.duration) + 1
     for part in range(len(ledger.part)):
         ledger.part[part] = ledger.then[part]
-    ledger.cost[NOW] = ledger.cost[THEN]
+    replace_cost(ledger, NOW, THEN)
+
+
+@kernel
+def replace_cost(ledger: Ledger, one: int, other: int) -> None:
+    """Note that one of NOW, THEN and BEST costs what another does."""
+    ledger.cost[one], ledger.lead[one] = ledger.cost[other], ledger.lead[other]
 
 
 @entry

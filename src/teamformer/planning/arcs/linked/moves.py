@@ -168,9 +168,8 @@ def _put_in(
 
 @kernel
 def are_apart(links: Links, graph: Graph, members: Array) -> bool:
-    """Say whether no robot does two tasks of a group."""
-    nodes, seats = graph.nodes, graph.seats
-    latest, group = 0, links.group[members[0]]
+    """Say whether no robot does two tasks of a group that are linked directly."""
+    nodes, seats, latest = graph.nodes, graph.seats, 0
     for task in members:
         if task == NOBODY:
             break
@@ -182,7 +181,7 @@ def are_apart(links: Links, graph: Graph, members: Array) -> bool:
             other = seats[seats[first].next].node
             seat = seats[first].next
             while other < len(links.group) and nodes[other].key <= latest:
-                if links.group[other] == group:
+                if links.gap[task, other] > FREE:
                     return False
                 seat = seats[seat].next
                 other = seats[seat].node
@@ -190,8 +189,8 @@ def are_apart(links: Links, graph: Graph, members: Array) -> bool:
 
 
 @kernel
-def has_groups_apart(links: Links, graph: Graph, room: Room, seat: int) -> bool:
-    """Say whether the robot that leaves a seat does no two tasks of one group on all its way."""
+def has_links_apart(links: Links, graph: Graph, room: Room, seat: int) -> bool:
+    """Say whether the robot that leaves a seat does no two tasks on all its way that are linked."""
     nodes, seats, tasks = graph.nodes, graph.seats, len(links.group)
     while seats[seat].node < tasks:
         seat = seats[seat].prev
@@ -199,8 +198,20 @@ def has_groups_apart(links: Links, graph: Graph, room: Room, seat: int) -> bool:
     seat = seats[seat].next
     while nodes[seats[seat].node].key < LAST:
         group = links.group[seats[seat].node]
-        if room.met[group] == room.number[STAMP]:
+        if room.met[group] == room.number[STAMP] and _is_linked_before(links, graph, seat):
             return False
         room.met[group] = room.number[STAMP]
         seat = seats[seat].next
     return True
+
+
+@kernel
+def _is_linked_before(links: Links, graph: Graph, seat: int) -> bool:
+    """Say whether a robot has done a task before that is linked with the one of a seat."""
+    seats, task = graph.seats, graph.seats[seat].node
+    seat = seats[seat].prev
+    while seats[seat].node < len(links.group):
+        if links.gap[task, seats[seat].node] > FREE:
+            return True
+        seat = seats[seat].prev
+    return False

@@ -33,8 +33,10 @@ from teamformer.planning.arcs.linked.judging import (
     accept_change,
     begin_change,
     empty_ledger,
+    is_better,
     links_of,
     propagate,
+    replace_cost,
     room_for_change,
     sum_up_change,
     time_links,
@@ -100,13 +102,14 @@ class LinkedSearch:
         if not time_links(*parts, MOST_TIMED + TIMED_EACH * len(plan.order)):
             return False
         copy_graph(self.graph, self._best)
-        self._ledger.cost[BEST] = self._ledger.cost[NOW]
+        for costs in (self._ledger.cost, self._ledger.lead):
+            costs[BEST] = costs[NOW]
         return True
 
     @property
     def leg(self) -> float:
         """Return what a robot's visit to a task costs on average."""
-        return float(self._ledger.cost[NOW]) / int(self.graph.nodes.taken.sum())
+        return float(self._ledger.lead[NOW]) / int(self.graph.nodes.taken.sum())
 
     @property
     def ticks(self) -> int:
@@ -136,12 +139,17 @@ class LinkedSearch:
         def anneal(passed: float, rounds: int) -> None:
             self.anneal(hot * COOLER ** (COOLINGS * passed), rounds)
 
-        search_by_clock(anneal, lambda: self.cost, deadline, race, offer, math.inf)
+        search_by_clock(anneal, lambda: self.rank, deadline, race, offer, math.inf)
 
     @property
     def cost(self) -> float:
         """Return what the best plan costs."""
         return float(self._ledger.cost[BEST])
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Return what the best plan is compared by: its cost, then what leads the search."""
+        return self.cost, float(self._ledger.lead[BEST])
 
     @property
     def best(self) -> CoalitionPlan:
@@ -165,11 +173,11 @@ def anneal_links(
     rounds: int,
 ) -> None:
     """Make changes; keep those that are better or, in heat, a bit worse."""
-    cost, most = ledger.cost, MOST_TIMED + TIMED_EACH * len(problem.near)
+    lead, most = ledger.lead, MOST_TIMED + TIMED_EACH * len(problem.near)
     is_best, must_copy = False, False
     room.heat[0] = heat
     for _ in range(rounds):
-        allowed = cost[NOW] + heat * slacks[draw_below(random, len(slacks))] / STEPS
+        allowed = lead[NOW] + heat * slacks[draw_below(random, len(slacks))] / STEPS
         task = _draw_task(links, graph, ledger, random)
         begin_change(trial, ledger)
         if draw_below(random, 100) < EXCHANGES:
@@ -179,23 +187,23 @@ def anneal_links(
         is_kept = is_able and links.weight[TRAVEL] * ledger.then[TRAVEL] <= allowed
         if is_kept and propagate(problem, links, graph, trial, ledger, most):
             sum_up_change(problem, links, graph, trial, ledger)
-            is_kept = cost[THEN] <= allowed
+            is_kept = lead[THEN] <= allowed
         else:
             is_kept = False
-        if is_kept and is_best and cost[THEN] >= cost[NOW]:
+        if is_kept and is_best and not is_better(ledger, THEN, NOW):
             is_kept, must_copy = False, True  # not yet: the best is written down first
         if is_kept:
             accept_change(graph, trial, ledger)
-            is_best = cost[NOW] < cost[BEST]
+            is_best = is_better(ledger, NOW, BEST)
         else:
             undo(graph, trial)
             if must_copy:
                 copy_graph(graph, best)
-                cost[BEST] = cost[NOW]
+                replace_cost(ledger, BEST, NOW)
                 is_best, must_copy = False, False
     if is_best:
         copy_graph(graph, best)
-        cost[BEST] = cost[NOW]
+        replace_cost(ledger, BEST, NOW)
 
 
 @kernel

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from teamformer.planning.arcs.linked.search import COOLER, COOLINGS, LinkedSearch
-from teamformer.planning.continuous.links import LinkedProblem
-from teamformer.planning.continuous.schedule import CoalitionPlan
+from teamformer.planning.continuous.bounds.raising import raise_bound
+from teamformer.planning.continuous.links import LinkedProblem, is_bounded
+from teamformer.planning.continuous.schedule import LATE, MAKESPAN, CoalitionPlan, schedule_of
 from teamformer.planning.race import Judgement, Race
 
 ROUNDS_EACH, MOST_ROUNDS = 20_000, 600_000
@@ -22,17 +23,28 @@ once in all the time there is."""
 
 @dataclass(frozen=True)
 class LinkedSolution:
-    """A plan and what it costs, as the problem weighs; `curve` holds (seconds, cost)."""
+    """A plan and what it costs, as the problem weighs; `curve` holds (seconds, cost).
+
+    Plans are compared by `rank`: what they cost, then what leads the search. No plan is over before
+    tick `bound`, and none is better than one that is proven.
+    """
 
     plan: CoalitionPlan
-    cost: float
+    rank: tuple[float, float]
+    bound: int = 0
+    is_proven: bool = False
     curve: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def cost(self) -> float:
+        """Return what the plan costs."""
+        return self.rank[0]
 
 
 def plan_linked(problem: LinkedProblem, seed: int = 0) -> LinkedSolution | None:
     """Return the plan that every robot computes for itself, after a fixed number of rounds.
 
-    None if no coalitions were found: linked tasks are done by different robots.
+    None if no coalitions were found: tasks that are linked are done by different robots.
     """
     search = LinkedSearch(problem, seed)
     if not search.begin_anew():
@@ -55,28 +67,48 @@ def solve_linked(
 ) -> LinkedSolution | None:
     """Return the best plan found in so many seconds; None if no coalitions were found.
 
-    The plan is never worse than the shared plan, or than `start` if there is one.
+    The plan is never worse than the shared plan, or than `start` if there is one. The search ends
+    early if a plan is proven.
     """
     begun = time.perf_counter()
     shared = plan_linked(problem, seed)
     if shared is None:
         return None
-    race = Race(_judge, shared, begun, begun + time_limit)
+    race = Race(partial(_judge, problem), shared, begun, begun + time_limit)
     first = (time.perf_counter() - begun, shared.cost)
     if start is not None:
         given = LinkedSearch(problem, seed)
         if given.begin_at(start):
             race.offer(_solution(given))
-    race.run([partial(_search, problem, seed + n + 1, race) for n in range(workers)], workers)
-    return replace(race.plan, curve=(first, *race.curve))
+    jobs = [partial(_bound_and_search, problem, seed + 1, race)]
+    jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
+    race.run(jobs, len(jobs))
+    is_proven = race.judgement.bounded <= race.bound
+    return replace(race.plan, bound=race.bound, is_proven=is_proven, curve=(first, *race.curve))
 
 
-def _judge(solution: LinkedSolution) -> Judgement:
-    return Judgement((solution.cost,), solution.cost, math.inf)  # no bound is known
+def _judge(problem: LinkedProblem, solution: LinkedSolution) -> Judgement:
+    """Compare plans by their costs; a bound of the makespan is one of plans with nothing late."""
+    bounded = math.inf
+    if is_bounded(problem):
+        total = schedule_of(problem.base, solution.plan).total
+        bounded = math.inf if total[LATE] > 0 else int(total[MAKESPAN])
+    return Judgement(solution.rank, solution.cost, bounded)
 
 
 def _solution(search: LinkedSearch) -> LinkedSolution:
-    return LinkedSolution(search.best, search.cost)
+    return LinkedSolution(search.best, search.rank)
+
+
+def _bound_and_search(problem: LinkedProblem, seed: int, race: Race[LinkedSolution]) -> None:
+    """Work out a bound, if one says anything of what plans cost, and search then."""
+    if is_bounded(problem):
+        raise_bound(
+            problem.base,
+            race,
+            lambda: int(schedule_of(problem.base, race.plan.plan).total[MAKESPAN]),
+        )
+    _search(problem, seed, race)
 
 
 def _search(problem: LinkedProblem, seed: int, race: Race[LinkedSolution]) -> None:
@@ -87,6 +119,8 @@ def _search(problem: LinkedProblem, seed: int, race: Race[LinkedSolution]) -> No
     search, seconds = LinkedSearch(problem, seed), race.seconds_left
     is_small = len(problem.group) < FEW_TASKS
     for left in range(max(1, round(seconds / SECONDS_EACH)) if is_small else 1, 0, -1):
+        if race.is_over:
+            break
         search.begin_anew()
         search.quench()
         deadline = time.perf_counter() + race.seconds_left / left

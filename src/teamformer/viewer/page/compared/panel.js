@@ -19,9 +19,9 @@ class Compared {
     byId("caption").hidden = trials.length < 2;
     if (this.box.hidden) return;
     byId("caption").replaceChildren(...recordItem(this.app).childNodes);
-    const isPriced = areAllPriced(trials);
-    const head = ["method", "done", "makespan", ...(isPriced ? ["cost"] : []), "to best"];
-    const rows = trials.map((trial) => comparedRow(this.app, trial, isPriced));
+    const measures = measuresOf(trials);
+    const head = ["method", "done", ...measures.columns.map(({ name }) => name), "to best"];
+    const rows = trials.map((trial) => comparedRow(this.app, trial, measures));
     const header = element("thead", {}, element("tr", {}, ...head.map((text) => element("th", { scope: "col" }, text))));
     refill(this.table, [oneStop(element("table", {}, header, element("tbody", {}, ...rows, ...failed.map((failure) => failedRow(failure, head.length)))))]);
     this.curves.draw();
@@ -51,22 +51,44 @@ function columnsFor(count, used, width, height) {
   return all.reduce((best, columns) => (scale(columns) > scale(best) ? columns : best));
 }
 
-function comparedRow(app, trial, isPriced) {
-  const { history } = trial;
-  const { world } = history.scenario;
-  const title = titleOf(app.trials, trial);
-  const { makespan, status } = history.end;
+// What records are compared by: the columns that tell of it, and `judge`, what a record is judged by.
+// Where all missions are judged by more than the makespan, as plans of them are, records are, too.
+function measuresOf(trials) {
+  const has = (isTrue) => trials.length > 0 && trials.every(({ history }) => isTrue(history.scenario));
+  const columns = [{ name: "makespan", of: describeMakespan }];
+  if (has(({ cost }) => cost)) columns.push({ name: "cost", of: describeCost });
+  if (trials.some(({ history }) => hasDueTimes(history.scenario))) columns.push({ name: "late", of: describeAllLate });
+  const judge = has(weightsOf) ? (history) => weighedBy(weightsOf(history.scenario), history) : ({ end }) => end.makespan;
+  return { columns, judge };
+}
+
+function describeMakespan({ scenario, end: { makespan, status } }) {
+  return makespan === null ? status : describeAmount(scenario.world, makespan);
+}
+
+function describeCost(history) {
   const cost = costOf(history);
-  const measureOf = isPriced ? costOf : ({ end }) => end.makespan;
-  const all = app.trials.map((other) => measureOf(other.history)).filter((value) => value !== null);
-  const [value, best] = [measureOf(history), Math.min(...all)];
+  return cost === null ? "" : String(Number(cost.toPrecision(6)));
+}
+
+// How many tasks were late, and by how much in all.
+function describeAllLate({ scenario, doneAt }) {
+  const late = scenario.tasks.map(({ due }, task) => (doneAt[task] < Infinity ? doneAt[task] - due : 0)).filter((by) => by > 0);
+  if (!late.length) return "-";
+  return `${late.length} by ${describeAmount(scenario.world, late.reduce((sum, by) => sum + by, 0))}`;
+}
+
+function comparedRow(app, trial, { columns, judge }) {
+  const { history } = trial;
+  const title = titleOf(app.trials, trial);
+  const all = app.trials.map((other) => judge(other.history)).filter((value) => value !== null);
+  const [value, best] = [judge(history), Math.min(...all)];
   const isFront = trial === app.trial;
   const name = element("button", { type: "button", class: "link", "data-key": title, title: "Show its details", on: () => app.bringToFront(trial) }, title);
   if (isFront) name.setAttribute("aria-current", "true");
   const cells = [
     `${countDone(history, app.player.step)}/${history.doneAt.length}`,
-    makespan === null ? status : describeAmount(world, makespan),
-    ...(isPriced ? [cost === null ? "" : String(Number(cost.toPrecision(6)))] : []),
+    ...columns.map(({ of }) => of(history)),
     value === null || best === 0 ? "" : `+${Math.round(100 * (value / best - 1))}%`,
   ];
   return element(
@@ -79,11 +101,6 @@ function comparedRow(app, trial, isPriced) {
 
 function failedRow({ method, seed, why }, columns) {
   return element("tr", {}, element("td", { colspan: columns, class: "why" }, `${method}, seed ${seed} failed: ${why}`));
-}
-
-// Where all missions have a cost, records are compared by it, and else by their makespans.
-function areAllPriced(trials) {
-  return trials.length > 0 && trials.every(({ history }) => history.scenario.cost);
 }
 
 function describeAmount(world, steps) {

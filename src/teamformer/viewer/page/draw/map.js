@@ -73,18 +73,19 @@ class TrialMap {
     view.ctx.fillRect(0, 0, this.width, this.height);
     const still = this.stillLayer(view);
     view.ctx.drawImage(still.canvas, 0, 0, this.width, this.height);
-    if (view.options.trails) drawTrails(view);
-    if (view.options.order) drawOrder(view);
-    if (view.options.messages) drawMessages(view);
-    drawDestinations(view);
+    const layer = (part, draw) => attemptOn(view.ctx, part, () => draw(view));
+    if (view.options.trails) layer("the trails", drawTrails);
+    if (view.options.order) layer("the order", drawOrder);
+    if (view.options.messages) layer("the messages", drawMessages);
+    layer("where loads go", drawDestinations);
     drawTasks(view, still.changing);
-    drawAssignments(view);
-    drawTeams(view);
-    drawSelection(view);
-    drawNames(view);
-    const legend = drawCrowdLegend(view);
+    layer("the lines to tasks", drawAssignments);
+    layer("the robots", drawTeams);
+    layer("the selection", drawSelection);
+    layer("the names", drawNames);
     this.shown = view;
     this.frames = (this.frames ?? 0) + 1;
+    const legend = drawCrowdLegend(view);
     if (legend > this.above) this.makeRoom(legend);
   }
 
@@ -109,8 +110,8 @@ class TrialMap {
     const ctx = canvas.getContext("2d");
     ctx.setTransform(sharpness, 0, 0, sharpness, 0, 0);
     const [still, changing] = partTasks(view);
-    drawWorld(onto(view, ctx));
-    drawRegions(onto(view, ctx));
+    attemptOn(ctx, "the world", () => drawWorld(onto(view, ctx)));
+    attemptOn(ctx, "the regions", () => drawRegions(onto(view, ctx)));
     drawTasks(onto(view, ctx), still);
     this.still = { key, canvas, changing };
     return this.still;

@@ -1,14 +1,16 @@
 // Tasks: a tinted square in the task's own colour, outlined in its requirements.
 
 function drawTasks(view, tasks) {
-  for (const task of tasks) {
-    const standing = standingOf(view.history, task, view.scene.step);
-    const box = taskBox(view, task);
-    if (!isOnScreen(view, box.x, box.y, box.half + 20)) continue;
-    if (isDot(view)) drawTaskDot(view, task, box, standing);
-    else if (isUnchanging(view, task, standing)) drawTaskImage(view, task, box, standing);
-    else drawTask(view, task, box, standing);
-  }
+  for (const task of tasks) attemptOn(view.ctx, "the tasks", () => drawTaskAsItStands(view, task));
+}
+
+function drawTaskAsItStands(view, task) {
+  const standing = standingOf(view.history, task, view.scene.step);
+  const box = taskBox(view, task);
+  if (!isOnScreen(view, box.x, box.y, box.half + 20)) return;
+  if (isDot(view)) drawTaskDot(view, task, box, standing);
+  else if (isUnchanging(view, task, standing)) drawTaskImage(view, task, box, standing);
+  else drawTask(view, task, box, standing);
 }
 
 // The tasks that are there: those that stand still until the next step, and the others.
@@ -83,12 +85,10 @@ function taskBox(view, task) {
   return { x: x + pixels("right"), y: y + pixels("down"), half: pixels("half") };
 }
 
-// A load goes with its team, whose robots it embraces.
+// A load goes with the robots that carry it, and embraces them.
 function loadBox(view, task) {
   const { history, scene, camera } = view;
-  const { robots } = serviceOf(history, task, scene.step);
-  const there = robots.filter((robot) => scene.state.team[robot] !== NOBODY);
-  const { x, y, r } = teamSpot(view, { robots: there });
+  const { x, y, r } = teamSpot(view, serviceOf(history, task, scene.step));
   return { x, y, half: Math.max(TASK_HALF * camera.cell, r + 3) };
 }
 

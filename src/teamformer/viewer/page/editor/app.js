@@ -3,10 +3,11 @@
 const CHECK_AFTER = 250; // milliseconds without a change
 
 class EditorApp extends App {
-  constructor(tree, link) {
-    super(recordOfDraft(tree));
+  constructor({ scenario, id }, link) {
+    super(recordOfDraft(scenario));
     this.link = link;
-    this.draft = new Draft(tree);
+    this.draft = keptDraft(scenario);
+    this.id = this.told = id; // the names of what is drawn here, and of what the server knows of it
     this.tool = "move";
     this.problems = [];
     this.panel = new EditorPanel(this, byId("mission"));
@@ -14,6 +15,7 @@ class EditorApp extends App {
     this.lists.open("robots");
     this.options.lines = false;
     document.addEventListener("keydown", (event) => this.press(event), true);
+    window.addEventListener("pagehide", () => keepDraft(this.draft));
   }
 
   startText() {
@@ -36,41 +38,90 @@ class EditorApp extends App {
 
   hear(message) {
     if (message.kind === "editor") this.replace(message);
-    if (message.kind === "checked") this.panel.tell((this.problems = message.problems));
+    if (message.kind === "checked" && message.id === this.id) this.panel.tell((this.problems = message.problems));
     if (message.kind === "saved") notify(`Saved: ${message.paths.join(", ")}`, "good");
-    if (message.kind === "starting") notifyWork("Making the first plan …");
-    if (message.kind === "refused") notify(`Not done: ${message.text}.`);
+    if (message.kind === "starting") notifyWork(`${capitalised(message.text)} …`);
+    if (message.kind === "refused") this.refuse(message);
+  }
+
+  refuse({ text }) {
+    this.isOpening = false;
+    notify(`Not done: ${text}.`);
   }
 
   ask(message) {
-    if (!this.link.send(message)) notify("The server is not there; nothing was done. Trying again …");
+    if (this.link.send(message)) return true;
+    notify("The server is not there; nothing was done. Trying again …");
+    return false;
   }
 
-  // Another draft from now on, from a file or new; one can go back to what was drawn before.
-  replace({ scenario, file }) {
-    this.draft.change(scenario);
-    this.panel.file.value = file;
+  // Another file, or an empty drawing, which takes the place of this one in all pages.
+  askToOpen(message) {
+    this.isOpening = this.ask(message);
+  }
+
+  // Asks for something with what is drawn here, and says what it was drawn on: if that is no longer
+  // what all pages show, the server refuses it.
+  askWithDrawing(message) {
+    if (this.ask(this.withDrawing(message))) this.told = this.id;
+  }
+
+  withDrawing(message) {
+    return { ...message, scenario: this.draft.tree, id: this.id, after: this.told };
+  }
+
+  // Another drawing: from a file, new, of another page, or of a server that began anew. One can go
+  // back to what was drawn here.
+  replace({ scenario, file, id }) {
+    if (file !== this.file) this.panel.file.value = this.file = file;
+    if (id !== this.told) return this.takeOver(scenario, id);
+    this.isBehind = false;
+    this.redrawDraft(this.selection);
+  }
+
+  takeOver(scenario, id) {
+    const notice = this.isOpening ? [""] : this.noticeOfAnother();
+    this.draft.change(scenario, this.isOpening ? null : "another page");
+    Object.assign(this, { id, told: id, held: null });
     this.panel.fill();
-    this.redrawDraft({});
+    this.redrawDraft(this.isOpening || !this.isThere(this.selection) ? {} : this.selection);
+    this.isOpening = this.isBehind = false;
+    notify(...notice);
+  }
+
+  noticeOfAnother() {
+    if (this.isBehind) return ["The drawing is another now than before the connection was lost. Undo goes back to what was here."];
+    if (this.id !== this.told) return ["Another page has drawn meanwhile, and this is its drawing. Undo goes back to yours."];
+    return ["Another page is drawing too.", "plain"];
+  }
+
+  isThere(selection) {
+    const { robots, tasks } = this.draft.tree;
+    return !(selection.robot >= robots.length || selection.task >= tasks.length);
   }
 
   // Every change goes through here; `selection` is what is to be selected then.
   change(tree, selection = this.selection, key = null) {
     if (tree === this.draft.tree) return;
     this.draft.change(tree, key);
-    this.redrawDraft(selection);
+    this.haveDrawn(selection);
   }
 
   undo() {
     this.draft.undo();
     this.panel.fill();
-    this.redrawDraft({});
+    this.haveDrawn({});
   }
 
   redo() {
     this.draft.redo();
     this.panel.fill();
-    this.redrawDraft({});
+    this.haveDrawn({});
+  }
+
+  haveDrawn(selection) {
+    this.id = freshId();
+    this.redrawDraft(selection);
   }
 
   redrawDraft(selection) {
@@ -85,8 +136,16 @@ class EditorApp extends App {
     this.select(selection);
     showHeader(this);
     this.panel.showHistory();
+    this.check();
+  }
+
+  // Has the server keep what is drawn, show it to the other pages, and say what is wrong with it.
+  check() {
     clearTimeout(this.checkTimer);
-    this.checkTimer = setTimeout(() => this.link.send({ do: "check", scenario: tree }), CHECK_AFTER);
+    const send = () => {
+      if (this.link.send(this.withDrawing({ do: "check" }))) this.told = this.id;
+    };
+    this.checkTimer = setTimeout(send, CHECK_AFTER);
   }
 
   select(selection) {
@@ -217,6 +276,11 @@ class EditorApp extends App {
 }
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+// A name for a drawing that no other page gives.
+function freshId() {
+  return Array.from({ length: 3 }, () => Math.random().toString(36).slice(2)).join("");
+}
 
 function cameraPlace({ cell, left, top, isFitted }) {
   return { cell, left, top, isFitted };

@@ -42,6 +42,33 @@ class Draft {
   }
 }
 
+const KEPT = "teamformer drawing"; // the key in what the browser keeps for this tab
+const MOST_KEPT = 2_000_000; // letters
+
+// The drawing of a page that goes, for the next page of this tab, and what can be undone: as much of
+// it as there is room for.
+function keepDraft({ tree, before, after }) {
+  const write = (last, next) => JSON.stringify({ tree, before: last, after: next });
+  let text = write(before, after);
+  for (let kept = before.length; text.length > MOST_KEPT && kept > 0; ) {
+    kept = Math.floor(kept / 2);
+    text = write(kept ? before.slice(-kept) : [], []);
+  }
+  try {
+    sessionStorage.setItem(KEPT, text);
+  } catch {
+    sessionStorage.removeItem(KEPT); // the browser keeps less
+  }
+}
+
+// The draft of a tree; what was undone and done is there again where the tree is as this tab left it.
+function keptDraft(tree) {
+  const draft = new Draft(tree);
+  const kept = JSON.parse(sessionStorage.getItem(KEPT) ?? "{}");
+  if (JSON.stringify(kept.tree) !== JSON.stringify(tree)) return draft;
+  return Object.assign(draft, { before: kept.before, after: kept.after });
+}
+
 // A thing of a draft is {robot} or {task}, by number, as in a selection.
 function kindOf(thing) {
   return thing.robot !== undefined ? "robots" : "tasks";

@@ -26,10 +26,10 @@ class EditorPanel {
         { class: "acts" },
         this.undo,
         this.redo,
-        act("New", () => app.ask({ do: "new" })),
+        act("New", () => app.askToOpen({ do: "new" })),
         act("Open …", () => this.openFile()),
         this.file,
-        act("Save", () => app.ask({ do: "save", name: this.file.value.trim(), scenario: app.draft.tree })),
+        act("Save", () => app.askWithDrawing({ do: "save", name: this.file.value.trim() })),
       ),
       this.world,
     );
@@ -51,7 +51,7 @@ class EditorPanel {
 
   run() {
     notifyWork("Making it ready …");
-    this.app.ask({ do: "run", scenario: this.app.draft.tree });
+    this.app.askWithDrawing({ do: "run" });
   }
 
   toolButton(name, text) {
@@ -199,7 +199,7 @@ class EditorPanel {
     const { file, text } = read.find(isScenario) ?? read.find(isText) ?? read[0];
     const beside = {};
     for (const other of files) if (other !== file) beside[other.name] = await inBase64(other);
-    this.app.ask({ do: "open", name: file.name, text, beside });
+    this.app.askToOpen({ do: "open", name: file.name, text, beside });
   }
 }
 

@@ -4,7 +4,7 @@ class LiveApp extends App {
   constructor(record, link) {
     super(record, new LivePlayer((message) => this.ask(message)));
     this.link = link;
-    this.state = { incidents: [], watchers: 1, warning: null };
+    this.state = { incidents: [], watchers: 1, alerts: [] };
     this.panel = new MissionPanel(this, byId("mission"));
   }
 
@@ -40,26 +40,33 @@ class LiveApp extends App {
     if ("is_playing" in message) this.takeState(message);
     if (["forecast", "what_if", "offer"].includes(kind)) this.panel.tell(message);
     if (kind === "searching") this.panel.searching(message);
+    if (kind === "stopped") this.panel.stopWeighing();
+    if (kind === "luck") this.panel.tellLuck(message);
+    if (kind === "warning") notify(`${capitalised(message.text)}.`);
     if (kind === "saved") notify(savedText(message), "good");
     if (kind === "refused") this.refuse(message);
   }
 
   // The whole mission so far: the line was down, it begins anew, or an incident was undone.
-  reopen({ record, text }) {
+  reopen({ record, text, id }) {
     const { selection, options } = this;
+    const isOther = this.state.id !== undefined && this.state.id !== id;
     this.load(record);
     Object.assign(this, { selection: this.knows(selection) ? selection : {}, options });
     this.showAll();
+    this.state.alerts = []; // the banner is told anew
     this.panel?.forget();
     if (text) notify(text, "plain");
+    if (isOther) notify(`This is another mission than before; the server was started anew. ${HOW_TO_RESUME}`);
   }
 
   knows({ task = 0 }) {
     return task < this.history.scenario.tasks.length;
   }
 
-  refuse({ text, keys = [] }) {
+  refuse({ text, keys = [], is_weighed: isWeighed = false }) {
     notify(`Not done: ${text}.`);
+    if (isWeighed) this.panel.clear();
     this.panel.keepForm(keys);
   }
 
@@ -109,11 +116,12 @@ class LiveApp extends App {
 
   takeState(state) {
     const { is_playing, speed, watchers, incidents, leaving = [], planning = "" } = state;
-    const { is_fleet = false, has_editor = false, undo_to = null } = state;
-    const { warning = null, is_heard = true, is_over = false } = state; // of a fleet
-    this.tellSilence(warning);
-    this.state = { watchers, incidents, planning, hasEditor: has_editor, undoTo: undo_to };
-    Object.assign(this.state, { isFleet: is_fleet, warning, isHeard: is_heard, isOver: is_over });
+    const { is_fleet = false, has_editor = false, undo_to = null, saved_at = null, id } = state;
+    const { is_heard = true, is_over = false } = state; // of a fleet
+    const alerts = readAlerts(state.alerts ?? [], this.state.alerts);
+    this.tellAlerts(alerts);
+    this.state = { watchers, incidents, planning, hasEditor: has_editor, undoTo: undo_to, savedAt: saved_at, id };
+    Object.assign(this.state, { isFleet: is_fleet, alerts, isHeard: is_heard, isOver: is_over });
     document.body.classList.toggle("of-fleet", is_fleet);
     const { robots } = this.history.scenario;
     leave(this.history, leaving.map((name) => robots.findIndex((robot) => robot.name === name)));
@@ -132,12 +140,13 @@ class LiveApp extends App {
     return this.state?.isHeard === false;
   }
 
-  // Robots of a fleet that are not heard are a banner for as long as that is so.
-  tellSilence(warning) {
-    const was = this.state.warning;
-    if (warning?.after === was?.after && warning?.before === was?.before) return;
-    if (warning) notifySeconds({ ...warning, before: capitalised(warning.before), after: warning.is_of_all ? "" : warning.after });
-    else notify("All robots are heard.", "good");
+  // What nobody has acknowledged of a fleet is a banner, and counted in the title of the window.
+  tellAlerts(alerts) {
+    if (namesOfAlerts(alerts) === namesOfAlerts(this.state.alerts)) return;
+    const [count, wasCount] = [alerts, this.state.alerts].map((all) => alertsToSee(all).length);
+    document.title = `${count ? `(${count}) ` : ""}${this.history.scenario.name}, live`;
+    if (count) notifyParts(bannerOfAlerts(alerts));
+    else if (wasCount) notify(alerts.length ? "All alerts are acknowledged." : "No alerts any more.", "good");
   }
 
   // How a mission stands that is not over; a record's own word for that is another.
@@ -284,6 +293,8 @@ const WORK = {
   save: "Saving",
 };
 
+const HOW_TO_RESUME = "`teamformer live --resume` goes on with a mission that was cut off.";
+
 const FILES = {
   "mission.yaml": "Mission (YAML)",
   "replay.json": "Record (JSON)",
@@ -293,9 +304,9 @@ const FILES = {
 };
 
 // How a fleet stands, which nobody here can pause.
-function fleetStatus({ isOver, isHeard, warning }) {
+function fleetStatus({ isOver, isHeard, alerts }) {
   if (isOver) return "completed";
-  if (warning?.is_of_all) return "no robot heard";
+  if (alerts.some(({ key }) => key === "all")) return "no robot heard";
   return isHeard ? "running" : "listening";
 }
 

@@ -2,6 +2,7 @@
 
 const REDIAL_FIRST = 500; // milliseconds
 const REDIAL_LONGEST = 8000;
+const LONGEST_SILENCE = 15_000; // a server says every few seconds that it is there
 
 class Link {
   // `hear(message)` is called with each message, `changed(isOpen)` when the line opens or breaks.
@@ -15,14 +16,33 @@ class Link {
     this.socket = new WebSocket(`${protocol}//${location.host}/socket${location.search}`);
     this.socket.onopen = () => {
       this.wait = REDIAL_FIRST;
+      this.listen();
       this.changed(true);
     };
-    this.socket.onmessage = ({ data }) => this.hear(JSON.parse(data));
+    this.socket.onmessage = ({ data }) => {
+      this.listen();
+      this.hear(JSON.parse(data));
+    };
     this.socket.onclose = () => {
+      clearTimeout(this.silence);
       this.changed(false);
       setTimeout(() => this.dial(), this.wait);
       this.wait = Math.min(REDIAL_LONGEST, this.wait * 2);
     };
+  }
+
+  // A line without a word for so long is down, though nobody has hung up.
+  listen() {
+    clearTimeout(this.silence);
+    this.silence = setTimeout(() => this.hangUp(), LONGEST_SILENCE);
+  }
+
+  hangUp() {
+    const { socket } = this;
+    socket.onmessage = null;
+    socket.close(); // which may wait for an answer that does not come
+    socket.onclose?.();
+    socket.onclose = null;
   }
 
   // False if the line is down: nothing is kept to be sent later, when it may no longer be meant.

@@ -8,7 +8,9 @@ class MissionPanel {
     this.app = app;
     this.head = element("h2", {});
     this.outlook = element("p", { role: "status", id: "outlook" });
+    this.alerts = element("ul", { id: "alerts", "aria-label": "Alerts" });
     this.answer = element("p", { role: "status", id: "answer" });
+    this.luck = element("p", { role: "status", id: "luck" });
     this.offer = element("div", { class: "acts", id: "offer" });
     this.planAnew = act("Plan anew, 10 s", () => app.ask({ do: "replan", seconds: 10 }));
     this.incidents = element("ul", { id: "incidents", "aria-label": "Incidents" });
@@ -27,7 +29,7 @@ class MissionPanel {
       this.restart,
       this.edit,
     );
-    box.replaceChildren(this.head, this.outlook, acts, this.question, this.form, this.answer, this.offer, this.incidents);
+    box.replaceChildren(this.head, this.alerts, this.outlook, acts, this.question, this.form, this.answer, this.luck, this.offer, this.incidents);
     box.hidden = false;
   }
 
@@ -40,9 +42,10 @@ class MissionPanel {
     const pages = state.watchers > 1 ? `, ${state.watchers} pages` : "";
     this.planAnew.hidden = history.replay.method !== "plan" || history.end.status !== "running";
     this.head.replaceChildren(
-      element("span", { class: `pulse ${isOn && !state.warning ? "on" : ""}` }),
+      element("span", { class: `pulse ${isOn && !state.alerts.length ? "on" : ""}` }),
       `${status}${this.app.isCutOff ? ", connection lost" : doing || pages}`,
     );
+    this.showAlerts();
     this.showOutlook();
     this.restart.hidden = state.isFleet;
     this.edit.hidden = !state.hasEditor;
@@ -50,6 +53,14 @@ class MissionPanel {
     const items = state.incidents.map(([step, text]) => element("li", {}, `${shortMoment(world, step)}: ${text}`));
     if (items.length && !state.isFleet) items.at(-1).append(" ", link("Undo", () => this.undo(), "undo"));
     refill(this.incidents, items.reverse()); // the latest first
+  }
+
+  // Made anew only if there are others, so that no click is lost.
+  showAlerts() {
+    const { alerts } = this.app.state;
+    if (this.shownAlerts === alerts) return;
+    this.shownAlerts = alerts;
+    refill(this.alerts, alertItems(this.app, alerts));
   }
 
   // At once where no step has been made since; else these steps are undone with it.
@@ -65,13 +76,13 @@ class MissionPanel {
   askToRestart() {
     const go = () => this.app.ask({ do: "restart" });
     if (this.hasNothingToLose()) return go();
-    this.doubt("What was done and what happened is gone, unless it is saved.", "Restart", go);
+    this.doubt("What was done and what happened since it was saved last is gone.", "Restart", go);
   }
 
   askToEdit() {
     const go = () => this.app.ask({ do: "edit" });
     if (this.hasNothingToLose()) return go();
-    this.doubt("This mission ends; what was done is gone, unless it is saved.", "Back to the drawing", go);
+    this.doubt("This mission ends; what was done since it was saved last is gone.", "Back to the drawing", go);
   }
 
   // What is asked, or else the form, goes away; with neither, the selection does.
@@ -83,7 +94,8 @@ class MissionPanel {
   }
 
   hasNothingToLose() {
-    return this.app.history.last === 0 && !this.app.state.incidents.length;
+    const { history, state } = this.app;
+    return state.savedAt === history.last || (history.last === 0 && !state.incidents.length);
   }
 
   // A question before what cannot be taken back; the answer that changes nothing comes first.
@@ -102,8 +114,7 @@ class MissionPanel {
 
   // Another past, or an incident: what was worked out before holds no more.
   forget() {
-    stopWork(this.answer);
-    for (const box of [this.answer, this.offer]) box.replaceChildren();
+    this.clear();
     this.ahead = null;
     this.question.hidden = true;
     this.showOutlook();
@@ -114,9 +125,7 @@ class MissionPanel {
     const { state, history } = this.app;
     const { world } = history.scenario;
     stopWork(this.outlook);
-    this.outlook.classList.toggle("bad", Boolean(state.warning));
-    if (state.warning) showSeconds(this.outlook, state.warning); // which robots are not heard
-    else if (state.isFleet) this.outlook.textContent = "";
+    if (state.isFleet) this.outlook.textContent = "";
     else if (history.end.status !== "running") this.outlook.textContent = `${capitalised(describeOutcome(world, history.end))}.`;
     else if (this.ahead) this.outlook.textContent = `If nothing more happens: ${describeOutcome(world, this.ahead)}.`;
     else showWork(this.outlook, "Working out how it ends …");
@@ -132,18 +141,63 @@ class MissionPanel {
       return;
     }
     const end = describeOutcome(world, message);
+    this.isWeighing = false;
     const more = message.steps - message.without.steps;
     stopWork(this.answer);
     const mean = message.band ? " on average" : "";
     const change = more === 0 ? "no later" : `${describeSpan(world, Number(Math.abs(more).toFixed(1)))} ${more > 0 ? "later" : "earlier"}${mean}`;
-    this.answer.textContent = `With ${message.text}: ${end}, ${change}.`;
+    this.answer.textContent = `As of ${describeMoment(world, message.at)}, with ${message.text}: ${end}, ${change}.`;
+    this.offer.replaceChildren();
     if (message.kind === "offer") this.propose(more);
+    else if (message.is_planned) this.weighLuck(more);
     this.answer.scrollIntoView({ block: "nearest" });
   }
 
   searching({ seconds }) {
-    this.offer.replaceChildren();
-    showWork(this.answer, `Searching for a better plan for ${seconds} s; the mission waits …`);
+    this.showWeighing(`Searching for a better plan for ${seconds} s; the mission waits …`);
+  }
+
+  // Plans are searched for, so that a mission may end sooner though a robot is lost.
+  weighLuck(more) {
+    this.more = more;
+    this.showWeighing("Working out how much of this is luck of the search …", this.luck);
+  }
+
+  // An incident that can only delay a mission, or only hasten it, does nothing else but by luck.
+  tellLuck({ steps, is_luck: isLuck }) {
+    this.stopWeighing();
+    const by = steps && describeSpan(this.app.history.scenario.world, Number(steps.toFixed(1)));
+    const others = by ? `Other searches for plans differ by up to ${by}` : "Other searches find plans that end alike";
+    const isSure = Math.abs(this.more) > steps;
+    const so = isLuck || this.more === 0 ? "" : isSure ? ": this is more than luck" : ": this may be luck";
+    const ownLuck = this.more < 0 ? "the mission could end as soon without it" : "the mission need not end later by it";
+    const parts = [];
+    if (isLuck) parts.push(`This is luck of the search: ${ownLuck}.`);
+    if (by || (steps === 0 && !isLuck)) parts.push(`${others}${so}.`);
+    this.luck.textContent = parts.join(" ");
+  }
+
+  // What the server works out beside the mission, for as long as nobody stops it.
+  showWeighing(text, box = this.answer) {
+    if (box === this.answer) this.clear();
+    this.isWeighing = true;
+    showWork(box, text);
+    this.offer.replaceChildren(act("Stop", () => this.app.ask({ do: "stop" })));
+  }
+
+  // An answer that is there stays when what it says of luck is stopped.
+  stopWeighing() {
+    this.isWeighing = false;
+    const hasAnswer = ticking.has(this.luck);
+    if (!hasAnswer) return this.clear();
+    stopWork(this.luck);
+    for (const box of [this.luck, this.offer]) box.replaceChildren();
+  }
+
+  clear() {
+    this.isWeighing = false;
+    for (const box of [this.answer, this.luck]) stopWork(box);
+    for (const box of [this.answer, this.luck, this.offer]) box.replaceChildren();
   }
 
   // A plan that would end the mission sooner can be taken over, for as long as nothing goes on.
@@ -153,15 +207,14 @@ class MissionPanel {
       return;
     }
     const decide = (take) => () => {
-      this.offer.replaceChildren();
-      this.answer.textContent = "";
+      this.clear();
       if (take) this.app.ask({ do: "take_over" });
     };
     this.offer.replaceChildren(act("Take it over", decide(true)), act("Leave it", decide(false)));
   }
 
   weigh(incident) {
-    showWork(this.answer, "Playing it ahead …");
+    this.showWeighing("Playing it ahead …");
     this.app.ask({ do: "what_if", ...incident });
   }
 
@@ -241,8 +294,6 @@ class MissionPanel {
   // A task that is refused can be mended; the fields of the file's keys that are wrong are marked.
   keepForm(keys) {
     this.isAdding = false;
-    stopWork(this.answer);
-    this.answer.textContent = "";
     if (this.form.hidden) return;
     for (const field of this.form.elements) field.removeAttribute("aria-invalid");
     const wrong = keys.map((key) => FIELDS_OF_KEYS[key] ?? "none").join() || "none";
@@ -255,8 +306,7 @@ class MissionPanel {
     this.isAdding = false;
     this.form.hidden = true;
     this.form.replaceChildren();
-    stopWork(this.answer);
-    this.answer.textContent = "";
+    if (!this.isWeighing) this.clear();
     this.app.select({});
     this.app.map.canvas.focus({ preventScroll: true });
   }

@@ -1,15 +1,16 @@
 // The page while the first plan of a mission is made: the mission as it is drawn, and for how long.
 
 class StartingApp extends App {
-  constructor(tree) {
-    super(recordOfDraft(tree));
+  constructor({ scenario, text }) {
+    super(recordOfDraft(scenario));
+    this.doing = `${capitalised(text)} …`;
     document.body.classList.add("starting");
     this.options.lines = false;
   }
 
   start() {
     super.start();
-    notifyWork("Making the first plan …");
+    notifyWork(this.doing);
   }
 
   downloads() {

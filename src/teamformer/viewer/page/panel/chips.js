@@ -1,6 +1,7 @@
 // Robots, tasks and capabilities as small labels that lead to their details.
 
 const CHIPS_SHOWN = 12;
+const SWATCHES_SHOWN = 4;
 
 function chip(key, on, title, ...children) {
   return element(
@@ -18,9 +19,13 @@ function robotChips(app, robots, chosen) {
 function robotChip(app, robot, isChosen) {
   const { name, can } = app.history.scenario.robots[robot];
   const title = `${name}: ${describeCounts(app.history.scenario, can)}`;
-  const discs = can.slice(0, 4).map(([cap]) => swatch(app, cap));
   const text = isChosen ? element("b", {}, name) : name;
-  return chip(`robot ${robot}`, () => app.select({ robot }), title, ...discs, text);
+  return chip(`robot ${robot}`, () => app.select({ robot }), title, ...swatches(app, can), text);
+}
+
+// A disc for each of the first capabilities of a robot.
+function swatches(app, can) {
+  return can.slice(0, SWATCHES_SHOWN).map(([cap]) => swatch(app, cap));
 }
 
 function taskChip(app, task) {

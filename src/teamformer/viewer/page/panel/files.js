@@ -64,7 +64,8 @@ function readRecord(text) {
     throw new Error(`it has format ${record.teamformer_replay}, and this page knows ${KNOWN_FORMAT}${remedy}`);
   }
   try {
-    frames(record);
+    checkRecord(record);
+    tryReading(record);
   } catch (error) {
     throw new Error(`it is damaged (${error.message})`);
   }
@@ -103,12 +104,6 @@ function savePicture(app) {
   const method = shown.length === 1 ? replay.method : "";
   ctx.fillText([scenario.name, method, moment].filter(Boolean).join(", "), 12, 18);
   canvas.toBlob((blob) => download(blob, `${fileName(scenario.name)}-${app.player.step}.png`));
-}
-
-function download(blob, name) {
-  const url = URL.createObjectURL(blob);
-  element("a", { href: url, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
 // The page as it came, with room for a record: what a page that is saved can do by itself.
@@ -154,10 +149,6 @@ function downloadButton(text, make) {
     make();
   };
   return element("button", { type: "button", on }, text);
-}
-
-function fileName(name) {
-  return name.replace(/[^\p{L}\p{N}-]+/gu, "-").slice(0, 60) || "mission";
 }
 
 const FRAMES_A_SECOND = 30;

@@ -88,10 +88,15 @@ function costFigure(history) {
   return [figure("Cost", cost === null ? noMakespan(history) : String(Number(cost.toPrecision(6))), "")];
 }
 
+// What the mission cost, if it has a cost and is over; else null.
+function costOf(history) {
+  return history.scenario.cost ? weighedBy(history.scenario.cost, history) : null;
+}
+
 // The mean by weight of when all is over, and when tasks are done and how late; null before that.
-function costOf({ scenario, doneAt, end }) {
-  const { cost, tasks } = scenario;
-  if (!cost || end.makespan === null) return null;
+function weighedBy(weights, { scenario, doneAt, end }) {
+  const { tasks } = scenario;
+  if (end.makespan === null) return null;
   const done = [...tasks.keys()].filter((task) => doneAt[task] < Infinity);
   const late = done.map((task) => Math.max(0, doneAt[task] - tasks[task].due));
   const sum = (values) => values.reduce((total, value) => total + value, 0);
@@ -101,8 +106,8 @@ function costOf({ scenario, doneAt, end }) {
     max_tardiness: Math.max(0, ...late),
     completion: sum(done.map((task) => tasks[task].weight * doneAt[task])),
   };
-  const weighed = Object.entries(cost).map(([part, weight]) => weight * parts[part]);
-  return sum(weighed) / sum(Object.values(cost));
+  const weighed = Object.entries(weights).map(([part, weight]) => weight * parts[part]);
+  return sum(weighed) / sum(Object.values(weights));
 }
 
 function noMakespan({ end }) {
@@ -142,6 +147,6 @@ function figure(title, value, note) {
     "div",
     { class: title.toLowerCase().replaceAll(" ", "-") },
     element("dt", {}, title),
-    element("dd", {}, value, element("small", {}, note)),
+    element("dd", { title: value }, value, element("small", {}, note)),
   );
 }

@@ -180,7 +180,7 @@ function describeCapability({ history, player }, cap) {
 }
 
 function heading(app, sign, text) {
-  const clear = link("Close", () => app.select({}), "clear");
+  const clear = link("Deselect", () => app.select({}), "clear"); // not Close, which is read as Lose
   clear.title = "Select nothing (Esc)";
   return element("h2", {}, sign, element("span", {}, text), clear);
 }

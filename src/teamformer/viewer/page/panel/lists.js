@@ -158,15 +158,21 @@ function listedRobots(app, isWanted) {
 function robotRow(app, robot) {
   const { history, selection, player } = app;
   const { can } = history.scenario.robots[robot];
-  const [first] = can;
   return {
     class: selection.robot === robot ? "now" : "",
     on: () => app.select({ robot }),
     children: [
-      first ? swatch(app, first[0]) : null,
-      twoLines(robotName(history.scenario, robot), player.step ? describeShares(history, robot, player.step) : `brings ${describeCounts(history.scenario, can, MANY)}`),
+      element("span", { class: "swatches" }, ...swatches(app, can)),
+      twoLines(robotName(history.scenario, robot), describeSoFar(history, robot, player.step)),
     ],
   };
+}
+
+// What a robot has done with its time; of one that is lost, since when it is.
+function describeSoFar(history, robot, step) {
+  if (isLost(history, robot, step)) return describeLoss(history, robot, step);
+  if (step) return describeShares(history, robot, step);
+  return `brings ${describeCounts(history.scenario, history.scenario.robots[robot].can, MANY)}`;
 }
 
 function listedCapabilities(app, isWanted) {

@@ -24,10 +24,10 @@ function notifyWork(text) {
   showWork(byId("notice"), text);
 }
 
-// What is wrong for some seconds, which are counted.
-function notifySeconds(parts) {
+// What is wrong, as texts and elements.
+function notifyParts(parts) {
   notify(" ");
-  showSeconds(byId("notice"), parts);
+  byId("notice").replaceChildren(...parts);
 }
 
 // A text with a sign that moves and, after a second, for how long it has been so; those who listen
@@ -42,16 +42,7 @@ function showWork(box, text) {
   ticking.set(box, setInterval(tell, 1000));
 }
 
-// A text with seconds that go on counting from so many; those who listen hear it once.
-function showSeconds(box, { before, seconds, after }) {
-  stopWork(box);
-  const count = element("span", { "aria-live": "off" }, String(seconds));
-  box.replaceChildren(before, count, ` s${after}`);
-  const begun = performance.now() - 1000 * seconds;
-  const tell = () => (count.textContent = String(Math.round((performance.now() - begun) / 1000)));
-  ticking.set(box, setInterval(tell, 1000));
-}
-
 function stopWork(box) {
   clearInterval(ticking.get(box));
+  ticking.delete(box);
 }

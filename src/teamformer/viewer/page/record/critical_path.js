@@ -1,10 +1,12 @@
 // The critical path: the chain of ways, waits, services and forming that the end hangs on.
 // `critical_path/of_record.py` has the same rules; a test holds the two against one another.
 
-// Stretches [{from, to, doing, robot, task}], the first one first; none unless all tasks were done.
+// Stretches [{from, to, doing, robot, task}], the first one first; none unless all tasks were done,
+// and it is known by whom.
 // Before a task is known or may begin ("unknown", "closed") there is no robot.
 function criticalPath(history) {
-  if (!history.end?.makespan) return [];
+  const { doneAt, doneBy } = history;
+  if (!history.end?.makespan || doneAt.some((at, task) => at < Infinity && doneBy[task] === NOBODY)) return [];
   return inOrder(new PathTracing(history).stretches(history.end.makespan));
 }
 

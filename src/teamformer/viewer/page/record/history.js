@@ -32,6 +32,7 @@ function frames(recorded) {
     absences: scenario.robots.map(() => []), // [{from, to, place}], steps; `to` is open till it is back
     headings: scenario.robots.map(() => NOBODY), // by slot, the task last headed for
     leaving: new Map(), // of a live mission: robot -> its absence from the next step on
+    sitesLeft: null, // where tasks are after the latest step then, once asked for
   };
   history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
   history.sitesAfter = rememberLast(STATES_KEPT, (count) => sitesAfter(history, count));
@@ -48,6 +49,7 @@ function grow(history, take, change, end) {
   history.replay.steps.push(step);
   history.last++;
   if (history.leaving.size) history.leaving = new Map(); // the step says that they are lost
+  history.sitesLeft = null;
   take(step, history.last);
   if (!end) return;
   history.end = history.replay.end = end;
@@ -172,7 +174,7 @@ function stepTaker(history) {
     recordStep(history, state, change, step);
     recordLoads(history, change, step);
     keepServices(state, change, step);
-    for (const [task, slot] of change.taken ?? []) {
+    for (const [task, slot] of takenIn(history, change, step)) {
       history.events.push({ step, kind: "taken", task, slot, size: sizeOf(state, slot) });
     }
     recordCompletions(history, state, change, step);
@@ -221,14 +223,15 @@ function recordStep(history, state, change, step) {
 }
 
 // Loads that are taken up are where they are brought, and `isUp`, until they are done or set down.
-function recordLoads({ scenario, moves, events, lies, carriedBy }, change, step) {
+function recordLoads(history, change, step) {
+  const { scenario, moves, events, lies, carriedBy } = history;
   for (const [task, ...at] of change.left ?? []) {
     moves.push({ step, task, at });
     events.push({ step, kind: "left", task, at });
     lies[task] = at;
     carriedBy.delete(task);
   }
-  for (const [task, slot] of change.taken ?? []) {
+  for (const [task, slot] of takenIn(history, change, step)) {
     moves.push({ step, task, at: scenario.tasks[task].to, isUp: true });
     carriedBy.set(task, slot);
   }
@@ -242,9 +245,23 @@ function recordLoads({ scenario, moves, events, lies, carriedBy }, change, step)
 function sitesAt(history, step) {
   const { moves, scenario } = history;
   if (!scenario.doTasksMove) return scenario.tasks;
+  if (step >= history.last && history.leaving.size) return (history.sitesLeft ??= sitesLeft(history));
   let count = moves.length;
   while (count > 0 && moves[count - 1].step > step) count--;
   return history.sitesAfter(count);
+}
+
+// The same after the latest step where robots leave: who cannot carry a load without them sets it down.
+function sitesLeft(history) {
+  const { last, services } = history;
+  const state = history.at(last);
+  const sites = history.sitesAfter(history.moves.length).map(({ at, isUp }, task) => {
+    if (!isUp || serviceOf(history, task, last)) return { at, isUp };
+    const { slot } = services[task].at(-1);
+    return { at: [state.x[slot], state.y[slot]] };
+  });
+  shareSites(sites);
+  return sites;
 }
 
 // The same after the first moves.
@@ -304,6 +321,7 @@ function leave(history, robots) {
   if ([...history.leaving.keys()].join() === robots.join()) return;
   const state = history.at(history.last);
   const from = history.last + 1;
+  history.sitesLeft = null;
   history.leaving = new Map(
     robots.map((robot) => {
       const { x, y } = placeOf(state, robot);
@@ -335,10 +353,11 @@ function recordHeadings({ events, headings }, state, change, step) {
 }
 
 function recordCompletions(history, state, change, step) {
-  for (const [task, slot] of change.done ?? []) {
+  for (const [task, doer] of change.done ?? []) {
+    const slot = doer ?? NOBODY; // of a fleet nobody may know who did it
     history.doneAt[task] = history.overAt[task] = step;
     history.doneBy[task] = slot;
-    history.doers[task] = robotsOfTeam(state, slot);
+    history.doers[task] = slot === NOBODY ? [] : robotsOfTeam(state, slot);
     history.events.push({ step, kind: "done", task, slot, size: history.doers[task].length });
   }
 }

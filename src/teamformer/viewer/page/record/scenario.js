@@ -3,6 +3,8 @@
 // By foresight, from which probability on plans count on needs that tasks may have.
 const LEAST_CHANCE = { needed: 0, scouting: 0.25, absent: Infinity };
 
+const LATENESS = 2; // what it weighs beside the makespan in a mission with windows and without a cost
+
 // `truth` says, by name, what an uncertain mission really was.
 function readScenario(tree, truth, foresight = "scouting") {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
@@ -64,6 +66,16 @@ function readTask(said, numbers, truth, leastChance) {
     due: between?.[1] ?? Infinity,
     weight: weight ?? 1,
   };
+}
+
+function hasDueTimes({ tasks }) {
+  return tasks.some(({ due }) => due < Infinity);
+}
+
+// What plans are judged by: the weights of the cost or, where tasks have windows, of makespan and
+// lateness; null where it is the makespan alone.
+function weightsOf(scenario) {
+  return scenario.cost ?? (hasDueTimes(scenario) ? { makespan: 1, tardiness: LATENESS } : null);
 }
 
 // How many steps are made when a window begins.

@@ -91,9 +91,10 @@ function activityOf(world, team) {
 
 function servicesAt(history, step) {
   const serving = new Map();
+  const { team } = stateShown(history, step);
   history.services.forEach((_, task) => {
-    const service = serviceOf(history, task, step);
-    if (service) serving.set(service.slot, { task, from: service.from });
+    const { robots, from } = serviceOf(history, task, step) ?? { robots: [] };
+    for (const robot of robots) serving.set(team[robot], { task, from });
   });
   return serving;
 }
@@ -133,16 +134,17 @@ function standingOf(history, task, step) {
   return "open";
 }
 
-// The service of a task that goes on after a step; null if there is none, or it is broken off
-// because a robot leaves.
+// The service of a task that goes on after a step, with the robots that are with it then; null if
+// there is none, or it is broken off because a robot leaves.
 function serviceOf(history, task, step) {
   const service = history.services[task].find(({ from, to }) => from <= step && step < to);
-  if (!service || step < history.last || !history.leaving.size) return service ?? null;
+  if (!service) return null;
   const { scenario } = history;
   const state = stateShown(history, step);
   const robots = robotsServing(service, step + 1).filter((robot) => state.team[robot] !== NOBODY);
   const slot = state.team[robots[0]];
-  if (!robots.length || !covers(countsOfTeam(scenario, state, slot), scenario.tasks[task].needs)) return null;
+  const isLeft = step >= history.last && history.leaving.size > 0;
+  if (isLeft && !(robots.length && covers(countsOfTeam(scenario, state, slot), scenario.tasks[task].needs))) return null;
   return { ...service, slot, robots };
 }
 

@@ -2,7 +2,9 @@
 
 // Returns what to call after each step. A team that stands at such a task and covers it begins;
 // it goes on until the record says done, or until the team no longer covers it. Of a team that
-// parts (robots that run by themselves may) the first part that covers it goes on.
+// parts (robots that run by themselves may) the first part that covers it goes on. Who takes up a
+// load is recorded, and its robots have it until the record says that it is down, in however many
+// teams they are.
 function serviceKeeper(history) {
   const { scenario, services, events } = history;
   const lasting = scenario.tasks
@@ -13,13 +15,17 @@ function serviceKeeper(history) {
   return (state, change, step) => {
     if (!lasting.length) return;
     const teamsAt = teamFinder(scenario.world, state);
-    endServices(history, running, state, change, step);
+    const takers = new Map(takenIn(history, change, step));
+    endServices(history, running, state, change, step, takers);
     for (const task of lasting) {
-      if (running.has(task) || isClosed(history, task, step)) continue;
-      if (isDoneIn(change, task) || isSetDownIn(change, task)) continue;
-      const busy = [...running].filter(([other]) => scenario.tasks[other].to).map(([, { slot }]) => slot);
-      const service = findServer(history, state, teamsAt, task, step, busy);
-      if (!service) continue;
+      if (running.has(task) || isDoneIn(change, task)) continue;
+      const rests = isSetDownIn(change, task) || isClosed(history, task, step);
+      if (rests && !takers.has(task)) continue; // or it was set down and taken up again
+      const loads = [...running].filter(([other]) => scenario.tasks[other].to);
+      const busy = loads.flatMap(([, service]) => robotsServing(service, step + 1).map((robot) => state.team[robot]));
+      const slot = takers.get(task) ?? findServer(history, state, teamsAt, task, busy);
+      if (slot === undefined) continue;
+      const service = { slot, from: step, to: Infinity, robots: robotsOfTeam(state, slot), leftIn: new Map() };
       running.set(task, service);
       services[task].push(service);
       events.push({ step, kind: "begins", task, slot: service.slot, size: service.robots.length });
@@ -36,18 +42,27 @@ function isDoneIn(change, task) {
   return (change.done ?? []).some(([done]) => done === task);
 }
 
-function endServices(history, running, state, change, step) {
+// Loads that teams take up in a step: [task, slot].
+function takenIn({ scenario, doneAt }, { taken = [] }, step) {
+  return taken.filter(([task]) => {
+    const { to, cancelled } = scenario.tasks[task];
+    return to && cancelled > step && doneAt[task] === Infinity;
+  });
+}
+
+function endServices(history, running, state, change, step, takers) {
   for (const [task, service] of running) {
     const slots = robotsServing(service, step)
       .map((robot) => state.team[robot])
       .filter((slot) => slot !== NOBODY);
     const isCancelled = history.scenario.tasks[task].cancelled === step && !isDoneIn(change, task);
-    if (isCancelled && slots.length) leaveLoad(history, state, slots[0], task, step);
+    const isUp = history.carriedBy.has(task);
+    if (isCancelled || (isUp && !slots.length)) leaveLoad(history, state, slots[0] ?? service.slot, task, step);
     const hasEnded = isCancelled || isDoneIn(change, task) || isSetDownIn(change, task);
-    const next = hasEnded ? undefined : slots.find((slot) => goesOn(history, state, slot, task));
-    if (next !== undefined) {
+    const next = hasEnded ? [] : whoGoesOn(history, state, slots, task, takers.get(task));
+    if (next.length) {
       noteWhoLeft(service, state, next, step);
-      service.slot = next;
+      service.slot = next[0];
     } else {
       service.to = step;
       running.delete(task);
@@ -55,19 +70,30 @@ function endServices(history, running, state, change, step) {
   }
 }
 
+// The teams that go on with a service, of those that its robots are in: one, or all who have a load
+// up. If they part, those have it that can carry it and head for nothing else; if no part can, all
+// that head for nothing else. Nobody puts a load down by heading elsewhere: the record says if it is.
+function whoGoesOn(history, state, slots, task, taker) {
+  if (taker !== undefined) return slots.filter((slot) => slot === taker).slice(0, 1);
+  if (!history.carriedBy.has(task)) return slots.filter((slot) => goesOn(history, state, slot, task)).slice(0, 1);
+  const about = slots.filter((slot) => isAbout(history, state, slot, task));
+  const able = about.filter((slot) => isAble(history, state, slot, task));
+  return [able, about].find((going) => going.length) ?? slots;
+}
+
 // The robots that began a service and are with it in a step.
 function robotsServing({ robots, leftIn }, step) {
   return robots.filter((robot) => !(leftIn.get(robot) < step));
 }
 
-// Write down who is not in the team that goes on with a service.
-function noteWhoLeft({ robots, leftIn }, state, slot, step) {
+// Write down who is not in the teams that go on with a service.
+function noteWhoLeft({ robots, leftIn }, state, slots, step) {
   for (const robot of robots) {
-    if (state.team[robot] !== slot && !leftIn.has(robot)) leftIn.set(robot, step);
+    if (!slots.includes(state.team[robot]) && !leftIn.has(robot)) leftIn.set(robot, step);
   }
 }
 
-// A load that is called off on its way stays where its team is.
+// A load that is called off on its way, or that nobody is left to carry, stays where its team is.
 function leaveLoad({ carriedBy, moves, lies }, state, slot, task, step) {
   if (!carriedBy.delete(task)) return;
   lies[task] = [state.x[slot], state.y[slot]];
@@ -79,25 +105,28 @@ function isSetDownIn(change, task) {
 }
 
 // A load is taken up only by a team that heads for it; `busy` teams have one and do nothing else.
-function findServer(history, state, teamsAt, task, step, busy) {
+function findServer(history, state, teamsAt, task, busy) {
   const { scenario } = history;
   const { needs, to } = scenario.tasks[task];
-  const slot = teamsAt(history.lies[task]).find(
+  return teamsAt(history.lies[task]).find(
     (team) =>
       !busy.includes(team) &&
       (!to || state.task[team] === task) &&
       covers(countsOfTeam(scenario, state, team), needs),
   );
-  if (slot === undefined) return null;
-  return { slot, from: step, to: Infinity, robots: robotsOfTeam(state, slot), leftIn: new Map() };
 }
 
 function goesOn(history, state, slot, task) {
-  const { scenario, carriedBy } = history;
-  const { needs, to } = scenario.tasks[task];
-  if (to && state.task[slot] !== task && state.task[slot] !== NOBODY) return false;
-  const isAbout = carriedBy.has(task) || standsAt(history, state, slot, task);
-  return isAbout && covers(countsOfTeam(scenario, state, slot), needs);
+  return [isAbout, standsAt, isAble].every((holds) => holds(history, state, slot, task));
+}
+
+// Whether a team heads for no other task than a load.
+function isAbout({ scenario }, state, slot, task) {
+  return !scenario.tasks[task].to || [task, NOBODY].includes(state.task[slot]);
+}
+
+function isAble({ scenario }, state, slot, task) {
+  return covers(countsOfTeam(scenario, state, slot), scenario.tasks[task].needs);
 }
 
 function standsAt(history, state, slot, task) {

@@ -20,9 +20,9 @@ function nameOfTeam(scenario, team) {
   return teamName(scenario, team.slot, team.robots.length);
 }
 
-// A few names are written out; of many, the first stands for all.
-function listRobots(scenario, robots) {
-  const shown = robots.length <= MANY ? robots : robots.slice(0, 1);
+// A few names are written out; of more than `most`, the first stands for all.
+function listRobots(scenario, robots, most = MANY) {
+  const shown = robots.length <= most ? robots : robots.slice(0, 1);
   const names = shown.map((robot) => robotName(scenario, robot)).join(", ");
   return shown.length < robots.length ? `${names} + ${robots.length - 1} more` : names;
 }
@@ -115,11 +115,11 @@ function describeDuration(world, { duration, lasts }) {
 }
 
 // What a task needs, and what it may need while nobody knows.
-function describeNeeds(history, task, step) {
+function describeNeeds(history, task, step, most = MANY_NEEDS) {
   const { scenario, shownAt } = history;
-  if (shownAt[task] <= step) return describeCounts(scenario, needsAt(history, task, step), MANY_NEEDS);
+  if (shownAt[task] <= step) return describeCounts(scenario, needsAt(history, task, step), most);
   const { sure, mayNeed } = scenario.tasks[task];
-  return `${describeCounts(scenario, sure, MANY_NEEDS)}, may need ${describeChances(scenario, mayNeed)}`;
+  return `${describeCounts(scenario, sure, most)}, may need ${describeChances(scenario, mayNeed)}`;
 }
 
 function describeChances(scenario, mayNeed) {
@@ -169,6 +169,7 @@ function describeStanding(history, task, scene) {
     case "hidden":
       return `appears after ${describeMoment(scenario.world, appears)}`;
     case "done":
+      if (history.doneBy[task] === NOBODY) return `done by ${describeMoment(scenario.world, history.doneAt[task])}, nobody heard by whom`;
       return `done ${describeWhen(scenario.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "cancelled":
       return `called off ${describeWhen(scenario.world, cancelled)}`;
@@ -199,7 +200,7 @@ function describeEvent(history, event) {
 function eventText(history, event) {
   const { scenario } = history;
   const task = event.task === undefined ? "" : taskName(scenario, event.task);
-  const team = event.slot === undefined ? "" : teamName(scenario, event.slot, event.size);
+  const team = event.slot === undefined || event.slot === NOBODY ? "" : teamName(scenario, event.slot, event.size);
   switch (event.kind) {
     case "join":
       return describeJoin(scenario, event);
@@ -226,7 +227,7 @@ function eventText(history, event) {
     case "left":
       return `${task} is set down at ${describePlace(scenario.world, event.at)}`;
     case "done":
-      return `${task} done by ${team}`;
+      return team ? `${task} done by ${team}` : `${task} done by then, nobody heard by whom`;
     default:
       return describeEnd(history);
   }

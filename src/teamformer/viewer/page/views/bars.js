@@ -25,16 +25,18 @@ const BARS = { phase: "What they do", task: "Tasks" };
 
 function drawBarsOfRow(ctx, gantt, robot, top, row) {
   const { from, to } = gantt.stepsInSight();
+  const marks = marksOfRow(gantt, robot, row);
   const isWide = (run) => run && gantt.x(run.to) - gantt.x(run.from) >= PARTED_FROM;
   gantt.runs[robot].forEach((run, index, runs) => {
     const isParted = isWide(run) && isWide(runs[index + 1]);
-    if (run.to >= from && run.from <= to) drawBar(ctx, gantt, run, top, row, isParted ? 0.6 : 0);
+    if (run.to >= from && run.from <= to) drawBar(ctx, gantt, run, marks, top, row, isParted ? 0.6 : 0);
   });
+  drawMarks(ctx, gantt, marks, top, row);
 }
 
 // `parted` is the space before the next bar: between narrow bars there is none, or they would be
 // mostly space.
-function drawBar(ctx, gantt, run, top, row, parted) {
+function drawBar(ctx, gantt, run, marks, top, row, parted) {
   const gap = row > 10 ? 2 : 1;
   const [left, right] = [gantt.x(run.from), gantt.x(run.to)];
   const { colour, strength, ink } = paintOf(gantt.app, run);
@@ -42,7 +44,7 @@ function drawBar(ctx, gantt, run, top, row, parted) {
   ctx.globalAlpha = strength;
   ctx.fillRect(left, top + gap / 2, Math.max(0.75, right - left - parted), row - gap);
   ctx.globalAlpha = 1;
-  nameBar(ctx, gantt, run, top + row / 2, ink);
+  nameBar(ctx, gantt, run, marks, top + row / 2, ink);
 }
 
 // The colour of a bar, how strong it is, and the ink of its name.
@@ -57,12 +59,16 @@ function paintOf({ map, options }, { phase, task }) {
   return { colour: theme[PHASE_COLOURS[name]], strength, ink: name === "waits" ? DARK : theme.surface };
 }
 
-// The task that a bar is about, where there is room; it stays in sight with a part of its bar.
-function nameBar(ctx, gantt, { phase, task, from, to }, middle, ink) {
+// The task that a bar is about, where there is room between the marks of tasks done; it stays in sight
+// with a part of its bar.
+function nameBar(ctx, gantt, { phase, task, from, to }, marks, middle, ink) {
   const name = PHASES[phase];
   if (task === NOBODY || name === "idle" || name === "lost") return;
-  const left = Math.max(gantt.x(from), NAME_WIDTH);
-  const room = Math.min(gantt.x(to), gantt.width - SHARE_WIDTH) - left;
+  const begin = Math.max(gantt.x(from), NAME_WIDTH);
+  const over = marks.filter(({ left, right }) => left <= begin && right > begin);
+  const left = Math.max(begin, ...over.map((mark) => mark.right - MARK));
+  const end = Math.min(gantt.x(to), gantt.width - SHARE_WIDTH);
+  const room = Math.min(end, ...marks.filter((mark) => mark.left > begin).map((mark) => mark.left)) - left;
   if (room <= NAMED_FROM) return;
   ctx.font = `11px ${gantt.app.map.theme.font}`;
   ctx.textAlign = "left";
@@ -72,16 +78,28 @@ function nameBar(ctx, gantt, { phase, task, from, to }, middle, ink) {
   ctx.fillText(text, left + 7, middle + 0.5);
 }
 
-// A diamond in the task's colour where the robot had done it; those of one step stand side by side.
-function drawMarksOfRow(ctx, gantt, robot, top, row) {
-  const { theme, isDark } = gantt.app.map;
-  const half = Math.min(MARK, row * 0.32);
-  ctx.lineWidth = row > 16 ? 1.5 : 0.75;
+// Where the robot had done tasks: [{task, x, left, right}]; marks of one step stand side by side.
+function marksOfRow(gantt, robot, row) {
+  const half = halfOfMark(row);
   let [last, beside] = [-1, 0];
-  for (const { task, step } of gantt.deeds[robot]) {
+  return gantt.deeds[robot].map(({ task, step }) => {
     beside = step === last ? beside + 1 : 0;
     last = step;
-    const [x, y] = [gantt.x(step) - beside * half * 1.6, top + row / 2];
+    const x = gantt.x(step) - beside * half * 1.6;
+    return { task, x, left: x - half, right: x + half };
+  });
+}
+
+function halfOfMark(row) {
+  return Math.min(MARK, row * 0.32);
+}
+
+// A diamond in the task's colour for each task done.
+function drawMarks(ctx, gantt, marks, top, row) {
+  const { theme, isDark } = gantt.app.map;
+  const [half, y] = [halfOfMark(row), top + row / 2];
+  ctx.lineWidth = row > 16 ? 1.5 : 0.75;
+  for (const { task, x } of marks) {
     ctx.beginPath();
     ctx.moveTo(x, y - half);
     ctx.lineTo(x + half, y);

@@ -1,7 +1,8 @@
 // The columns of the tables: what each says of a task or a robot, and by what it sorts.
 
-// A cell is {text, sort, isAhead}: numbers sort before words, what is absent last; what is ahead or
-// expected is drawn paler. `isShown` says whether a mission has such a column at all.
+// A cell is {text, sort, isAhead, whole}: numbers sort before words, what is absent last; what is ahead
+// or expected is drawn paler. `whole` returns the text where the one shown is shorter: filters and files
+// go by that. `isShown` says whether a mission has such a column at all.
 
 const STATES = ["can never be done", "open", "waiting", "on the way", "under way", "to come", "called off", "done"];
 
@@ -10,8 +11,8 @@ const TASK_COLUMNS = [
   { name: "State", of: (moment, task) => stateCell(stateOfTask(moment, task)) },
   { name: "Who", of: whoCell },
   { name: "End", of: endCell },
-  { name: "Late", of: lateCell, isShown: ({ tasks }) => tasks.some(({ due }) => due < Infinity) },
-  { name: "Needs", of: ({ history, step }, task) => word(describeNeeds(history, task, step)) },
+  { name: "Late", of: lateCell, isShown: hasDueTimes },
+  { name: "Needs", of: needsCell },
 ];
 
 const ROBOT_COLUMNS = [
@@ -42,7 +43,20 @@ function count(number) {
   return { text: String(number), sort: number };
 }
 
-const NOTHING = { text: "-", sort: null };
+const NOTHING = { text: "-", sort: null, whole: () => "" };
+
+// All that a cell says.
+function wholeText({ text, whole }) {
+  return whole ? whole() : text;
+}
+
+function robotsCell(scenario, robots, isAhead = false) {
+  return { ...word(listRobots(scenario, robots), isAhead), whole: () => listRobots(scenario, robots, Infinity) };
+}
+
+function needsCell({ history, step }, task) {
+  return { ...word(describeNeeds(history, task, step)), whole: () => describeNeeds(history, task, step, Infinity) };
+}
 
 // One of STATES, for a task after a step.
 function stateOfTask({ history, scene }, task) {
@@ -66,10 +80,10 @@ function whoCell(moment, task) {
   const there = (scene.assignedTo.get(task) ?? []).flatMap(({ robots }) => robots);
   const served = serviceOf(history, task, step)?.robots ?? [];
   const now = isDone ? history.doers[task] : [...new Set([...served, ...there])];
-  if (now.length) return word(listRobots(scenario, now));
+  if (now.length) return robotsCell(scenario, now);
   const planned = plan?.coalitions.get(task) ?? history.doers[task];
   const later = planned.filter((robot) => !isLost(history, robot, step));
-  return later.length ? word(listRobots(scenario, later), true) : NOTHING;
+  return later.length ? robotsCell(scenario, later, true) : NOTHING;
 }
 
 // When a task is done: {at, isAhead}; null if nobody knows. A mission under way is played ahead by

@@ -12,6 +12,7 @@ class Gantt {
     this.app = app;
     this.canvas = canvas;
     this.legend = legend;
+    this.still = document.createElement("canvas"); // all but the moment shown, drawn once until it changes
     this.factor = 1; // how many times as wide as its box the time is drawn
     this.box = canvas.parentElement.parentElement;
     this.box.addEventListener("scroll", () => this.app.alignGantts(this));
@@ -131,12 +132,30 @@ class Gantt {
   }
 
   draw() {
-    const { history, map } = this.app;
     this.work();
     this.fit();
+    if (!this.canvas.width || !this.canvas.height) return; // hidden
     this.follow();
+    this.drawStill();
     const ctx = this.canvas.getContext("2d");
-    ctx.setTransform(this.sharpness, 0, 0, this.sharpness, 0, 0);
+    ctx.setTransform(1, 0, 0, 1, 0, 0);
+    ctx.drawImage(this.still, 0, 0);
+    ctx.scale(this.sharpness, this.sharpness);
+    this.drawNow(ctx);
+    this.showLegend();
+  }
+
+  // What does not change as the moment goes on: rows, axis, critical path.
+  drawStill() {
+    const { history, map, options, player, selection } = this.app;
+    const { width, height } = this.canvas;
+    const { scrollLeft, scrollTop } = this.box;
+    const shown = [width, height, scrollLeft, scrollTop, this.factor, this.runs, map.theme, options.bars, player.last, selection.robot];
+    if (shown.every((value, place) => value === this.stillShown?.[place])) return;
+    this.stillShown = shown;
+    Object.assign(this.still, { width, height });
+    const ctx = this.still.getContext("2d");
+    ctx.scale(this.sharpness, this.sharpness);
     ctx.fillStyle = map.theme.ground;
     ctx.fillRect(0, 0, this.width, this.height);
     const row = this.rowHeight();
@@ -147,8 +166,6 @@ class Gantt {
     }
     this.drawAxis(ctx);
     drawCriticalPath(ctx, this);
-    this.drawNow(ctx);
-    this.showLegend();
   }
 
   // Runs, deeds and shares are worked out once for each length of the record.
@@ -191,7 +208,6 @@ class Gantt {
       ctx.fillRect(0, top, this.width, row);
     }
     drawBarsOfRow(ctx, this, robot, top, row);
-    drawMarksOfRow(ctx, this, robot, top, row);
     drawEndsOfRow(ctx, this, robot, top, row);
   }
 
@@ -223,6 +239,9 @@ class Gantt {
   // The colours, and the fleet's mean shares; also what those hear who see no bars.
   showLegend() {
     const { map, options } = this.app;
+    const told = [this.stillShown, this.app.titleItem()?.textContent];
+    if (told.every((value, place) => value === this.legendTold?.[place])) return;
+    this.legendTold = told;
     const means = PHASES.map(
       (_, phase) => this.shares.reduce((sum, row) => sum + row[phase], 0) / this.shares.length,
     );

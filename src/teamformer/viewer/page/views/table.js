@@ -41,7 +41,7 @@ class Table {
       item,
       cells: this.shown.map(({ of }) => of(moment, item)),
     }));
-    return all.filter(({ cells }) => !wanted || cells.some(({ text }) => text.toLowerCase().includes(wanted)));
+    return all.filter(({ cells }) => !wanted || cells.some((cell) => wholeText(cell).toLowerCase().includes(wanted)));
   }
 
   ordered(rows) {
@@ -75,12 +75,11 @@ class Table {
     return { class: app.selection[kind] === item ? "now" : "", cells, on: () => app.select({ [kind]: item }) };
   }
 
-  // What the table shows, in its order.
+  // What the table shows, in its order; each cell has all that it says.
   save() {
-    const rows = [this.shown.map(({ name }) => name), ...this.items.map(({ cells }) => cells.map(({ text }) => text))];
-    const text = rows.map((row) => row.map(csvField).join(",")).join("\r\n");
+    const rows = [this.shown.map(({ name }) => name), ...this.items.map(({ cells }) => cells.map(wholeText))];
     const name = `${fileName(this.app.history.scenario.name)}-${this.kind}s-${this.app.player.step}.csv`;
-    download(new Blob([`${text}\r\n`], { type: "text/csv" }), name);
+    download(csvOf(rows), name);
   }
 }
 
@@ -91,18 +90,12 @@ function compareKeys(one, other, sign) {
   return sign * (typeof one === "number" ? one - other : one.localeCompare(other, undefined, { numeric: true }));
 }
 
-// An apostrophe keeps spreadsheets from taking a name for a formula, as in the tables of `export`.
-function csvField(text) {
-  const harmless = /^[=+\-@']/.test(text) ? `'${text}` : text;
-  return /[",\r\n]/.test(harmless) ? `"${harmless.replaceAll('"', '""')}"` : harmless;
-}
-
 // A row whose first cell is the button that selects it.
 function tableRow({ class: kind, cells, on }, index) {
   const button = element("button", { type: "button", class: "link" }, cells[0].text);
-  const others = cells.slice(1).map(({ text, isAhead, isBad }) => {
-    const looks = [isAhead ? "ahead" : "", isBad ? "bad" : ""].join(" ");
-    return element("div", { role: "cell", class: looks, title: text }, text);
+  const others = cells.slice(1).map((cell) => {
+    const looks = [cell.isAhead ? "ahead" : "", cell.isBad ? "bad" : ""].join(" ");
+    return element("div", { role: "cell", class: looks, title: wholeText(cell) }, cell.text);
   });
   const first = element("div", { role: "rowheader", title: cells[0].text }, button);
   const looks = { class: `cells ${kind}`, "aria-current": String(kind === "now") };

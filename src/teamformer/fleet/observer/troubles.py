@@ -1,0 +1,86 @@
+"""What is wrong with a fleet by the words of its robots: who is out, what is late, the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from teamformer.capabilities import describe, missing, total
+from teamformer.fleet.messages import TaskFact
+from teamformer.fleet.observer.alerts import END, Alert, robot_key
+from teamformer.fleet.observer.watch import Watch
+
+SLACK = 10.0
+"""Seconds by which a service may take longer than its task says."""
+
+MOST_NAMED = 3
+"""Names that are written out."""
+
+
+def troubles(watch: Watch, age: float) -> list[Alert]:
+    """Return what is wrong at an age of the mission, in seconds.
+
+    Where an alert says since when, that is an age too.
+    """
+    return [*_robots(watch), *_late_tasks(watch, age), *_end(watch)]
+
+
+def _robots(watch: Watch) -> Iterator[Alert]:
+    timers = watch.mission.timers
+    for robot, word in sorted(watch.words.items()):
+        name, key = watch.scenario.robots[robot].name, robot_key(robot)
+        if word.is_lost:
+            why = "it has left, or the others have not heard it for long"
+            yield Alert(key, f"{name} is lost", why, "start its agent again; others do its tasks")
+        elif not word.is_fit:
+            why = (
+                f"it says so: it wants to move and has not for {timers.stuck:g} s, or has heard "
+                f"nobody for {timers.deaf:g} s"
+            )
+            yield Alert(key, f"{name} is unfit", why, "free its way, or look at its radio")
+
+
+def _late_tasks(watch: Watch, age: float) -> Iterator[Alert]:
+    step = watch.mission.step
+    for number, task in watch.open_tasks():
+        between = watch.scenario.tasks[number].between
+        due = float("inf") if between is None else between[1] * step
+        begun = min(watch.at_work(task.key).values(), default=float("inf")) * step
+        ends = begun + task.duration + SLACK if task.to is None else float("inf")
+        do = _who_does(watch, task)
+        if age > due:
+            why = f"it was due at {due:g} s and is not done"
+            yield Alert(f"task {number}", f"{task.name} is late", why, do, due)
+        elif age > ends:
+            why = f"robots are at work since {begun:g} s, and it should take {task.duration:g} s"
+            yield Alert(f"task {number}", f"{task.name} takes too long", why, do, ends)
+
+
+def _who_does(watch: Watch, task: TaskFact) -> str:
+    """Return where to look for who is to do a task."""
+    robots = [r for r, word in sorted(watch.words.items()) if word.goal == task.key]
+    names = _names(watch.scenario.robots[robot].name for robot in robots)
+    return f"look at {names}, which head for it or are there" if robots else "nobody heads for it"
+
+
+def _end(watch: Watch) -> Iterator[Alert]:
+    """Say if tasks cannot be done by the robots that are there and fit, and who could."""
+    out = {r for r, word in watch.words.items() if word.is_lost or not word.is_fit}
+    able = [robot for robot in range(watch.mission.robots) if robot not in out]
+    stuck = [task for _, task in watch.open_tasks() if not watch.mission.can_do(able, task)]
+    if not stuck:
+        return
+    robots, [first, *_] = watch.scenario.robots, stuck
+    needs = dict(zip(watch.scenario.capabilities, first.needs, strict=True))
+    there = [robot for robot in able if watch.mission.reach(robot, first)]
+    lack = missing(total(robots[robot].can for robot in there), needs)
+    helpers = _names(robots[robot].name for robot in sorted(out) if lack.keys() & robots[robot].can)
+    do = f"bring {helpers} back" if helpers else "add a robot; nobody who was lost has it"
+    why = f"for {first.name} the robots that are left lack {describe(lack)}"
+    yield Alert(END, f"the mission cannot end: {_names(task.name for task in stuck)}", why, do)
+
+
+def _names(names: Iterable[str]) -> str:
+    """Write names, the first few of many."""
+    every = list(names)
+    more = f" and {len(every) - MOST_NAMED} more" if len(every) > MOST_NAMED else ""
+    return ", ".join(every[:MOST_NAMED]) + more

@@ -1,0 +1,56 @@
+"""Other orders in which a mission is written.
+
+The order of robots and tasks means nothing, but searches draw their changes by it. So other orders
+make other searches for a plan of the same mission.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.model import Scenario
+
+
+class Order(NamedTuple):
+    """In which order the robots and tasks of a mission are written, by their numbers before."""
+
+    robots: list[int]
+    tasks: list[int]
+
+
+def draw_order(mission: Scenario, number: int) -> Order:
+    """Return one of the orders of a mission; 0 is the one that it is written in."""
+    robots, tasks = len(mission.robots), len(mission.tasks)
+    if number == 0:
+        return Order(list(range(robots)), list(range(tasks)))
+    rng = np.random.default_rng(number)
+    in_turn = rng.permutation(tasks).tolist()
+    return Order(rng.permutation(robots).tolist(), in_turn)
+
+
+def in_order(mission: Scenario, order: int) -> Scenario:
+    """Return the same mission with robots and tasks written in another order."""
+    if order == 0:
+        return mission
+    drawn = draw_order(mission, order)
+    tasks = tuple(mission.tasks[task] for task in drawn.tasks)
+    return with_robots(replace(mission, tasks=tasks), drawn.robots)
+
+
+def with_robots(mission: Scenario, chosen: Sequence[int]) -> Scenario:
+    """Return a mission with some of its robots, in another order; teams keep those chosen.
+
+    Raises `ScenarioError` if they cannot do it.
+    """
+    number_of = {robot: number for number, robot in enumerate(chosen)}
+    teams = (tuple(sorted(number_of[r] for r in team if r in number_of)) for team in mission.teams)
+    return replace(
+        mission,
+        robots=tuple(mission.robots[robot] for robot in chosen),
+        teams=tuple(team for team in teams if len(team) > 1),
+        step_limit=0,
+    )

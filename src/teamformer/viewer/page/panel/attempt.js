@@ -1,0 +1,27 @@
+// What of a record cannot be shown is left out and told once; everything else is shown all the same.
+
+const failures = new Set(); // what has been told
+
+// Do something about a part of the page, such as "the map".
+function attempt(part, show) {
+  try {
+    show();
+  } catch (error) {
+    tellFailure(part, error);
+  }
+}
+
+// Draw a part on a canvas, which is then as it was before.
+function attemptOn(ctx, part, draw) {
+  ctx.save();
+  attempt(part, draw);
+  ctx.restore();
+}
+
+function tellFailure(part, error) {
+  const text = `Not all of ${part} can be shown: ${error.message}.`;
+  if (failures.has(text)) return;
+  failures.add(text);
+  console.error(error);
+  notify(`${text} Please report it with this record.`);
+}

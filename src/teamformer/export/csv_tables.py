@@ -40,7 +40,7 @@ def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
     places = ("x", "y", "lost_in_step", "back_in_step")
     robots = replay.scenario.robots
     more = _in_details(ROBOT_KEYS, robots)
-    yield ("robot", "capabilities", "speed", "moves", *places, *PHASES, *more)
+    yield ("robot", "capabilities", "speed", "moves", *places, *PHASES, *(key.name for key in more))
     lost = _steps_by_robot(step.lost for step in replay.steps)
     back = _steps_by_robot(step.back for step in replay.steps)
     for number, robot in enumerate(robots):
@@ -49,22 +49,14 @@ def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
         can = describe(robot.can)
         away = (lost.get(number, ""), back.get(number, ""))
         moves = "air" if robot.flies else "ground"
-        yield (
-            robot.name,
-            can,
-            robot.speed,
-            moves,
-            *robot.at,
-            *away,
-            *spent,
-            *(getattr(robot, key) for key in more),
-        )
+        said = (getattr(robot, key.field) for key in more)
+        yield (robot.name, can, robot.speed, moves, *robot.at, *away, *spent, *said)
 
 
-def _in_details(keys: Sequence[Key], things: Sequence[object]) -> tuple[str, ...]:
-    """Return the names of the keys that details show, such as notes, if some thing has them."""
-    shown = [key for key in keys if key.is_in_details]
-    return tuple(key.name for key in shown if any(getattr(it, key.field) for it in things))
+def _in_details(keys: Sequence[Key], things: Sequence[object]) -> list[Key]:
+    """Return the keys that details show, such as notes, if some thing has them."""
+    shown = (key for key in keys if key.is_in_details)
+    return [key for key in shown if any(getattr(thing, key.field) for thing in things)]
 
 
 def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str]:
@@ -80,16 +72,14 @@ WANTED = (
     *("task", "needs", "x", "y", "duration", "to_x", "to_y", "unload"),
     *("after", "not_before", "due"),
 )
-BECAME = (
-    *("appears", "cancelled_in_step"),
-    *("begun_in_step", "done_in_step", "late_by", "done_by"),
-)
+BECAME = ("appears", "cancelled_in_step", "begun_in_step", "done_in_step", "late_by", "done_by")
+"""Columns of tasks: what each is, and what became of it; between them is what details show."""
 
 
 def _tasks(replay: Replay) -> Iterable[Row]:
     """Yield what each task is, and what became of it."""
     more = _in_details(TASK_KEYS, replay.mission.tasks)
-    yield (*WANTED, *more, *BECAME)
+    yield (*WANTED, *(key.name for key in more), *BECAME)
     done = {event.task: event for event in events(replay) if event.kind == "done"}
     known, late = known_steps(replay), lateness(replay)
     begun, cancelled = begun_steps(replay), cancelled_steps(replay)
@@ -99,7 +89,7 @@ def _tasks(replay: Replay) -> Iterable[Row]:
         appears = "" if known[number] == NEVER else known[number]
         called_off, began = cancelled.get(number, ""), begun.get(number, "")
         end = ("" if event is None else event.step, late.get(task.name, ""), ", ".join(who))
-        said = (getattr(task, key) for key in more)
+        said = (getattr(task, key.field) for key in more)
         yield (*_wanted(task), *said, appears, called_off, began, *end)
 
 

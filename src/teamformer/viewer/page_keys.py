@@ -15,7 +15,7 @@ def keys_script() -> str:
     """Return the script that has the keys with a label, by the list that has the things."""
     tables = {"robots": ROBOT_KEYS, "tasks": TASK_KEYS}
     trees = {name: [_tree(key) for key in keys if key.label] for name, keys in tables.items()}
-    return f"const KEYS = {json.dumps(trees, ensure_ascii=True)};\n"
+    return f"const FILE_KEYS = {json.dumps(trees, ensure_ascii=True)};\n"
 
 
 def _tree(key: Key) -> dict[str, Any]:

@@ -131,7 +131,7 @@ class EditorPanel {
     const counts = readWrittenCounts(thing[key] ?? []);
     const all = () =>
       writtenCounts(Object.fromEntries(draft.tree.capabilities.map((name) => [name, Number(this.thing.elements[`count ${name}`].value)])));
-    const more = KEYS[kind]
+    const more = FILE_KEYS[kind]
       .filter(({ name, field }) => field !== "number" || typeof (thing[name] ?? 0) !== "object") // a range is kept
       .map((key) => this.keyField(key, thing, set));
     this.thing.replaceChildren(

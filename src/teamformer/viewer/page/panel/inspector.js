@@ -56,7 +56,7 @@ function teamDetails(app, team, robot) {
     waitingFor(app, team.goal, team.missing, team),
     delayText(app, robot),
     sharesText(app, robot),
-    ...saidOf(KEYS.robots, scenario.robots[robot]),
+    ...saidOf(FILE_KEYS.robots, scenario.robots[robot]),
     ...(team.robots.length > 1 ? titled("Robots", robotChips(app, team.robots, robot)) : []),
     ...titled("Brings", capabilityChips(app, "brings", team.counts)),
     ...(team.goal === NOBODY ? [] : titled("Task", taskLink(app, team.goal))),
@@ -102,7 +102,7 @@ function lostDetails(app, robot) {
     heading(app, mark("mark", app.map.theme.lost), name),
     lead(capitalised(describeLoss(history, robot, player.step))),
     ...(app.actionsFor?.(robot) ?? []),
-    ...saidOf(KEYS.robots, history.scenario.robots[robot]),
+    ...saidOf(FILE_KEYS.robots, history.scenario.robots[robot]),
     ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
   ];
 }
@@ -120,7 +120,7 @@ function taskDetails(app, task) {
     heading(app, taskMark(app, task), name),
     lead(capitalised(describeStanding(history, task, app.scene()))),
     element("p", { class: "muted" }, `${placeText(history, task, player.step)}${steps}${orderText(app, task)}`),
-    ...saidOf(KEYS.tasks, history.scenario.tasks[task]),
+    ...saidOf(FILE_KEYS.tasks, history.scenario.tasks[task]),
     ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
     ...(isShown ? [] : titled("May need", element("p", {}, describeChances(history.scenario, mayNeed)))),
     ...(app.actionsForTask?.(task) ?? []),

@@ -152,10 +152,7 @@ def _told(
 def all_plans(scenario: Scenario, ways: Ways) -> Iterator[Times]:
     """Return every plan of a tiny mission: all orders, and all coalitions that are able."""
     tasks, robots = scenario.tasks, range(len(scenario.robots))
-    able = []
-    for task in tasks:
-        crews = [c for n in robots for c in itertools.combinations(robots, n + 1)]
-        able.append([c for c in crews if _is_able(scenario, c, task.needs)])
+    able = (able_crews(scenario, task) for task in range(len(tasks)))
     for crews in itertools.product(*able):
         if not _are_apart(scenario, crews):
             continue
@@ -164,6 +161,13 @@ def all_plans(scenario: Scenario, ways: Ways) -> Iterator[Times]:
             times = times_of(scenario, routes, ways)
             if times is not None and times.makespan < math.inf:
                 yield times
+
+
+def able_crews(scenario: Scenario, task: int) -> list[tuple[int, ...]]:
+    """Return all coalitions that can do a task, those with robots to spare, too."""
+    robots = range(len(scenario.robots))
+    crews = [c for n in robots for c in itertools.combinations(robots, n + 1)]
+    return [c for c in crews if _is_able(scenario, c, scenario.tasks[task].needs)]
 
 
 def _is_able(scenario: Scenario, crew: Sequence[int], needs: object) -> bool:

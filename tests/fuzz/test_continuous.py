@@ -21,14 +21,19 @@ from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.scenarios.files import scenario_from_tree
 from teamformer.trials.planned import PlannedMission
 from teamformer.trials.start_plan import read_start_plan
+from tiny import (
+    MOST_PLANS_IN_STEPS,
+    NEAR,
+    ROBOTS,
+    TASKS,
+    count_plans,
+    gap_in_continuous_time,
+)
 from watching import fuzzed
 
 METHODS = st.sampled_from(["plan", "reactive", "central"])
 PLAN = "plan FILE --method {method} --time-limit 0.05"
 SECONDS = 0.05
-
-NEAR = 1e-5
-"""Times are told in whole ticks, of which there are a million and more in all."""
 
 
 @pytest.fixture(scope="module")
@@ -101,8 +106,6 @@ def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: 
 @fuzzed(6, "plan FILE --method central", mission=continuous_missions())
 def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
     scenario = scenario_from_tree(mission)
-    if len({robot.speed for robot in scenario.robots}) > 1 and any(t.to for t in scenario.tasks):
-        return  # plans count on the fastest carriers that there can be, and are timed by the true
     plan, best = (planned(scenario, method) for method in ("plan", "central"))
     if plan is None:
         return
@@ -135,6 +138,14 @@ def test_the_default_cost_written_out_makes_the_same_plan(mission: Any, method: 
     written = replace(scenario, cost={"makespan": 1, "tardiness": 2})
     plans = [planned(one, method) for one in (scenario, written)]
     assert len({plan if plan is None else plan.routes for plan in plans}) == 1
+
+
+@fuzzed(6, "plan FILE --method central", mission=continuous_missions(ROBOTS, TASKS))
+def test_no_tiny_mission_has_a_better_plan(mission: Any) -> None:
+    """Orders, and coalitions with robots to spare or without."""
+    scenario = scenario_from_tree(mission)
+    if count_plans(scenario) <= MOST_PLANS_IN_STEPS:
+        assert gap_in_continuous_time(scenario, "central", 10 * SECONDS) == 0.0
 
 
 @fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)

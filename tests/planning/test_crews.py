@@ -48,6 +48,7 @@ def shared_of(scenario: Scenario, is_one_team: bool = False) -> Shared:
         needs=needs,
         wants=bits_of(needs),
         duration=np.array([task.duration for task in tasks], dtype=np.int64),
+        carry=np.zeros(len(tasks), dtype=np.int64),
         robot_region=np.array([world.region(robot.at) for robot in robots]),
         task_region=np.array([world.region(task.at) for task in tasks]),
         place=np.arange(len(robots)) + len(tasks),

@@ -35,7 +35,7 @@ from teamformer.planning.arcs.graph import (
     plan_of,
     time_anew,
 )
-from teamformer.planning.arcs.in_steps.members import replace_member, ride
+from teamformer.planning.arcs.in_steps.members import replace_member
 from teamformer.planning.arcs.in_steps.stretches import move_stretch
 from teamformer.planning.arcs.judging import (
     AIMED,
@@ -46,11 +46,12 @@ from teamformer.planning.arcs.judging import (
     sum_up_trial,
     undo,
 )
+from teamformer.planning.arcs.riders import ride
 from teamformer.planning.arcs.start import first_plan
 from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import Moved, empty_moved, move_task, take_back
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.continuous.schedule import CoalitionPlan
+from teamformer.planning.continuous.schedule import CoalitionPlan, with_seats
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
@@ -93,7 +94,7 @@ class ArcSearch:
         self.arcs = pose_arcs(problem, near, steps)
         self.graph, self._best = empty_graph(problem, steps), empty_graph(problem, steps)
         self._trial = empty_trial(self.graph)
-        most = most_seats(problem, steps)
+        most = most_seats(problem)
         self._choice = empty_choice(self.arcs, most)
         self._moved = empty_moved(most)
         self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)
@@ -106,8 +107,9 @@ class ArcSearch:
         return True
 
     def begin_at(self, plan: CoalitionPlan) -> None:
-        """Stand at a plan."""
-        lay(self.arcs, self.graph, plan, np.zeros(len(self.problem.counts), np.int64))
+        """Stand at a plan; who can be spared is left out where there are not enough seats."""
+        seated = with_seats(self.problem, plan, int(self.arcs.most[0]))
+        lay(self.arcs, self.graph, seated, np.zeros(len(self.problem.counts), np.int64))
         copy_graph(self.graph, self._best)
 
     def begin_at_best(self) -> None:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from teamformer.arrays import Int32s, Ints
+from teamformer.jit import kernel
 from teamformer.planning.arcs.covers import list_covers
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, different_rows
 from teamformer.planning.prices import SHARES, Prices
@@ -24,15 +25,16 @@ SWAP, REPLACE, RIDE, ANYWHERE, IN_PLACE, BUNDLE, SMOOTH, SLACK, STRETCH = range(
 how many are to any moment, in place, or try a bundle; how many percent the mean end of tasks weighs
 in steps; by how many ticks chains may be longer than allowed."""
 
-CONTINUOUS = (40, 0, 0, 5, 0, 0, 0, 0, 0)
-"""The habits in continuous time."""
+CONTINUOUS, WITH_SPARES = (40, 0, 0, 5, 0, 0, 0, 0, 0), (40, 0, 15, 5, 0, 0, 0, 0, 0)
+"""The habits in continuous time, and where coalitions with more robots than they need may pay."""
 
 
 class ArcProblem(NamedTuple):
     """What does not change: the places, the kinds of robots, who covers what."""
 
     ways: Ints  # (paces, places, tasks)
-    ways_to: Ints  # (paces, tasks, places) the same, so that all ways to a task lie together
+    ways_to: Ints  # (paces, tasks, places + 1) the same, so that all ways to a task lie together;
+    # last how long the task takes at least where somebody of the pace takes part
     home: Ints  # (kinds, places)
     site: Int32s  # (places,) the same number for places that lie at the same position
     kinds: Records  # (kinds,) KIND
@@ -69,7 +71,6 @@ class StepRules(NamedTuple):
     together: Int32s  # (paces, paces) the pace of those who go together
     prices: Prices  # if more than the makespan counts
     near: int  # how many tasks are near to each
-    riders: int  # how many robots more than it needs come to a task at most
     habits: tuple[int, ...]
     passed: Int32s  # (ways + 1,) as in ArcProblem
     passes: Int32s
@@ -89,12 +90,15 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
     kinds.pace, kinds.type = problem.pace[first], kind_type
     kinds.lost = NEVER if steps is None else steps.lost[first]
     needs, _ = different_needs(problem)
+    takes = least_durations(problem, steps) + problem.slower  # (paces, tasks)
     counts = brings[first_kind]
     number = np.bincount(kind_type[problem.kind], minlength=len(counts)).astype(np.int32)
     useful, covers, listed = list_covers(counts, number, needs)
     return ArcProblem(
         ways=problem.ways,
-        ways_to=np.ascontiguousarray(problem.ways.transpose(0, 2, 1)),
+        ways_to=np.ascontiguousarray(
+            np.concatenate([problem.ways.transpose(0, 2, 1), takes[:, :, None]], axis=2)
+        ),
         home=problem.home,
         site=problem.site,
         kinds=kinds,
@@ -110,13 +114,27 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
         before=problem.before,
         after=problem.after,
         forming=problem.forming,
-        most=np.array([most_seats(problem, steps)]),
-        habits=np.array(CONTINUOUS if steps is None else steps.habits, np.int32),
+        most=np.array([most_seats(problem)]),
+        habits=np.array(_habits(problem, steps), np.int32),
         passed=np.zeros(1, np.int32) if steps is None else steps.passed,
         passes=np.zeros(0, np.int32) if steps is None else steps.passes,
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
         weights=_weights(len(problem.needs), steps),
     )
+
+
+@kernel
+def takes_with(problem: ArcProblem, pace: int, task: int) -> int:
+    """Return how long a task takes at least where somebody of a pace takes part."""
+    return problem.ways_to[pace, task, problem.ways.shape[1]]
+
+
+def least_durations(problem: CoalitionProblem, steps: StepRules | None = None) -> Ints:
+    """Return how long tasks take with the fastest coalition, (tasks,).
+
+    In continuous time what takes no time takes a tick, so that all that follows starts later.
+    """
+    return np.maximum(problem.duration, 1 if steps is None else 0)
 
 
 def _weights(tasks: int, steps: StepRules | None) -> Ints:
@@ -129,6 +147,12 @@ def _weights(tasks: int, steps: StepRules | None) -> Ints:
     if len(steps.prices.due) > 0:
         return np.array([steps.prices.whole[0], SMOOTH_IF_PRICED, SHARES * tasks, 1])
     return np.array([100 * tasks, steps.habits[SMOOTH], 100 * tasks, 0])
+
+
+def _habits(problem: CoalitionProblem, steps: StepRules | None) -> tuple[int, ...]:
+    if steps is not None:
+        return steps.habits
+    return WITH_SPARES if problem.spares > 0 else CONTINUOUS
 
 
 def _mixed(problem: CoalitionProblem) -> Int32s:
@@ -145,10 +169,9 @@ def different_needs(problem: CoalitionProblem) -> tuple[Int32s, Int32s]:
     return np.ascontiguousarray(needs[first]), number
 
 
-def most_seats(problem: CoalitionProblem, steps: StepRules | None = None) -> int:
-    """Return how many robots come to a task at most: none to spare, and riders in steps."""
-    riders = 0 if steps is None else steps.riders
-    return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1) + riders))
+def most_seats(problem: CoalitionProblem) -> int:
+    """Return how many robots come to a task at most: all that it may need, and spares."""
+    return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1) + problem.spares))
 
 
 def near_tasks(ways: Ints, count: int) -> Int32s:

@@ -12,7 +12,7 @@ import numpy as np
 
 from teamformer.arrays import Array, Int32s, Ints
 from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem, Records
+from teamformer.planning.arcs.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.arcs.graph import Graph, leave
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.continuous.problem import NEVER, NOBODY
@@ -43,7 +43,7 @@ CANDIDATE = np.dtype(
         ("seat", np.int64),  # whose arc out it is
         ("kind", np.int64),
         ("comes", np.int64),
-        ("leaves", np.int64),
+        ("leaves", np.int64),  # its chain from there on, for a load from when it takes that up
         ("score", np.int64),
     ]
 )
@@ -149,7 +149,10 @@ def _consider(
     head: int,
     by_chain: bool,
 ) -> None:
-    """Put an arc among the best of its type, if it is of use."""
+    """Put an arc among the best of its type, if it is of use.
+
+    Of loads it also counts how fast the robot carries them.
+    """
     nodes, seats = graph.nodes, graph.seats
     kind = seats[tail].kind
     which = problem.kinds[kind].type
@@ -165,6 +168,8 @@ def _consider(
     if found == keeps and best[found - 1].score <= comes:
         return
     leaves = leave(problem, graph, kind, task, head)
+    if nodes[task].is_load:
+        leaves += takes_with(problem, pace, task)
     score = comes
     if by_chain:
         straight = leave(problem, graph, kind, place, head)
@@ -273,8 +278,11 @@ def pick_seat(
     kind, place = graph.seats[tail].kind, graph.seats[tail].node
     pick = choice.pick[choice.number[PICKS]]
     pick.seat, pick.kind = tail, kind
-    pick.comes = graph.nodes[place].end + problem.ways[problem.kinds[kind].pace, place, task]
+    pace = problem.kinds[kind].pace
+    pick.comes = graph.nodes[place].end + problem.ways[pace, place, task]
     pick.leaves = leave(problem, graph, kind, task, head)
+    if graph.nodes[task].is_load:
+        pick.leaves += takes_with(problem, pace, task)
     for cap in range(len(choice.lacking)):
         choice.lacking[cap] -= problem.counts[problem.kinds[kind].type, cap]
     choice.number[PICKS] += 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.arrays import Array
 from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem
+from teamformer.planning.arcs.arc_problem import ArcProblem, takes_with
 from teamformer.planning.arcs.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.arcs.in_steps.meeting import TICKS
 from teamformer.planning.arcs.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
@@ -112,8 +112,10 @@ def cut_beside_near(
         past = nodes[place].end + leg if key == LAST else (key - 1) // 2
         if problem.useful[nodes[task].need, problem.kinds[kind].type] == 0:
             continue
-        comes = nodes[place].end + problem.ways_to[problem.kinds[kind].pace, task, place]
-        latest = limit - nodes[task].duration - leave(problem, graph, kind, task, head)
+        pace = problem.kinds[kind].pace
+        comes = nodes[place].end + problem.ways_to[pace, task, place]
+        takes = takes_with(problem, pace, task)
+        latest = limit - takes - leave(problem, graph, kind, task, head)
         if comes <= latest:
             least, past = max(least, min(comes, past - 1)), min(past, latest + 1)
             break

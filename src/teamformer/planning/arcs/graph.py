@@ -24,7 +24,9 @@ from teamformer.planning.arcs.arc_problem import (
     Records,
     StepRules,
     different_needs,
+    least_durations,
     most_seats,
+    takes_with,
 )
 from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways, start_in_steps
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
@@ -39,13 +41,14 @@ NODE = np.dtype(
         ("end", np.int64),  # when the task ends; 0 for depots
         ("key", np.int64),
         ("tail", np.int64),  # the longest chain of work and ways from its start to the end of all
-        ("duration", np.int64),
+        ("duration", np.int64),  # with the coalition that it has
         ("release", np.int64),
         ("first", np.int32),  # of its seats
         ("taken", np.int32),  # how many of its seats are
         ("need", np.int32),  # which of the different needs
         ("is_waiting", np.int32),  # whether it is on the agenda: 0, or what is to be worked out
         ("has_links", np.int32),  # whether it comes before or after other tasks
+        ("is_load", np.int32),  # whether it takes longer with some robots than with others
     ],
     align=True,
 )
@@ -86,16 +89,14 @@ class Graph(NamedTuple):
 
 
 def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:
-    """Return a graph without arcs.
-
-    In continuous time what takes no time takes a tick, so that all that follows starts later.
-    """
+    """Return a graph without arcs."""
     tasks, places, robots = len(problem.needs), problem.ways.shape[1], len(problem.counts)
     nodes = np.zeros(places + 1, NODE).view(np.recarray)
     nodes.key[tasks:places] = FIRST
     nodes.key[places:] = LAST
     worth = np.zeros(tasks, WORTH).view(np.recarray)
-    nodes.duration[:tasks] = np.maximum(problem.duration, 1 if steps is None else 0)
+    nodes.duration[:tasks] = least_durations(problem, steps)
+    nodes.is_load[:tasks] = problem.slower.any(axis=0)
     nodes.release[:tasks], worth.due[:] = problem.release, problem.due
     if steps is not None and len(steps.prices.due) > 0:
         worth.due[:] = np.minimum(steps.prices.due, FAR) * TICKS
@@ -103,7 +104,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     nodes.need[:tasks] = different_needs(problem)[1]
     linked = (problem.before[:, 0] != NOBODY) | (problem.after[:, 0] != NOBODY)
     nodes.has_links[:tasks] = linked
-    most = most_seats(problem, steps)
+    most = most_seats(problem)
     nodes.first[:tasks] = np.arange(tasks) * most
     if steps is not None:
         nodes.end[tasks:places] = steps.ready
@@ -156,6 +157,18 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
                 break
             start = max(start, graph.nodes[other].end)
     return start
+
+
+@kernel
+def takes(problem: ArcProblem, graph: Graph, task: int) -> int:
+    """Return how long a load takes with its coalition: it goes as fast as the slowest."""
+    node = graph.nodes[task]
+    pace, longest = problem.kinds[graph.seats[node.first].kind].pace, 0
+    for seat in range(node.first, node.first + node.taken):
+        own = problem.kinds[graph.seats[seat].kind].pace
+        pace = problem.together[pace, own] if is_in_steps(graph) else own
+        longest = max(longest, takes_with(problem, pace, task))
+    return longest
 
 
 @kernel
@@ -257,6 +270,8 @@ def time_anew(problem: ArcProblem, graph: Graph) -> None:
     for depot in range(tasks, problem.ways.shape[1]):
         _send(problem, graph, depot)
     for task in order:
+        if nodes[task].is_load:
+            nodes[task].duration = takes(problem, graph, task)
         start = start_of(problem, graph, task, nodes[task].first)
         nodes[task].end, nodes[task].key = start + nodes[task].duration, 2 * start + 1
         _send(problem, graph, task)

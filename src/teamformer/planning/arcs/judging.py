@@ -31,6 +31,7 @@ from teamformer.planning.arcs.graph import (
     priced,
     start_of,
     tail_of,
+    takes,
 )
 from teamformer.planning.arcs.in_steps.meeting import TICKS, find_way, plan_ways
 from teamformer.planning.continuous.problem import NOBODY
@@ -38,7 +39,7 @@ from teamformer.planning.continuous.problem import NOBODY
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
 
-PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN = range(8)
+PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN, DURATION = range(9)
 """What an entry of the log has changed."""
 
 ARRIVING, PARTING = 1, 2
@@ -46,9 +47,10 @@ ARRIVING, PARTING = 1, 2
 
 LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED, AIMED = range(8)
 """Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
-key of a node whose arcs out have changed: behind it tails still hold; the seats by which what the
-makespan hangs on comes to the task at hand and leaves it, or NOBODY; the length of the chain, or
-NOBODY if the plan has changed since it was listed; and the aim of the graph with the change."""
+key of a node whose arcs out, or duration, have changed: behind it tails still hold; the seats by
+which what the makespan hangs on comes to the task at hand and leaves it, or NOBODY; the length of
+the chain, or NOBODY if the plan has changed since it was listed; and the aim of the graph with the
+change."""
 
 
 class Trial(NamedTuple):
@@ -64,7 +66,7 @@ class Trial(NamedTuple):
 
 def empty_trial(graph: Graph, timed_again: int = 0) -> Trial:
     """Return room for a change; `timed_again` is how often tasks may be timed more than once."""
-    room = 10 * len(graph.seats) + 4 * len(graph.nodes) + len(graph.back) + timed_again
+    room = 10 * len(graph.seats) + 5 * len(graph.nodes) + len(graph.back) + timed_again
     number = np.zeros(8, np.int64)
     number[CHAINED] = NOBODY
     return Trial(
@@ -151,11 +153,13 @@ def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bo
         node = nodes[task]
         is_parting = node.is_waiting == PARTING
         node.is_waiting = 0
-        start, end = 0, node.end
+        start, end, is_fit = 0, node.end, True
         if task < len(problem.near):
+            if node.is_load:
+                is_fit = fit_duration(problem, graph, trial, task)
             start = start_of(problem, graph, task, node.first)
             end = start + node.duration
-        if end == node.end and not is_parting:
+        if end == node.end and is_fit and not is_parting:
             continue
         if node.key > number[PAST] and start + node.tail > limit:
             return False
@@ -167,6 +171,19 @@ def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bo
             continue
         follow_on(problem, graph, trial, task)
     return True
+
+
+@kernel
+def fit_duration(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> bool:
+    """Have a load take as long as it does with its coalition; say whether it did before."""
+    node = graph.nodes[task]
+    duration = takes(problem, graph, task)
+    if duration == node.duration:
+        return True
+    record(trial, DURATION, task, node.duration)
+    node.duration = duration
+    trial.number[PAST] = max(trial.number[PAST], node.key)
+    return False
 
 
 @kernel
@@ -268,6 +285,8 @@ def undo(graph: Graph, trial: Trial) -> None:
             graph.nodes[index].key = old
         elif trial.log[entry].what == TAKEN:
             graph.nodes[index].taken = old
+        elif trial.log[entry].what == DURATION:
+            graph.nodes[index].duration = old
         else:
             graph.back[index] = old
 
@@ -301,8 +320,11 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
         total[LATEST] = latest
         total[MAKESPAN] = back[latest]
     for place in range(number[LOGGED]):
-        if trial.log[place].what == NEXT:
-            node = seats[trial.log[place].index].node
+        is_longer = trial.log[place].what == DURATION
+        if is_longer or trial.log[place].what == NEXT:
+            node = trial.log[place].index
+            if not is_longer:
+                node = seats[node].node
             if node < len(problem.near) and not nodes[node].is_waiting:
                 nodes[node].key = 2 * (nodes[node].end - nodes[node].duration) + 1
                 wait(graph, trial, node, -nodes[node].key)

@@ -12,7 +12,7 @@ import numpy as np
 
 from teamformer.arrays import Int32s, Ints
 from teamformer.jit import entry, kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem, Records
+from teamformer.planning.arcs.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.arcs.graph import Graph
 from teamformer.planning.continuous.first_plan import draw_plan
 from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
@@ -30,7 +30,7 @@ BALANCINGS = 10
 MEAN_LOAD = 1000
 """What the load of a type is if all are loaded alike."""
 
-WAITER = np.dtype([("comes", np.int64), ("robot", np.int64)])
+WAITER = np.dtype([("comes", np.int64), ("slower", np.int64), ("robot", np.int64)])
 
 
 class Dispatch(NamedTuple):
@@ -181,7 +181,7 @@ def _is_ready(problem: ArcProblem, room: Dispatch, task: int) -> bool:
 
 @kernel
 def _look(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, which: int) -> None:
-    """Work out which robots of a type would come to a task first."""
+    """Work out which robots of a type would come to a task first, or have its load there."""
     keeps, found, first = problem.useful[graph.nodes[task].need, which], 0, room.first[task, which]
     if keeps == 0:
         return
@@ -190,15 +190,23 @@ def _look(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, which: i
             break
         pace = problem.kinds[problem.kind[robot]].pace
         comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
-        if found == keeps and first[found - 1].comes <= comes:
+        slower = takes_with(problem, pace, task) - graph.nodes[task].duration
+        if found == keeps and _score(first[found - 1]) <= comes + slower:
             continue
         if found < keeps:
             found += 1
         index = found - 1
-        while index > 0 and first[index - 1].comes > comes:
+        while index > 0 and _score(first[index - 1]) > comes + slower:
             first[index].comes, first[index].robot = first[index - 1].comes, first[index - 1].robot
+            first[index].slower = first[index - 1].slower
             index -= 1
-        first[index].comes, first[index].robot = comes, robot
+        first[index].comes, first[index].slower, first[index].robot = comes, slower, robot
+
+
+@kernel
+def _score(waiter: Records) -> int:
+    """Return when a robot comes, and what a load takes longer with it."""
+    return waiter.comes + waiter.slower
 
 
 @kernel
@@ -215,17 +223,19 @@ def _evaluate(
         if not room.is_open[other]:
             released = max(released, room.ends[other])
     for cover in range(problem.listed[graph.nodes[task].need]):
-        start = released
+        start, slower = released, 0
         for part in range(problem.covers.shape[2]):
             which, count = covers[cover, part, 0], covers[cover, part, 1]
             if which == NOBODY:
                 break
-            start = max(start, first[which, count - 1].comes)
-            if start >= room.value[task]:
+            for index in range(count):
+                start = max(start, first[which, index].comes)
+                slower = max(slower, first[which, index].slower)
+            if start + slower >= room.value[task]:
                 break
-        if start >= room.value[task]:
+        if start + slower >= room.value[task]:
             continue
-        value = start
+        value = start + slower
         for part in range(problem.covers.shape[2]):
             which, count = covers[cover, part, 0], covers[cover, part, 1]
             if which == NOBODY:
@@ -249,6 +259,7 @@ def _do(
     """Have a task done next by its best cover."""
     need, cover, first = graph.nodes[task].need, room.cover[task], room.first[task]
     size, start, there, comes_apart = 0, graph.nodes[task].release, 0, False
+    slower = 0
     for other in problem.before[task]:
         if other == NOBODY:
             break
@@ -263,9 +274,10 @@ def _do(
             first_place = room.place[plan.coalition[task, 0]]
             comes_apart |= problem.site[room.place[robot]] != problem.site[first_place]
             there = max(there, first[which, index].comes)
+            slower = max(slower, first[which, index].slower)
             size += 1
     start = max(start, there + problem.forming[0] * comes_apart)
-    end = start + graph.nodes[task].duration
+    end = start + graph.nodes[task].duration + slower
     for seat in range(size):
         robot = plan.coalition[task, seat]
         room.place[robot], room.free[robot] = task, end
@@ -308,7 +320,8 @@ def _is_first(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, robo
             return True
     pace = problem.kinds[problem.kind[robot]].pace
     comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
-    return keeps > 0 and comes < first[keeps - 1].comes
+    slower = takes_with(problem, pace, task) - graph.nodes[task].duration
+    return keeps > 0 and comes + slower < _score(first[keeps - 1])
 
 
 def first_plan(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> CoalitionPlan:
@@ -321,6 +334,7 @@ def first_plan(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> Coa
         assert drawn is not None, "the caller has seen that every task has an able coalition"
         return drawn
     tasks = len(problem.needs)
+    graph.nodes.duration[:tasks] = arcs.ways_to[:, :, -1].min(axis=0)  # of the fastest coalitions
     room, plan, best = empty_dispatch(problem, arcs), empty_plan(problem), empty_plan(problem)
     balance(arcs, graph, room, BALANCINGS)
     least = NEVER

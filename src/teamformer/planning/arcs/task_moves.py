@@ -33,7 +33,8 @@ NEAR = 2
 """How many legs are near to a start."""
 
 BY_CHAIN = 75  # percent
-"""How often a coalition is picked by its longest chain, not only by when it comes."""
+"""How often a coalition is picked by its longest chain, not only by when it comes; for a load it
+always is, as the chain counts how fast it goes."""
 
 MOST_MOVED = 8
 """How many tasks one change moves at most."""
@@ -81,7 +82,7 @@ def move_task(
     if node.has_links and not keeps_order(problem, graph, task, cut):
         return False
     if not is_picked:
-        by_chain = draw_below(random, 100) < BY_CHAIN
+        by_chain = draw_below(random, 100) < BY_CHAIN or bool(node.is_load)
         gather(problem, graph, choice, random, task, cut, trial.number[COMES_BY], by_chain)
         if not choose(problem, choice, random, need, by_chain):
             return False

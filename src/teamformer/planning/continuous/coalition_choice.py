@@ -95,7 +95,10 @@ def give_way(
 def cover(
     problem: CoalitionProblem, schedule: Schedule, workspace: Workspace, task: int, position: int
 ) -> bool:
-    """Add the robots that come first for what the coalition at hand lacks; say if it is enough."""
+    """Add the robots that come first for what the coalition at hand lacks; say if it is enough.
+
+    Who carries a load more slowly counts as coming so much later.
+    """
     while count_short(problem, workspace, task):
         best, earliest = NOBODY, 0
         for robot in problem.able[draw_short(problem, workspace)]:
@@ -104,6 +107,7 @@ def cover(
             if is_picked(workspace, robot):
                 continue
             comes = arrival(problem, schedule, robot, task, position)
+            comes += problem.slower[problem.pace[robot], task]
             if best == NOBODY or (comes < earliest and draw_below(workspace.random, BLINK) > 0):
                 best, earliest = robot, comes
         if best == NOBODY:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.arrays import Floats, Int32s, Ints
+from teamformer.arrays import Floats, Ints
 from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
@@ -28,6 +28,7 @@ from teamformer.planning.continuous.links import (
 )
 from teamformer.planning.continuous.problem import (
     NEVER,
+    SPARES,
     CoalitionProblem,
     pose_problem,
     without_spares,
@@ -47,6 +48,9 @@ that with waiting for the last window to begin."""
 
 MOST_WEIGHT = 10**6
 """Tasks that weigh more together have fewer ticks: what they cost has to stay a whole number."""
+
+STRAIGHT = 1 - 1e-9
+"""A way is shorter than another if it is by more than what rounding makes of equal ones."""
 
 NO_WAY = 1000
 """Where no way is, it takes this many times longer than everything."""
@@ -69,32 +73,27 @@ class ContinuousMission:
         """Return a solution in the mission's unit; its times are worked out from the true ways.
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
-        Loads are carried as fast as can be there, so that a plan in which one goes slower is not
-        proven to be the best. Where starts are linked they are carried as slowly as can be: so
-        the true times are earlier, and no start comes too late for another.
         """
         timed = self.time(solution.plan)
         rounding = rounding_of(self.scenario)
         bound = max(0.0, (solution.bound - rounding) / self.scale)
-        is_as_timed = (
-            not self._has_slow_loads or timed.makespan <= bound + 2 * rounding / self.scale
-        )
         return replace(
             timed,
             bound=min(timed.makespan, bound),
-            is_proven=solution.is_proven and is_as_timed,
+            is_proven=solution.is_proven,
             curve=self._curve_of(solution),
         )
 
     def as_arrays(self, plan: Plan, with_spares: bool = False) -> CoalitionPlan:
-        """Return a plan of all tasks as searches have it: nobody is in it who can be spared.
+        """Return a plan of all tasks as searches have it.
 
-        Or, `with_spares`, as it is.
+        Nobody is in it who can be spared, unless that may pay, or it is wanted `with_spares`.
         """
         made = empty_plan(self.base)
         made.order[:] = plan.order
+        is_kept = with_spares or self.base.spares > 0
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
-            robots = coalition if with_spares else without_spares(self.base, task, coalition)
+            robots = coalition if is_kept else without_spares(self.base, task, coalition)
             made.size[task] = len(robots)
             made.coalition[task, : len(robots)] = robots
         return made
@@ -117,11 +116,6 @@ class ContinuousMission:
     def base(self) -> CoalitionProblem:
         """Return the problem without links and costs."""
         return self.problem.base if isinstance(self.problem, LinkedProblem) else self.problem
-
-    @property
-    def _has_slow_loads(self) -> bool:
-        """Say whether loads may be carried at several paces."""
-        return len(self.carry) > 1 and bool(self.carry.any())
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules."""
@@ -152,11 +146,8 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
 
     counts = count_table([robot.can for robot in robots], scenario)
     needs = count_table([task.needs for task in tasks], scenario)
-    carried = _most_carried if any(task.starts for task in tasks) else least_carried
-    takes = [
-        task.duration + carried(counts, carry[pace, number], needs[number]) + task.unload
-        for number, task in enumerate(tasks)
-    ]
+    carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
+    takes = np.array([task.duration + task.unload for task in tasks]) + carried
     origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
     problem = pose_problem(
         ways=ticks(ways),
@@ -166,10 +157,12 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
         counts=counts,
         needs=needs,
         duration=ticks(takes),
+        slower=np.maximum(0, ticks(carry) - ticks(carried)),
         release=ticks([release_of(task) for task in tasks]),
         due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
         precedence=[(k, task) for task, before in tasks_before(tasks).items() for k in before],
         forming=round(scenario.forming * scale),
+        spares=SPARES if _may_spare_pay(scenario, ways, home, pace, takes) else 0,
         site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
     )
     linked = _link(scenario, problem, scale) if is_linked(scenario) else problem
@@ -181,13 +174,32 @@ def rounding_of(scenario: Scenario) -> int:
     return len(scenario.tasks) + 2
 
 
-def _most_carried(counts: Int32s, takes: Floats, need: Int32s) -> float:
-    """Return how long a load is carried at most: by the slowest robot that can help and get there.
+def _may_spare_pay(
+    scenario: Scenario, ways: Floats, home: Floats, pace: Ints, takes: Floats
+) -> bool:
+    """Say whether it may pay that a robot takes part in a task that can be done without it.
 
-    `takes` (robots,) is how long each of them takes for the way, inf where there is none.
+    It forms no coalition later if it comes along; or the way by the task is the quicker one, as it
+    may be on roads, or the one that costs less, as nothing does on which a load is carried.
     """
-    helps = ((counts > 0) & (need > 0)).any(axis=1) & np.isfinite(takes)
-    return float(takes[helps].max(initial=0.0)) if helps.any() else float(takes.max())
+    is_road, has_loads = isinstance(scenario.world, Roads), any(t.to for t in scenario.tasks)
+    costs_travel = scenario.cost is not None and scenario.cost.get("travel", 0.0) > 0
+    if scenario.forming > 0:
+        return True
+    if costs_travel and (is_road or has_loads):
+        return _has_detour(ways, home, pace, np.zeros_like(takes))
+    return is_road and _has_detour(ways, home, pace, takes)
+
+
+def _has_detour(ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
+    """Say whether some way by a task, which takes so long, is shorter than the straight one."""
+    for task, spent in enumerate(takes):
+        by_task = ways[:, :, task] + spent  # (paces, places)
+        is_shorter = by_task[:, :, None] + ways[:, None, task] < ways * STRAIGHT
+        back = by_task[pace] + home[:, task, None]  # (robots, places)
+        if is_shorter.any() or (back < home * STRAIGHT).any():
+            return True
+    return False
 
 
 def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> LinkedProblem:

@@ -84,6 +84,7 @@ class _Circuits:
             self.model.new_int_var(int(problem.release[task]), horizon, f"start {task}")
             for task in range(tasks)
         ]
+        self.end = [self._end(task, horizon) for task in range(tasks)]
         self.makespan = self.model.new_int_var(bound, horizon, "makespan")
         self.does = [
             [self.model.new_bool_var(f"{robot} does {task}") for task in range(tasks)]
@@ -95,9 +96,14 @@ class _Circuits:
         self._cover()
         for task in range(tasks):
             for other in problem.before[task][problem.before[task] != NOBODY]:
-                end = self.start[other] + int(problem.duration[other])
-                self.model.add(self.start[task] >= end)
+                self.model.add(self.start[task] >= self.end[other])
         self.model.minimize(self.makespan)
+
+    def _end(self, task: int, horizon: int) -> cp_model.LinearExprT:
+        """Return when a task ends; for a load that is up to who carries it."""
+        if not self.problem.slower[:, task].any():
+            return self.start[task] + int(self.problem.duration[task])
+        return self.model.new_int_var(0, horizon, f"end {task}")
 
     def _route(self, robot: int) -> None:
         """Let a robot go from its start through its tasks and home; node 0 is start and home."""
@@ -112,7 +118,10 @@ class _Circuits:
         arcs.append((0, 0, idle))
         model.add(self.makespan >= int(problem.home[kind, origin])).only_enforce_if(idle)
         for task in range(tasks):
-            does, end = self.does[robot][task], self.start[task] + int(problem.duration[task])
+            does, end = self.does[robot][task], self.end[task]
+            takes = int(problem.duration[task] + problem.slower[pace, task])
+            if problem.slower[:, task].any():
+                model.add(end >= self.start[task] + takes).only_enforce_if(does)
             arcs.append((task + 1, task + 1, ~does))
             first, last = model.new_bool_var(""), model.new_bool_var("")
             ways[0, task + 1], ways[task + 1, 0] = first, last
@@ -123,7 +132,7 @@ class _Circuits:
             model.add(self.makespan >= end + int(problem.home[kind, task])).only_enforce_if(last)
             busy += [
                 int(problem.ways[pace, origin, task]) * first,
-                int(problem.duration[task]) * does,
+                takes * does,
                 int(problem.home[kind, task]) * last,
             ]
             for other in range(tasks):
@@ -161,7 +170,7 @@ class _Circuits:
         """Begin at a plan's ways and starts, too."""
         schedule = schedule_of(self.problem, plan)
         for task, start in enumerate(self.start):
-            self.model.add_hint(start, int(schedule.end[task] - self.problem.duration[task]))
+            self.model.add_hint(start, int(schedule.start[task]))
         self.model.add_hint(self.makespan, int(schedule.total[MAKESPAN]))
         for robot, ways in enumerate(self.goes):
             nodes = [
@@ -178,7 +187,7 @@ class _Circuits:
         """
         plan = empty_plan(self.problem)
         starts = np.array([solver.value(start) for start in self.start])
-        ends = starts + self.problem.duration
+        ends = np.array([solver.value(end) for end in self.end])
         plan.order[:] = np.lexsort((_depths(self.problem), ends, starts))
         for task in range(len(starts)):
             coalition = [r for r, does in enumerate(self.does) if solver.value(does[task])]

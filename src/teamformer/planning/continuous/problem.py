@@ -2,7 +2,8 @@
 
 A task starts when its release has come, all tasks before it have ended and the last robot of its
 coalition is there (and, where its robots do not come together, it has formed); it stays until the
-task ends. Robots go straight on, and home at the end.
+task ends. Robots go straight on, and home at the end. A load goes as fast as the slowest of those
+who carry it: its task takes longer with some robots than with others.
 Times are ticks, whole numbers, so that a plan is the same on every processor.
 """
 
@@ -20,6 +21,7 @@ from teamformer.rules.constants import NOBODY
 __all__ = [
     "NEVER",
     "NOBODY",
+    "SPARES",
     "CoalitionProblem",
     "different_rows",
     "pose_problem",
@@ -28,6 +30,10 @@ __all__ = [
 
 NEVER = 2**60
 """A due time that no task has; ticks of real times stay far below."""
+
+
+SPARES = 4
+"""How many robots more than it needs come to a task at most, where that may pay."""
 
 
 class CoalitionProblem(NamedTuple):
@@ -43,12 +49,14 @@ class CoalitionProblem(NamedTuple):
     counts: Int32s  # (robots, caps)
     needs: Int32s  # (tasks, caps)
     able: Int32s  # (caps, robots) the robots with each capability, then NOBODY
-    duration: Ints  # (tasks,)
+    duration: Ints  # (tasks,) of the fastest coalition that there can be
+    slower: Ints  # (paces, tasks) how much longer a load takes where somebody of a pace carries it
     release: Ints  # (tasks,) no task starts before
     due: Ints  # (tasks,) tasks that end later are late; NEVER
     before: Int32s  # (tasks, most) the tasks that must have ended before each, then NOBODY
     after: Int32s  # (tasks, most) the tasks that each must have ended before, then NOBODY
     forming: Ints  # (1,) what a coalition takes whose robots do not all come from one site
+    spares: int  # how many robots more than it needs come to a task at most
 
 
 def pose_problem(
@@ -59,22 +67,26 @@ def pose_problem(
     counts: npt.ArrayLike,
     needs: npt.ArrayLike,
     duration: npt.ArrayLike,
+    slower: npt.ArrayLike | None = None,
     release: npt.ArrayLike | None = None,
     due: npt.ArrayLike | None = None,
     precedence: Sequence[tuple[int, int]] = (),
     forming: int = 0,
     site: npt.ArrayLike | None = None,
     apart: npt.ArrayLike | None = None,
+    spares: int = 0,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
     `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
-    `site` no two places lie at the same position. Robots with different numbers in `apart`
-    (robots,) are of different kinds.
+    `site` no two places lie at the same position; without `slower` all carry loads equally fast.
+    Robots with different numbers in `apart` (robots,) are of different kinds.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
     pace, tasks = np.asarray(pace, np.int32), len(needs)
+    slower = np.zeros((len(ways), tasks)) if slower is None else slower
+    slower = np.ascontiguousarray(slower, np.int64)
     apart = np.zeros(len(counts)) if apart is None else apart
     traits = np.column_stack([counts, pace, home, apart])  # (robots, traits)
     first, kind = different_rows(traits)
@@ -92,11 +104,13 @@ def pose_problem(
         needs=needs,
         able=listed([np.flatnonzero(column) for column in counts.T]),
         duration=np.asarray(duration, np.int64),
+        slower=slower,
         release=np.zeros(tasks, np.int64) if release is None else np.asarray(release, np.int64),
         due=np.full(tasks, NEVER) if due is None else np.asarray(due, np.int64),
         before=listed([[i for i, j in precedence if j == task] for task in range(tasks)]),
         after=listed([[j for i, j in precedence if i == task] for task in range(tasks)]),
         forming=np.array([forming]),
+        spares=spares,
     )
 
 

@@ -136,15 +136,21 @@ def _call(
     task: int,
     position: int,
 ) -> int:
-    """Pick a coalition around a robot; return when it is there, NEVER if there is none."""
-    workspace.pick[0], workspace.picks[0] = robot, 1
+    """Pick a coalition around a robot; return when it is there, NEVER if there is none.
+
+    What a load takes longer with it is added. Who would slow the load down need not be in it.
+    """
+    workspace.pick[0] = robot
+    workspace.picks[0] = problem.slower[problem.pace[robot], task] == 0
     if not cover(problem, schedule, workspace, task, position):
         return NEVER
     give_way(problem, schedule, workspace, task, position)
-    start = 0
+    start, slower = 0, 0
     for seat in range(workspace.picks[0]):
-        start = max(start, arrival(problem, schedule, workspace.pick[seat], task, position))
-    return start
+        picked = workspace.pick[seat]
+        start = max(start, arrival(problem, schedule, picked, task, position))
+        slower = max(slower, problem.slower[problem.pace[picked], task])
+    return start + slower
 
 
 @kernel

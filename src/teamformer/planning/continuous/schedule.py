@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from teamformer.arrays import Int32s, Ints
 from teamformer.jit import entry, kernel
 from teamformer.mission.costs import LATENESS
-from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem
+from teamformer.planning.continuous.problem import NOBODY, CoalitionProblem, without_spares
 
 if TYPE_CHECKING:
     from teamformer.arrays import Array
@@ -80,6 +81,37 @@ def time_plan(problem: CoalitionProblem, schedule: Schedule) -> None:
     sum_up(problem, schedule)
 
 
+def with_seats(problem: CoalitionProblem, plan: CoalitionPlan, most: int) -> CoalitionPlan:
+    """Return a plan in which no task has more than so many robots, but for those that it needs."""
+    if (plan.size <= most).all():
+        return plan
+    seated = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
+    for task in np.flatnonzero(plan.size > most).tolist():
+        kept = without_spares(problem, task, plan.coalition[task, : plan.size[task]].tolist(), most)
+        seated.size[task], seated.coalition[task, : len(kept)] = len(kept), kept
+    return seated
+
+
+def without_riders(
+    problem: CoalitionProblem, plan: CoalitionPlan, cost_of: Callable[[CoalitionPlan], Any]
+) -> CoalitionPlan:
+    """Return a plan without the robots that a task can be done without, where it costs no more."""
+    if problem.spares == 0:
+        return plan
+    cost = cost_of(plan)
+    for task in plan.order.tolist():
+        for robot in plan.coalition[task, : plan.size[task]][::-1].tolist():
+            crew = plan.coalition[task, : plan.size[task]]
+            rest = crew[crew != robot]
+            if (problem.counts[rest].sum(axis=0) < problem.needs[task]).any():
+                continue
+            fewer = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
+            fewer.size[task], fewer.coalition[task, : len(rest)] = len(rest), rest
+            if cost_of(fewer) <= cost:
+                plan, cost = fewer, cost_of(fewer)
+    return plan
+
+
 def schedule_of(problem: CoalitionProblem, plan: CoalitionPlan) -> Schedule:
     """Return a plan with its times."""
     schedule = empty_schedule(problem)
@@ -93,6 +125,7 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
     """Time the task at a position of the order."""
     task, last, end = schedule.plan.order[position], schedule.last, schedule.end
     start, there, comes_apart = released(problem, end, task), 0, False
+    slower = 0
     copy_row(last, position, position + 1)
     for seat in range(schedule.plan.size[task]):
         robot = schedule.plan.coalition[task, seat]
@@ -100,11 +133,12 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
         there = max(there, end[place] + problem.ways[problem.pace[robot], place, task])
         first = last[position, schedule.plan.coalition[task, 0]]
         comes_apart |= problem.site[place] != problem.site[first]
+        slower = max(slower, problem.slower[problem.pace[robot], task])
         last[position + 1, robot] = task
     start = max(start, there + problem.forming[0] * comes_apart)
     schedule.rank[task] = position
     schedule.start[task] = start
-    end[task] = start + problem.duration[task]
+    end[task] = start + problem.duration[task] + slower
 
 
 @kernel

@@ -17,6 +17,7 @@ from teamformer.planning.continuous.schedule import (
     CoalitionPlan,
     Schedule,
     schedule_of,
+    without_riders,
 )
 from teamformer.planning.race import Judgement, Race
 
@@ -64,7 +65,7 @@ def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
     for rounds in shared_annealings(len(problem.needs)):
         search.anneal(*search.heats, 0, rounds, rounds)
         search.begin_at_best()
-    return Solution(schedule_of(problem, search.best), 0)
+    return Solution(_schedule(problem, search.best), 0)
 
 
 def solve(
@@ -90,9 +91,14 @@ def solve(
     jobs = [partial(_prove_and_search, problem, seed + 1, race)]
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
-    schedule = schedule_of(problem, race.plan)
+    schedule = _schedule(problem, race.plan)
     bound = min(race.bound, int(schedule.total[MAKESPAN]))
     return Solution(schedule, bound, (first, *race.curve))
+
+
+def _schedule(problem: CoalitionProblem, plan: CoalitionPlan) -> Schedule:
+    """Return a plan with its times, and without robots that only come along."""
+    return schedule_of(problem, without_riders(problem, plan, lambda it: judge(problem, it).rank))
 
 
 def judge(problem: CoalitionProblem, plan: CoalitionPlan) -> Judgement:

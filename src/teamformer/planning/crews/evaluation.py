@@ -72,7 +72,7 @@ def walk_list(
         while position < length:
             task = tasks[position]
             end += np.int64(np.ceil(way(shared, place, task) * slowness - ROUNDING))
-            end = max(end, shared.opens[task] + 1) + shared.duration[task]
+            end = max(end, shared.opens[task] + 1) + _takes(shared, task, slowness)
             room.ends[position] = end
             place = task
             position += 1
@@ -112,13 +112,23 @@ def _meet_at(shared: Shared, room: Room, count: int, task: int) -> tuple[Any, An
             steps += 1
         _insert(room.arrival, index, max(room.ready[party] + steps, shared.now + 1))
     start = max(pair_off(room.arrival, helpers), shared.opens[task] + 1)
-    end = start + shared.duration[task]
+    slowness = 0.0
+    for index in range(helpers):
+        slowness = max(slowness, room.slowness[room.helper[index]])
+    end = start + _takes(shared, task, slowness)
     one = room.helper[0]
     room.place[one], room.ready[one] = task, end
     for index in range(helpers - 1, 0, -1):
         count -= 1
         _absorb(room, one, room.helper[index], count)
     return end, count
+
+
+@kernel
+def _takes(shared: Shared, task: int, slowness: float) -> np.int64:
+    """Return the steps that a task takes; those who carry a load go as slowly as the slowest."""
+    carried = np.int64(np.ceil(shared.carry[task] * slowness - ROUNDING))
+    return shared.duration[task] + carried
 
 
 @kernel

@@ -31,7 +31,8 @@ class Shared(NamedTuple):
     counts: Array  # (robots, caps)
     needs: Array  # (tasks, caps)
     wants: Array  # (tasks, words) uint64, a bit for each capability needed
-    duration: Array  # (tasks,) steps
+    duration: Array  # (tasks,) steps, without those in which a load is carried
+    carry: Array  # (tasks,) how far a load is carried, in the unit of ways; 0 for other tasks
     robot_region: Array  # (robots,) the connected part of the map
     task_region: Array  # (tasks,)
     place: Array  # (robots,) the last place known

@@ -9,7 +9,7 @@ from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.arcs.arc_problem import StepRules
 from teamformer.planning.arcs.graph import MAKESPAN
 from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem, without_spares
+from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.schedule import empty_plan
 from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.steps.crossings import Crossings
@@ -51,18 +51,18 @@ class TeamArcs:
     def __init__(self, situation: Situation, seed: int = 0) -> None:
         self.situation = situation
         self._robots = np.argsort(situation.company, kind="stable")  # those of the situation
-        problem = _pose(situation, self._robots)
-        tasks = len(problem.needs)
+        tasks = len(situation.tasks)
+        is_large = tasks >= LARGE
+        riders = RIDERS_IF_LARGE if is_large else RIDERS
+        problem = _pose(situation, self._robots, riders)
         leaders = np.unique(situation.company)
         passed, passes = _passes(situation.problem, situation.crossings, leaders)
-        is_large = tasks >= LARGE
         rules = StepRules(
             ready=situation.problem.ready[leaders].astype(np.int64) * TICKS,
             lost=situation.problem.lost[self._robots].astype(np.int64),
             together=_together(situation.problem),
             prices=situation.problem.prices,
             near=_near_of(tasks, len(np.unique(problem.counts, axis=0))),
-            riders=RIDERS_IF_LARGE if is_large else RIDERS,
             habits=HABITS_IF_LARGE if is_large else HABITS,
             passed=passed,
             passes=passes,
@@ -94,14 +94,12 @@ class TeamArcs:
 
     def begin_at(self, plan: TeamPlan) -> None:
         """Stand at a plan; robots that a task could do without are left out of large coalitions."""
-        problem, most = self.search.problem, int(self.search.arcs.most[0])
-        laid = empty_plan(problem)
+        laid = empty_plan(self.search.problem)
         number = np.argsort(self._robots, kind="stable")
         laid.order[:] = keep_order(self.situation.problem.before, plan.order.tolist())
         for task, size in enumerate(plan.size.tolist()):
             robots = number[plan.coalition[task, :size]].tolist()
-            kept = without_spares(problem, task, robots, most)
-            laid.size[task], laid.coalition[task, : len(kept)] = len(kept), kept
+            laid.size[task], laid.coalition[task, :size] = size, robots
         self.search.begin_at(laid)
 
     def begin_anew(self) -> bool:
@@ -142,10 +140,10 @@ def _near_of(tasks: int, types: int) -> int:
     return min(tasks - 1, MOST_NEAR, max(FEWEST_NEAR, tasks // NEAR_SHARE, 2 * types))
 
 
-def _pose(situation: Situation, robots: Ints) -> CoalitionProblem:
+def _pose(situation: Situation, robots: Ints, riders: int) -> CoalitionProblem:
     """Return a situation as a coalition problem: depots are teams, nobody goes home."""
     problem = situation.problem
-    tasks = len(problem.appears)
+    tasks, carried = len(problem.appears), problem.steps[:, problem.carry]  # (paces, tasks)
     leaders, origin = np.unique(situation.company, return_inverse=True)
     places = np.concatenate([np.arange(tasks), tasks + leaders])
     steps = problem.steps[:, problem.cells[:, places]]  # (paces, tasks, places)
@@ -158,10 +156,12 @@ def _pose(situation: Situation, robots: Ints) -> CoalitionProblem:
         counts=problem.counts[robots],
         needs=problem.needs,
         duration=problem.duration.astype(np.int64) * TICKS,
+        slower=np.maximum(0, carried - problem.quickest).astype(np.int64) * TICKS,
         release=(problem.appears.astype(np.int64) + 1) * TICKS,
         precedence=pairs_before(problem.before),
         forming=situation.forming_steps,
         apart=problem.lost[robots],
+        spares=riders,
     )
 
 

@@ -52,7 +52,7 @@ def _shared(problem: Relaxed, company: Array) -> Shared:
         task_region, robot_region = _regions(problem.cells < no_way)
     else:  # a grid without walls is one region
         task_region, robot_region = np.zeros(tasks, np.int64), np.zeros(len(company), np.int64)
-    slowness = 1 / problem.speed
+    slowness, walked = 1 / problem.speed, problem.lengths[0]  # (ways,) cells on the ground
     return Shared(
         np.int64(problem.appears.min()),
         problem.appears.astype(np.int64),
@@ -63,7 +63,8 @@ def _shared(problem: Relaxed, company: Array) -> Shared:
         problem.counts.astype(np.int64),
         problem.needs.astype(np.int64),
         bits_of(problem.needs),
-        problem.duration.astype(np.int64),
+        (problem.duration - problem.quickest).astype(np.int64),
+        walked[problem.carry].astype(np.int64),
         robot_region,
         task_region,
         tasks + company.astype(np.int64),

@@ -1,7 +1,4 @@
-"""Changes of a coalition where it stands: another robot for one of it, and riders.
-
-A rider goes with its fellows though a task can be done without it: then nobody parts.
-"""
+"""Another robot for one of a coalition, where it stands."""
 
 from __future__ import annotations
 
@@ -9,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
 from teamformer.planning.arcs.coalition_choice import Choice, gather
-from teamformer.planning.arcs.judging import COMES_BY, begin_trial, connect, follow, propagate
-from teamformer.planning.arcs.task_moves import MOST_MOVED, Moved, remember
+from teamformer.planning.arcs.judging import COMES_BY, begin_trial, connect, propagate
+from teamformer.planning.arcs.riders import covers_with
+from teamformer.planning.arcs.task_moves import Moved, remember
 from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
 
@@ -19,10 +17,6 @@ if TYPE_CHECKING:
     from teamformer.planning.arcs.arc_problem import ArcProblem
     from teamformer.planning.arcs.graph import Graph
     from teamformer.planning.arcs.judging import Trial
-
-
-SKIPS, JOINS = 20, 20  # percent
-"""How many changes of riders skip tasks and join at one task; the others follow a guide."""
 
 
 @kernel
@@ -74,139 +68,3 @@ def replace_member(
 def _is_in(graph: Graph, task: int, tail: int) -> bool:
     """Say whether an arc leads to a task."""
     return graph.seats[graph.seats[tail].next].node == task
-
-
-@kernel
-def covers_with(
-    problem: ArcProblem, graph: Graph, task: int, other: int, out: int, which: int
-) -> bool:
-    """Say whether the coalition of another task covers a task.
-
-    It does so without the robot of seat `out`, and with one of type `which`, if these are anybody.
-    """
-    need, node = graph.nodes[task].need, graph.nodes[other]
-    for cap in range(problem.needs.shape[1]):
-        lacking = problem.needs[need, cap]
-        if lacking > 0:
-            if which != NOBODY:
-                lacking -= problem.counts[which, cap]
-            for seat in range(node.first, node.first + node.taken):
-                if seat != out:
-                    kind = graph.seats[seat].kind
-                    lacking -= problem.counts[problem.kinds[kind].type, cap]
-            if lacking > 0:
-                return False
-    return True
-
-
-@kernel
-def ride(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: Trial,
-    moved: Moved,
-    random: Array,
-    task: int,
-    limit: int,
-) -> bool:
-    """Have a robot come along with its fellows, or skip what can be done without it.
-
-    Say if no chain is too long then.
-    """
-    begin_trial(trial)
-    moved.number[0] = 0
-    what = draw_below(random, 100)
-    if what < SKIPS:
-        _skip(problem, graph, trial, moved, random, task)
-    elif what < SKIPS + JOINS:
-        tail = _draw_fellow(problem, graph, random, task)
-        if tail != NOBODY:
-            remember(graph, moved, task)
-            _come_along(graph, trial, task, tail)
-    else:
-        _follow_a_guide(problem, graph, trial, moved, random, task)
-    return moved.number[0] > 0 and propagate(problem, graph, trial, limit)
-
-
-@kernel
-def _skip(
-    problem: ArcProblem, graph: Graph, trial: Trial, moved: Moved, random: Array, task: int
-) -> None:
-    """Have a robot skip tasks, from one on, while they can be done without it."""
-    seats, nodes = graph.seats, graph.nodes
-    seat = nodes[task].first + draw_below(random, nodes[task].taken)
-    for _ in range(1 + draw_below(random, MOST_MOVED)):
-        node = seats[seat].node
-        if node == len(nodes) - 1 or not covers_with(problem, graph, node, node, seat, NOBODY):
-            break
-        following = seats[seat].next
-        remember(graph, moved, node)
-        leave_out(graph, trial, node, seat)
-        seat = following
-
-
-@kernel
-def _follow_a_guide(
-    problem: ArcProblem, graph: Graph, trial: Trial, moved: Moved, random: Array, task: int
-) -> None:
-    """Have a robot go with another one of a task until they meet again."""
-    seats, nodes = graph.seats, graph.nodes
-    tail = nodes[task].first + draw_below(random, nodes[task].taken)
-    guide = nodes[task].first + draw_below(random, nodes[task].taken)
-    head, kind = seats[tail].next, seats[tail].kind
-    if guide == tail:
-        return
-    for _ in range(1 + draw_below(random, MOST_MOVED)):
-        guide = seats[guide].next
-        node = nodes[seats[guide].node]
-        if node.key >= nodes[seats[head].node].key or node.taken == problem.most[0]:
-            break
-        remember(graph, moved, seats[guide].node)
-        seat = node.first + node.taken
-        node.taken += 1
-        seats[seat].kind = kind
-        connect(graph, trial, tail, seat)
-        tail = seat
-    if moved.number[0] > 0:
-        connect(graph, trial, tail, head)
-
-
-@kernel
-def leave_out(graph: Graph, trial: Trial, task: int, seat: int) -> None:
-    """Take a robot out of a coalition; the last seat takes its place."""
-    seats, node = graph.seats, graph.nodes[task]
-    last = node.first + node.taken - 1
-    connect(graph, trial, seats[seat].prev, seats[seat].next)
-    if seat != last:
-        connect(graph, trial, seats[last].prev, seat)
-        connect(graph, trial, seat, seats[last].next)
-        seats[seat].kind = seats[last].kind
-    node.taken -= 1
-    follow(graph, trial, node.first)
-
-
-@kernel
-def _draw_fellow(problem: ArcProblem, graph: Graph, random: Array, task: int) -> int:
-    """Return the seat of one that was with a robot before a task and goes on past it, or NOBODY."""
-    seats, nodes, node = graph.seats, graph.nodes, graph.nodes[task]
-    if node.taken == problem.most[0]:
-        return NOBODY
-    before = seats[seats[node.first + draw_below(random, node.taken)].prev].node
-    drawn, count = NOBODY, 0
-    for tail in range(nodes[before].first, nodes[before].first + nodes[before].taken):
-        if nodes[seats[seats[tail].next].node].key > node.key:
-            count += 1
-            if count == 1 or draw_below(random, count) == 0:
-                drawn = tail
-    return drawn
-
-
-@kernel
-def _come_along(graph: Graph, trial: Trial, task: int, tail: int) -> None:
-    """Lead the robot that leaves a seat by a task, too."""
-    seats, node = graph.seats, graph.nodes[task]
-    seat, head = node.first + node.taken, seats[tail].next
-    node.taken += 1
-    seats[seat].kind = seats[tail].kind
-    connect(graph, trial, tail, seat)
-    connect(graph, trial, seat, head)

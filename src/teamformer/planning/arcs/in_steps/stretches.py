@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from teamformer.jit import kernel
 from teamformer.planning.arcs.draws import draw_near, keeps_order
-from teamformer.planning.arcs.in_steps.members import covers_with
 from teamformer.planning.arcs.judging import begin_trial, connect, propagate
+from teamformer.planning.arcs.riders import covers_with
 from teamformer.planning.arcs.task_moves import Moved, remember
 from teamformer.planning.continuous.problem import NOBODY
 from teamformer.rules.chance import draw_below

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.arrays import Array, Floats, Int32s, Ints
 from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem, Records
+from teamformer.planning.arcs.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.arcs.graph import Graph
 from teamformer.planning.arcs.linked.judging import Links
 from teamformer.planning.continuous.links import HOME, MAKESPAN, MAX_TARDINESS, TARDINESS, TRAVEL
@@ -139,7 +139,7 @@ def _cost_of(
     """
     node, weight, pace = graph.nodes[task], links.weight, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
-    end = max(graph.nodes[place].end + way, node.release) + node.duration
+    end = max(graph.nodes[place].end + way, node.release) + takes_with(problem, pace, task)
     late, push = max(0, end - graph.worth[task].due), 0
     if to >= problem.ways.shape[1]:
         detour = way + problem.home[kind, task] - problem.home[kind, place]

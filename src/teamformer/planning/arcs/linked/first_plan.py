@@ -40,7 +40,8 @@ def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | N
                 for robot in plan.coalition[other, : plan.size[other]].tolist()
             }
             comes = np.maximum(free + base.ways[base.pace, place, task], base.release[task])
-            coalition = _able_coalition(problem, task, taken, comes, draws)
+            slower = base.slower[base.pace, task]
+            coalition = _able_coalition(problem, task, taken, comes + slower, draws)
             if coalition is None:
                 return None
             plan.size[task] = len(coalition)
@@ -48,7 +49,8 @@ def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | N
             tasks.remove(task)
             order.append(task)
             place[coalition] = task
-            free[coalition] = comes[coalition].max() + base.duration[task]
+            takes = base.duration[task] + slower[coalition].max()
+            free[coalition] = comes[coalition].max() + takes
     plan.order[:] = order
     return plan
 

@@ -18,6 +18,7 @@ from teamformer.planning.arcs.arc_problem import ArcProblem
 from teamformer.planning.arcs.graph import Graph, back_of, start_of
 from teamformer.planning.arcs.judging import (
     BACK,
+    DURATION,
     END,
     HOMES,
     KEY,
@@ -27,6 +28,7 @@ from teamformer.planning.arcs.judging import (
     begin_trial,
     connect,
     empty_trial,
+    fit_duration,
     follow,
     follow_on,
     record,
@@ -118,6 +120,19 @@ def way_out(problem: ArcProblem, graph: Graph, seat: int) -> int:
 
 
 @kernel
+def travel_of(problem: ArcProblem, graph: Graph) -> int:
+    """Return how long all ways take, added up."""
+    travel, robots = 0, len(graph.back)
+    for task in range(len(problem.near)):
+        node = graph.nodes[task]
+        for seat in range(node.first, node.first + node.taken):
+            travel += way_out(problem, graph, seat)
+    for depot in range(len(graph.seats) - 2 * robots, len(graph.seats) - robots):
+        travel += way_out(problem, graph, depot)
+    return travel
+
+
+@kernel
 def lead(
     problem: ArcProblem, graph: Graph, trial: Trial, ledger: Ledger, seat: int, to: int
 ) -> None:
@@ -144,6 +159,8 @@ def propagate(
         for other in members:
             if other == NOBODY:
                 break
+            if nodes[other].is_load:
+                fit_duration(problem, graph, trial, other)
             start[other] = start_of(problem, graph, other, nodes[other].first)
         if members[1] != NOBODY:
             _keep_gaps(links, members, start)
@@ -240,7 +257,8 @@ def is_better(ledger: Ledger, one: int, other: int) -> bool:
 def accept_change(graph: Graph, trial: Trial, ledger: Ledger) -> None:
     """Give tasks the keys of their starts."""
     for place in range(trial.number[LOGGED]):
-        if trial.log[place].what == END or trial.log[place].what == KEY:
+        what = trial.log[place].what
+        if what in (END, KEY, DURATION):
             node = graph.nodes[trial.log[place].index]
             node.key = 2 * (node.end - node.duration) + 1
     for part in range(len(ledger.part)):
@@ -270,10 +288,8 @@ def time_links(
         late = max(0, node.end - graph.worth[task].due)
         ledger.part[TARDINESS] += np.int64(links.task_weight[task] * late)
         ledger.part[COMPLETION] += np.int64(links.task_weight[task] * node.end)
-        for seat in range(node.first, node.first + node.taken):
-            ledger.part[TRAVEL] += way_out(problem, graph, seat)
+    ledger.part[TRAVEL] = travel_of(problem, graph)
     for robot in range(len(graph.back)):
-        ledger.part[TRAVEL] += way_out(problem, graph, len(seats) - 2 * len(graph.back) + robot)
         ledger.part[HOME] += graph.back[robot]
         ledger.part[MAKESPAN] = max(ledger.part[MAKESPAN], graph.back[robot])
     begin_change(trial, ledger)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from teamformer.arrays import Array
 from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem
+from teamformer.planning.arcs.arc_problem import ArcProblem, takes_with
 from teamformer.planning.arcs.draws import cut_beside_near, keeps_order
 from teamformer.planning.arcs.graph import LAST, Graph
 from teamformer.planning.arcs.judging import KEY, KIND, TAKEN, Trial, connect, record
 from teamformer.planning.arcs.linked.candidates import PICKS, STAMP, Room, choose, gather
-from teamformer.planning.arcs.linked.judging import Ledger, Links, lead, way_out
+from teamformer.planning.arcs.linked.judging import Ledger, Links, lead, travel_of, way_out
+from teamformer.planning.arcs.riders import change_riders
+from teamformer.planning.arcs.task_moves import Moved
 from teamformer.planning.continuous.links import FREE, TRAVEL
 from teamformer.planning.continuous.problem import NEVER, NOBODY
 from teamformer.rules.chance import draw_below
@@ -67,6 +69,28 @@ def move(
 
 
 @kernel
+def ride(
+    problem: ArcProblem,
+    links: Links,
+    graph: Graph,
+    trial: Trial,
+    ledger: Ledger,
+    moved: Moved,
+    random: Array,
+    task: int,
+) -> bool:
+    """Change who comes along without need; say if no robot does two tasks of a group then."""
+    if not change_riders(problem, graph, trial, moved, random, task):
+        return False
+    ledger.then[TRAVEL] = travel_of(problem, graph)
+    for place in range(moved.number[0]):
+        members = links.members[links.group[moved.task[place]]]
+        if members[1] != NOBODY and not are_apart(links, graph, members):
+            return False
+    return True
+
+
+@kernel
 def _draw_other(members: Array, random: Array, task: int) -> int:
     """Draw another task of a group."""
     drawn, count = task, 0
@@ -101,7 +125,7 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
     start = node.end - node.duration
     if draw < IN_WINDOW:
         due = graph.worth[task].due
-        latest = due - node.duration if due < NEVER else start + 4 * leg
+        latest = due - takes_with(problem, 0, task) if due < NEVER else start + 4 * leg
         return 2 * (node.release + draw_below(random, max(1, latest - node.release)))
     if draw < IN_WINDOW + IN_PLACE:
         return 2 * max(0, start - leg + draw_below(random, 2 * leg + 1))

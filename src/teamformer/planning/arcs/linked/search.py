@@ -16,7 +16,7 @@ import numpy as np
 from teamformer.arrays import Array
 from teamformer.jit import entry, kernel
 from teamformer.planning.arcs.annealing import copy_graph
-from teamformer.planning.arcs.arc_problem import ArcProblem, pose_arcs
+from teamformer.planning.arcs.arc_problem import RIDE, ArcProblem, most_seats, pose_arcs
 from teamformer.planning.arcs.graph import Graph, empty_graph, lay, plan_of
 from teamformer.planning.arcs.judging import Trial, undo
 from teamformer.planning.arcs.linked.candidates import Room, empty_room
@@ -41,9 +41,10 @@ from teamformer.planning.arcs.linked.judging import (
     sum_up_change,
     time_links,
 )
-from teamformer.planning.arcs.linked.moves import move
+from teamformer.planning.arcs.linked.moves import move, ride
+from teamformer.planning.arcs.task_moves import Moved, empty_moved, take_back
 from teamformer.planning.continuous.links import MAX_TARDINESS, TARDINESS, TRAVEL, LinkedProblem
-from teamformer.planning.continuous.schedule import CoalitionPlan
+from teamformer.planning.continuous.schedule import CoalitionPlan, with_seats
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.rules.chance import SLACKS, STEPS, draw_below
 
@@ -84,6 +85,7 @@ class LinkedSearch:
         self._links, self._ledger = links_of(problem), empty_ledger(problem)
         self._trial = room_for_change(problem, self.graph)
         self._room = empty_room(self.arcs, self._links, len(self.graph.seats))
+        self._moved = empty_moved(most_seats(base))
         self._draws = Random(seed)
         self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)
 
@@ -98,7 +100,8 @@ class LinkedSearch:
     def begin_at(self, plan: CoalitionPlan) -> bool:
         """Stand at a plan; say whether nobody waits in it for ever."""
         parts = (self.arcs, self._links, self.graph, self._trial, self._ledger)
-        lay(self.arcs, self.graph, plan, np.zeros(len(self.problem.base.counts), np.int64))
+        seated = with_seats(self.problem.base, plan, int(self.arcs.most[0]))
+        lay(self.arcs, self.graph, seated, np.zeros(len(self.problem.base.counts), np.int64))
         if not time_links(*parts, MOST_TIMED + TIMED_EACH * len(plan.order)):
             return False
         copy_graph(self.graph, self._best)
@@ -129,8 +132,9 @@ class LinkedSearch:
 
     def anneal(self, heat: float, rounds: int) -> None:
         """Make so many rounds at one heat."""
-        parts = (self.graph, self._best, self._trial, self._ledger, self._room, self.random)
-        anneal_links(self.arcs, self._links, *parts, SLACKS, self.ticks, float(heat), rounds)
+        parts = (self.graph, self._best, self._trial, self._ledger, self._room, self._moved)
+        random = (self.random, SLACKS)
+        anneal_links(self.arcs, self._links, *parts, *random, self.ticks, float(heat), rounds)
 
     def anneal_until(self, deadline: float, race: Race[Any], offer: Callable[[], None]) -> None:
         """Anneal until a moment, or until a race is over; offer whatever is better."""
@@ -166,6 +170,7 @@ def anneal_links(
     trial: Trial,
     ledger: Ledger,
     room: Room,
+    moved: Moved,
     random: Array,
     slacks: Array,
     leg: int,
@@ -174,14 +179,17 @@ def anneal_links(
 ) -> None:
     """Make changes; keep those that are better or, in heat, a bit worse."""
     lead, most = ledger.lead, MOST_TIMED + TIMED_EACH * len(problem.near)
-    is_best, must_copy = False, False
+    is_best, must_copy, rides = False, False, problem.habits[RIDE]
     room.heat[0] = heat
     for _ in range(rounds):
         allowed = lead[NOW] + heat * slacks[draw_below(random, len(slacks))] / STEPS
         task = _draw_task(links, graph, ledger, random)
         begin_change(trial, ledger)
+        moved.number[0] = 0
         if draw_below(random, 100) < EXCHANGES:
             is_able = exchange_rests(problem, links, graph, trial, ledger, room, random, task)
+        elif rides > 0 and draw_below(random, 100) < rides:
+            is_able = ride(problem, links, graph, trial, ledger, moved, random, task)
         else:
             is_able = move(problem, links, graph, trial, ledger, room, random, task, leg)
         is_kept = is_able and links.weight[TRAVEL] * ledger.then[TRAVEL] <= allowed
@@ -197,6 +205,7 @@ def anneal_links(
             is_best = is_better(ledger, NOW, BEST)
         else:
             undo(graph, trial)
+            take_back(graph, moved)
             if must_copy:
                 copy_graph(graph, best)
                 replace_cost(ledger, BEST, NOW)

@@ -10,7 +10,13 @@ from functools import partial
 from teamformer.planning.arcs.linked.search import COOLER, COOLINGS, LinkedSearch
 from teamformer.planning.continuous.bounds.raising import raise_bound
 from teamformer.planning.continuous.links import LinkedProblem, is_bounded
-from teamformer.planning.continuous.schedule import LATE, MAKESPAN, CoalitionPlan, schedule_of
+from teamformer.planning.continuous.schedule import (
+    LATE,
+    MAKESPAN,
+    CoalitionPlan,
+    schedule_of,
+    without_riders,
+)
 from teamformer.planning.race import Judgement, Race
 
 ROUNDS_EACH, MOST_ROUNDS = 20_000, 600_000
@@ -55,7 +61,7 @@ def plan_linked(problem: LinkedProblem, seed: int = 0) -> LinkedSolution | None:
     for _ in range(COOLINGS):
         search.anneal(heat, rounds)
         heat *= COOLER
-    return _solution(search)
+    return _without_riders(problem, _solution(search))
 
 
 def solve_linked(
@@ -77,14 +83,35 @@ def solve_linked(
     race = Race(partial(_judge, problem), shared, begun, begun + time_limit)
     first = (time.perf_counter() - begun, shared.cost)
     if start is not None:
-        given = LinkedSearch(problem, seed)
+        given = _with_all_seats(problem)
         if given.begin_at(start):
             race.offer(_solution(given))
     jobs = [partial(_bound_and_search, problem, seed + 1, race)]
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
     is_proven = race.judgement.bounded <= race.bound
-    return replace(race.plan, bound=race.bound, is_proven=is_proven, curve=(first, *race.curve))
+    best = _without_riders(problem, race.plan)
+    return replace(best, bound=race.bound, is_proven=is_proven, curve=(first, *race.curve))
+
+
+def _with_all_seats(problem: LinkedProblem) -> LinkedSearch:
+    """Return a search that can stand at any plan: all robots may come to a task."""
+    everybody = problem.base._replace(spares=len(problem.base.counts))
+    return LinkedSearch(problem._replace(base=everybody), 0)
+
+
+def _without_riders(problem: LinkedProblem, solution: LinkedSolution) -> LinkedSolution:
+    """Return a solution without robots that only come along."""
+    if problem.base.spares == 0:
+        return solution
+    search = _with_all_seats(problem)
+
+    def cost_of(plan: CoalitionPlan) -> float:
+        return search.cost if search.begin_at(plan) else math.inf
+
+    plan = without_riders(problem.base, solution.plan, cost_of)
+    search.begin_at(plan)
+    return _solution(search)
 
 
 def _judge(problem: LinkedProblem, solution: LinkedSolution) -> Judgement:

@@ -1,0 +1,134 @@
+"""How much better than the planner's a plan of a tiny mission can be, of all that there are.
+
+`python tests/fuzz/tiny.py continuous 2000 1` draws so many missions in continuous time, and gives
+`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps, for
+which one thread of its search stands alone.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import sys
+import time
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+from hypothesis import HealthCheck, given, seed, settings
+
+from missions import continuous_missions, missions
+from plain_times import Times, Ways, able_crews, all_plans
+from teamformer.errors import TeamformerError
+from teamformer.mission.links import is_linked
+from teamformer.model import Scenario
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.routes import MissionPlan
+from teamformer.planning.continuous.rules import plan_continuous, warm_up
+from teamformer.planning.steps.situation import Situation, situation_in_hindsight
+from teamformer.planning.steps.solve import begin_race, first_plan, from_coalitions, improve
+from teamformer.planning.steps.team_plan import plan_teams
+from teamformer.planning.steps.timed_plan import time_team_plan
+from teamformer.scenarios.files import scenario_from_tree
+from texts import text_of
+
+MOST_PLANS, MOST_PLANS_IN_STEPS = 30_000, 3_000
+"""Missions with more plans than this are passed over: nobody waits until all are timed."""
+
+ROBOTS, TASKS = 4, 4
+"""How many a mission has at most."""
+
+NEAR = 1e-5
+"""Times are told in whole ticks, of which there are a million and more in all."""
+
+
+def count_plans(scenario: Scenario) -> int:
+    """Return how many orders with coalitions a mission has."""
+    able = (len(able_crews(scenario, task)) for task in range(len(scenario.tasks)))
+    return math.factorial(len(scenario.tasks)) * math.prod(able)
+
+
+def worth_of(scenario: Scenario, made: MissionPlan | Times) -> float:
+    """Return what a plan is judged by: its cost, or the makespan and twice how late tasks are."""
+    if made.cost is not None:
+        return made.cost
+    return made.makespan + 2 * sum(
+        scenario.tasks[task].weight * by for task, by in made.late.items()
+    )
+
+
+def gap_in_continuous_time(scenario: Scenario, method: str, seconds: float) -> float:
+    """Return by which share of the best plan a method's is worse; 0 where it finds none."""
+    try:
+        made = plan_continuous(pose_mission(scenario), method, seconds)
+    except TeamformerError:
+        return 0.0
+    if made is None:
+        return 0.0
+    best = min(worth_of(scenario, plan) for plan in all_plans(scenario, Ways(scenario)))
+    gap = worth_of(scenario, made) - best
+    return gap / max(best, NEAR) if gap > NEAR * max(1.0, best) else 0.0
+
+
+def gap_in_steps(scenario: Scenario, seconds: float) -> float:
+    """Return by which share of the least cost that of the search for `central` is worse.
+
+    Every plan is timed as plans in steps are.
+    """
+    situation = situation_in_hindsight(scenario)
+    first = first_plan(situation)
+    if first is None:
+        return 0.0
+    now = time.perf_counter()
+    race = begin_race(first, now, now + seconds)
+    starts = from_coalitions(situation.problem, race, seed=0)
+    race.run([partial(improve, race, situation, starts, seed=0)], 1)
+    best = min(_costs_in_steps(scenario, situation))
+    return max(0.0, (race.plan.cost - best) / best)
+
+
+def _costs_in_steps(scenario: Scenario, situation: Situation) -> Iterator[int]:
+    tasks = range(len(scenario.tasks))
+    for crews in itertools.product(*(able_crews(scenario, task) for task in tasks)):
+        for order in itertools.permutations(tasks):
+            yield time_team_plan(situation, plan_teams(order, crews)).cost
+
+
+def main(kind: str, count: int, seconds: float) -> int:
+    """Try so many missions; print those of which a better plan is found."""
+    tried, worse = set[str](), list[float]()
+    is_continuous = kind == "continuous"
+    most = MOST_PLANS if is_continuous else MOST_PLANS_IN_STEPS
+
+    def check(mission: Any) -> None:
+        scenario, text = scenario_from_tree(mission), text_of(mission)
+        if text in tried or not 1 < count_plans(scenario) <= most:
+            return
+        tried.add(text)
+        if is_continuous:
+            warm_up(is_linked(scenario))
+            gap = gap_in_continuous_time(scenario, "central" if seconds else "plan", seconds)
+        else:
+            gap = gap_in_steps(scenario, seconds)
+        if gap > 0:
+            worse.append(gap)
+            print(f"# {gap:.2%} worse, number {len(tried)}\n{text}", flush=True)
+
+    drawn = continuous_missions(ROBOTS, TASKS) if is_continuous else missions(is_plain=True)
+    for number in itertools.count():
+        if len(tried) >= count:
+            break
+        checks = settings(
+            max_examples=50,
+            deadline=None,
+            database=None,
+            suppress_health_check=list(HealthCheck),
+        )
+        seed(number)(checks(given(mission=drawn)(check)))()
+    found = f"{len(worse)} of {len(tried)} tiny missions have a better plan"
+    print(f"{found}, by up to {max(worse, default=0.0):.2%}")
+    return int(bool(worse))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], int(sys.argv[2]), float(sys.argv[3])))

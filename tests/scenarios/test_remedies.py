@@ -53,7 +53,7 @@ OTHERS_FOR = {
     "delays": (robots(delays=Delays(0.1)), "run compare plan live"),
     "unsure and arrivals": (
         replace(tasks(lasts=(1, 3)), arrivals=Arrivals(0.1, 5)),
-        "run compare plan",
+        "run compare plan live",
     ),
 }
 

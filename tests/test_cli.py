@@ -20,7 +20,8 @@ from teamformer.commands import console
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.reading import read_replay
-from teamformer.trials.methods import METHODS, load_method
+from teamformer.trials.listings import method_listings
+from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 from typed import FOUR, teamformer
 
@@ -492,15 +493,15 @@ def test_compare_plays_every_method_under_what_it_was_made_for(
 def test_methods_are_listed_once_each_with_who_says_the_tasks(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    tasks_by = {listing.name: listing.tasks_by for listing in METHODS}
-    assert len(tasks_by) == len(METHODS)
-    assert tasks_by.pop("plan") == "the shared plan"
-    assert tasks_by.pop("central") == "its own plan"
-    assert tasks_by.pop("crews") == "crews"
+    listings = method_listings()
+    tasks_by = {listing.name: listing.tasks_by for listing in listings}
+    assert len(tasks_by) == len(listings)
+    for name in ("plan", "central", "crews"):
+        assert tasks_by.pop(name) == "its own plan"
     assert set(tasks_by.values()) == {"the paper's order"}
     assert teamformer("methods") == 0
     told = capsys.readouterr().out
-    assert all(f"\n {listing.name} " in told for listing in METHODS)
+    assert all(f"\n {listing.name} " in told for listing in listings)
     assert "your own: --method module:Class (docs/reference/methods.md)" in told
 
 

@@ -26,8 +26,8 @@ CORE = {
     "regions",
     "frame",
 }
-CORE |= {"arrays", "coordination", "extras", "import_apart", "jit", "kernels", "own_code"}
-CORE |= {"whole_files"}
+CORE |= {"arrays", "coordination", "entry_points", "extras", "import_apart", "jit", "kernels"}
+CORE |= {"own_code", "whole_files"}
 BELOW_POLICIES = {*CORE, "rules", "scenarios", "planning", "sim", "coordinators"}
 BELOW_COMMANDS = {
     *BELOW_POLICIES,
@@ -56,7 +56,7 @@ SEES = {
     "referee": {*CORE, "scenarios", "sim.replay"},
     "advice": {*BELOW_POLICIES, "policies", "critical_path", "trials", "viewer"},
     "viewer": {"errors", "whole_files", "mission.keys"},
-    "export": {*CORE, "rules.constants", "sim.replay"},
+    "export": {*CORE, "rules.constants", "scenarios", "sim.replay"},
     "live": {*BELOW_POLICIES, "policies", "trials", "viewer", "export"},  # for its downloads
     "nets": set(),
     "train": {*BELOW_POLICIES, "policies", "trials", "nets"},
@@ -64,6 +64,7 @@ SEES = {
     "robotarium": {*BELOW_POLICIES, "policies", "trials"},
     "fleet": {*BELOW_POLICIES, "policies", "trials", "live"},  # whose pages may watch it
     "api": {*BELOW_POLICIES, "policies", "critical_path", "trials", "referee", "viewer", "advice"},
+    "testing": {*BELOW_POLICIES, "policies", "trials", "referee", "fleet"},
     "commands": {*BELOW_COMMANDS, "train", "robotarium", "fleet"},
     "cli": {*BELOW_COMMANDS, "commands"},
 }

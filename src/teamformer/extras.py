@@ -14,12 +14,12 @@ from teamformer.errors import TeamformerError
 
 
 def how_to_install(*extras: str) -> str:
-    """Return the command that installs extras of this package, for the current folder.
+    """Return the command that installs this package, with extras, for the current folder.
 
     In a clone of the repository it is an editable install by the Python that runs. Elsewhere it
     names the folder or wheel that the package was installed from, because no index has it.
     """
-    named = f"[{','.join(extras)}]"
+    named = f"[{','.join(extras)}]" if extras else ""
     root = Path(__file__).resolve().parents[2]
     if not (root / "pyproject.toml").is_file():
         return f"pip install '{_installed_from()}{named}'"

@@ -13,7 +13,8 @@ from typing import Any
 
 from teamformer.errors import TeamformerError
 
-INSTALLED = (str(Path(__file__).parent), sysconfig.get_path("stdlib"))
+OURS, STANDARD, PACKAGES = str(Path(__file__).parent), sysconfig.get_path("stdlib"), "site-packages"
+"""Where code lies that no user wrote: this package, Python's own, and all that is installed."""
 
 
 def look_here() -> None:
@@ -53,16 +54,18 @@ def telling_where(what: str) -> Iterator[None]:
 
 
 def _place_of(error: Exception) -> str:
-    """Return the file and line that raised, by the deepest frame outside of installed packages."""
+    """Return the file and line that raised: the deepest of the user's own, else of a package's."""
     if isinstance(error, SyntaxError) and error.filename:
         return f" at {error.filename}:{error.lineno}"
     frames = traceback.extract_tb(error.__traceback__)[1:]  # without telling_where itself
-    theirs = [frame for frame in frames if not _is_installed(frame.filename)]
-    return f" at {theirs[-1].filename}:{theirs[-1].lineno}" if theirs else ""
+    others = [frame for frame in frames if not frame.filename.startswith(OURS)]
+    theirs = [frame for frame in others if not _is_installed(frame.filename)]
+    packaged = [frame for frame in others if PACKAGES in frame.filename]
+    return "".join(f" at {at.filename}:{at.lineno}" for at in (theirs or packaged)[-1:])
 
 
 def _is_installed(file: str) -> bool:
-    return file.startswith(("<", *INSTALLED)) or "site-packages" in file
+    return file.startswith(("<", STANDARD)) or PACKAGES in file
 
 
 def _spell(error: Exception) -> str:

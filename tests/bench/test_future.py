@@ -11,10 +11,11 @@ from teamformer.model import Scenario, Task
 from teamformer.scenarios.named_settings import new_tasks_of, world_of
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
-from teamformer.trials.methods import METHODS, Method, load_method
+from teamformer.trials.listings import our_method_names
+from teamformer.trials.methods import Method, load_method
 from teamformer.trials.trial import begin, decide
 
-MINE = [listing.name for listing in METHODS if not load_method(listing.name).needs_everything]
+MINE = [name for name in our_method_names() if not load_method(name).needs_everything]
 FITTING = [name for name in MINE if not name.endswith(("-c8", "-c100", "-ppo"))]  # networks once
 
 

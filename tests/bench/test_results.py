@@ -14,7 +14,8 @@ from teamformer.bench.report.results import _missions, template
 from teamformer.bench.runner import AUTHORS
 from teamformer.bench.store import folders_beside
 from teamformer.bench.suites import names_of_suites
-from teamformer.trials.methods import BARE, LISTED
+from teamformer.trials.listings import our_method_names
+from teamformer.trials.methods import BARE
 from typed import teamformer
 
 
@@ -73,7 +74,7 @@ def test_the_documents_name_suites_and_methods_of_today() -> None:
     assert set(re.findall(r"^## (.*)$", text, re.MULTILINE)) <= set(names_of_suites())
     methods = set(re.findall(r"^\| \d+N[^|]+ \| ([\w-]+) \|", text, re.MULTILINE))
     assert len(methods) > 10
-    assert {name.removesuffix(BARE) for name in methods} - {AUTHORS} <= set(LISTED)
+    assert {name.removesuffix(BARE) for name in methods} - {AUTHORS} <= set(our_method_names())
 
 
 def test_a_document_says_which_version_ran_the_trials(tmp_path: Path) -> None:

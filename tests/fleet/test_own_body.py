@@ -13,7 +13,7 @@ import pytest
 from fleets import pair, plan_of
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.bodies.own import OwnBody
+from teamformer.fleet.bodies.by_name import body_maker
 from teamformer.fleet.process.loop import AgentProcess
 
 HERE = "test_own_body"
@@ -61,8 +61,13 @@ class Bodiless:
         self.robot = robot
 
 
+def made(name: str, robot: int = 0) -> Any:
+    nobody: Any = None  # the line to what is simulated elsewhere
+    return body_maker(name)(pair(), robot, nobody)
+
+
 def test_reports_become_plain_numbers() -> None:
-    body = OwnBody(f"{HERE}:Still", pair(), 1)
+    body = made(f"{HERE}:Still", 1)
     body.command(Command(3))
     report = body.report()
     assert report == Report(4.0, 0.0, number=7, is_unfit=True)
@@ -83,7 +88,7 @@ def test_reports_become_plain_numbers() -> None:
 )
 def test_what_is_no_body_is_told(name: str, told: str) -> None:
     with pytest.raises(TeamformerError, match=told):
-        OwnBody(name, pair(), 0)
+        made(name)
 
 
 def test_a_body_is_found_in_the_folder_that_the_user_works_in(
@@ -95,7 +100,7 @@ def test_a_body_is_found_in_the_folder_that_the_user_works_in(
     (tmp_path / "body_in_this_folder.py").write_text(code)
     monkeypatch.setattr(sys, "path", [part for part in sys.path if part])
     monkeypatch.chdir(tmp_path)
-    body = OwnBody("body_in_this_folder:MyBody", pair(), 1)
+    body = made("body_in_this_folder:MyBody", 1)
     body.command(Command(1, (6, 0), 0, 1, True))
     assert body.report() == Report(6.0, 0.0, 1, True, False, 1)
 
@@ -109,7 +114,7 @@ def test_a_body_is_found_in_the_folder_that_the_user_works_in(
     ],
 )
 def test_what_a_body_does_wrong_is_told(name: str, told: str) -> None:
-    body = OwnBody(f"{HERE}:{name}", pair(), 0)
+    body = made(f"{HERE}:{name}")
     with pytest.raises(TeamformerError, match=told):
         body.report()
 

@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 
 from random_worlds import random_decision, random_world
-from small_worlds import two_robots_one_task
 from teamformer.model import Scenario
-from teamformer.policies.protocol import Planner, Policy
+from teamformer.policies.protocol import Policy
 from teamformer.scenarios.generate import Spec, generate
 from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.view import View
-from teamformer.trials.methods import METHODS, load_method
-from teamformer.trials.trial import run_trial, run_trials
-
-STEPS = 60
+from teamformer.testing import check_policy
+from teamformer.trials.listings import our_method_names
+from teamformer.trials.methods import load_method
+from teamformer.trials.trial import run_trials
 
 
 class Dice:
@@ -33,19 +32,17 @@ class Dice:
 
 
 LISTED = [
-    listing.name
-    for listing in METHODS
-    if load_method(listing.name).policy is not None and not listing.name.endswith("-ppo")
+    name
+    for name in our_method_names()
+    if load_method(name).policy is not None and not name.endswith("-ppo")
 ]
 """Without those that are others with other weights."""
 NAMES = [*LISTED, "test_conformance:Dice"]
 
 
 def load(name: str) -> Policy:
-    policy = load_method(name).policy
+    policy = load_method(name, time_limit=0.0).policy  # so that no clock decides on plans
     assert policy is not None
-    if hasattr(policy, "time_limit"):
-        policy.time_limit = 0.0  # its first plan does, and no clock decides what it is
     return policy
 
 
@@ -54,59 +51,9 @@ def worlds(seed: int, count: int) -> list[Scenario]:
     return [random_world(rng) for _ in range(count)] + [generate(Spec(), rng) for _ in range(2)]
 
 
-def begin(policy: Policy, scenarios: Sequence[Scenario], seed: int = 0) -> TeamFormation:
-    everything = scenarios if policy.needs_everything else None
-    policy.begin(everything, np.random.default_rng(seed))
-    if isinstance(policy, Planner):
-        missions = [plan.mission for plan in policy.plans]
-        return TeamFormation(missions, coordinator=[plan.coordinator for plan in policy.plans])
-    return TeamFormation(scenarios)
-
-
 @pytest.mark.parametrize("name", NAMES)
-def test_decisions_have_a_row_for_each_team_and_are_legal(name: str) -> None:
-    policy = load(name)
-    env = begin(policy, worlds(1, 20))
-    for _ in range(STEPS):
-        if not env.is_running.any():
-            break
-        view = env.view()
-        decision = policy.decide(view)
-        assert decision.wanted.shape == view.counts.shape
-        assert np.issubdtype(decision.wanted.dtype, np.integer)
-        assert (decision.wanted >= 0).all()
-        if decision.task is not None:
-            assert decision.task.shape == view.task.shape
-        env.step(decision)
-        assert not env.worlds.count["illegal"].any()
-
-
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.thorough
-def test_the_same_seed_gives_the_same_record(name: str) -> None:
-    for scenario in worlds(2, 6):
-        one, other = (run_trial(scenario, load(name), seed=4).replay for _ in range(2))
-        assert one == other
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_policy_can_begin_again(name: str) -> None:
-    policy = load(name)
-    first = run_trials(worlds(3, 5), policy, seed=1)
-    run_trials(worlds(4, 3), policy, seed=2)
-    assert run_trials(worlds(3, 5), policy, seed=1) == first
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_view_is_not_written_to(name: str) -> None:
-    policy = load(name)
-    env = begin(policy, worlds(5, 10))
-    for _ in range(10):
-        view = env.view()
-        before = [array.copy() for array in view]
-        decision = policy.decide(view)
-        assert all((a == b).all() for a, b in zip(view, before, strict=True))
-        env.step(decision)
+def test_a_policy_keeps_what_all_keep(name: str) -> None:
+    check_policy(lambda: load(name), worlds(1, 20))
 
 
 @pytest.mark.parametrize("name", LISTED)
@@ -125,23 +72,12 @@ def test_every_possible_world_is_finished(name: str) -> None:
     assert {tally.status for tally in run_trials(scenarios, load(name))} == {"completed"}
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_a_decentralised_policy_needs_no_scenario(name: str) -> None:
-    policy = load(name)
-    if policy.needs_everything:
-        with pytest.raises(ValueError, match="scenarios"):
-            policy.begin(None, np.random.default_rng(0))
-        return
-    policy.begin(None, np.random.default_rng(0))
-    view = TeamFormation([two_robots_one_task()]).view()
-    assert policy.decide(view).wanted.shape == (2, 3)
-
-
 @pytest.mark.parametrize("name", [name for name in LISTED if not load(name).needs_everything])
 def test_a_row_decides_by_itself(name: str) -> None:
     """Each team decides from its own row, whoever else is asked at the same time."""
     policy = load(name)
-    env = begin(policy, worlds(8, 15))
+    policy.begin(None, np.random.default_rng(0))
+    env = TeamFormation(worlds(8, 15))
     for _ in range(8):
         view = env.view()
         together = policy.decide(view).wanted.copy()

@@ -6,11 +6,10 @@ import pytest
 
 from blocked_worlds import blocked_worlds
 from teamformer.policies.learned.policy import Learned
-from teamformer.trials.methods import METHODS, load_method
+from teamformer.trials.listings import our_method_names
+from teamformer.trials.methods import load_method
 
-LEARNED = [
-    listing.name for listing in METHODS if isinstance(load_method(listing.name).policy, Learned)
-]
+LEARNED = [name for name in our_method_names() if isinstance(load_method(name).policy, Learned)]
 
 
 def test_all_learned_policies_are_here() -> None:

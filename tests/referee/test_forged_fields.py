@@ -88,15 +88,19 @@ def mission_of_twins(rng: np.random.Generator) -> Scenario:
 
 
 def wild_record(mission: Scenario, player: Player, seed: int, rng: np.random.Generator) -> Replay:
-    """Play at random for at most 40 steps, and now and then name a task."""
+    """Play at random for at most 40 steps, and name tasks: at first, then now and then.
+
+    Where no decision names a task, teams decide by the plan if there is one.
+    """
     coordinator = as_method(player).coordinator
     env = TeamFormation([mission], truths=[draw_truth(mission, seed)], coordinator=coordinator)
-    recorder = Recorder(env)
+    recorder, chance = Recorder(env), 1.0
     while env.is_running[0] and env.tally().steps < 40:
         view = env.view()
-        named = np.where(rng.random(len(view.slot)) < 0.1, view.task_number[:, 0], -1)
+        named = np.where(rng.random(len(view.slot)) < chance, view.task_number[:, 0], -1)
         env.step(Decision(random_decision(view, rng).wanted, named))
         recorder.step()
+        chance = 0.1 if recorder.latest.named else chance
     return recorder.finish("wild", seed, None)
 
 
@@ -429,6 +433,60 @@ def heard_added(replay: Replay) -> Iterator[Replay]:
         yield in_step(replay, number, heard=((0, 0, "beat"),))
 
 
+def are_followed(replay: Replay) -> bool:
+    """Say whether teams decide by plans; else another decision would be as legal as the forged."""
+    has_coalitions = any(any(plan.coalitions) for _, plan in replay.plans)
+    return has_coalitions and not any(step.named for step in replay.steps)
+
+
+def called_interrupted(replay: Replay) -> Iterator[Replay]:
+    if replay.end.status != "interrupted" and replay.steps:
+        end = replace(replay.end, status="interrupted", blocked_tasks=())
+        yield replace(replay, end=end)
+
+
+def exchanged(key: str) -> Forge:
+    """The joiner was the partner, or those left who stayed; of teams that met in one place."""
+
+    def forge(replay: Replay) -> Iterator[Replay]:
+        if are_followed(replay) and (key == "splits" or replay.scenario.forming_steps):
+            for number, step in enumerate(replay.steps, start=1):
+                for one, other in getattr(step, key):
+                    row = with_row(step, key, (one, other), (other, one))
+                    yield in_step(replay, number, **row)
+
+    return forge
+
+
+def with_empty_step(replay: Replay, made: int) -> Replay:
+    """Return a record with a step after the first `made` ones in which nothing changes."""
+
+    def later(rows: Any) -> Any:
+        return tuple((steps + (steps > made), row) for steps, row in rows)
+
+    end, steps = replay.end, replay.steps
+    makespan = None if end.makespan is None else end.makespan + 1
+    return replace(
+        replay,
+        steps=(*steps[:made], Step(), *steps[made:]),
+        end=replace(end, steps=end.steps + 1, makespan=makespan),
+        **{key: later(getattr(replay, key)) for key in ("orders", "plans", "scouts")},
+    )
+
+
+def empty_step_added(replay: Replay) -> Iterator[Replay]:
+    if are_followed(replay) and replay.end.status == "completed":
+        yield from (with_empty_step(replay, made) for made in range(len(replay.steps)))
+
+
+def formed_later(replay: Replay) -> Iterator[Replay]:
+    """All that happens from a step on in which teams part or join happens a step later."""
+    if are_followed(replay):
+        for made, step in enumerate(replay.steps):
+            if step.splits or (step.joins and replay.scenario.forming_steps):
+                yield with_empty_step(replay, made)
+
+
 STEP_ROWS = ["joins", "splits", "lost", "back", "teams", "done", "named", "took"]
 STEP_ROWS += ["shown", "found", "moved", "pursued"]
 MADE = ("orders", "plans")
@@ -452,6 +510,11 @@ FORGERIES: dict[str, Forge] = {
     "an exchange added": exchange_added,
     "a name added": named_added,
     "somebody heard": heard_added,
+    "called interrupted": called_interrupted,
+    "joiner and partner exchanged": exchanged("joins"),
+    "who stays and who leaves exchanged": exchanged("splits"),
+    "formed a step later": formed_later,
+    "an empty step": empty_step_added,
 }
 
 
@@ -476,6 +539,7 @@ def test_a_forged_field_is_found(name: str, records: list[Replay]) -> None:
 
 
 LEAST = {"took twice": 1, "joins turned": 1, "lost turned": 0, "shown turned": 1, "found turned": 4}
+LEAST |= {"joiner and partner exchanged": 5}
 """In how many records a field can be forged at least, where these are few."""
 
 

@@ -7,20 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from coordinations import RandomPlans
-from random_worlds import random_decision, random_world
+from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.coordination import Coordinator
 from teamformer.coordinators.crews import Crews
-from teamformer.model import Scenario
 from teamformer.referee import judge
 from teamformer.referee.allocation.planned_tasks import PlannedTasks
 from teamformer.referee.completion import Tasks
 from teamformer.referee.lifecycle import start_fleet
 from teamformer.referee.verdict import Notes
-from teamformer.sim.env import Decision, TeamFormation
 from teamformer.sim.replay.record import Ending, Replay, SharedPlanMade
-from teamformer.trials.recorder import Recorder
 from teamformer.trials.trial import run_trial
+from test_forged_fields import wild_record
 
 
 def test_legal_records_are_left_alone() -> None:
@@ -32,20 +29,8 @@ def test_legal_records_are_left_alone() -> None:
         if number % 3:
             replay = run_trial(world, coordinator).replay
         else:
-            replay = random_trial(world, coordinator, rng)
+            replay = wild_record(world, coordinator, number, rng)
         assert judge(replay).findings == ()
-
-
-def random_trial(world: Scenario, coordinator: Coordinator, rng: np.random.Generator) -> Replay:
-    """Play at random, and now and then name a task."""
-    env = TeamFormation([world], coordinator=coordinator)
-    recorder = Recorder(env)
-    while env.is_running[0]:
-        view = env.view()
-        named = np.where(rng.random(len(view.slot)) < 0.1, view.task_number[:, 0], -1)
-        env.step(Decision(random_decision(view, rng).wanted, named))
-        recorder.step()
-    return recorder.finish("random", 0, None)
 
 
 def crossed(order: tuple[int, int], is_one_team: bool) -> Replay:
@@ -67,7 +52,9 @@ def test_a_team_is_due_at_the_task_that_comes_first_in_the_order() -> None:
     for order, due in (((1, 0), 1), ((0, 1), 0)):
         replay = crossed(order, is_one_team=True)
         fleet = start_fleet(replay, Notes())
-        PlannedTasks(replay).give_tasks(fleet, Tasks(replay.scenario), 0)
+        lists = PlannedTasks(replay)
+        lists.begin_step(0)
+        lists.give_tasks(fleet, Tasks(replay.scenario), 0)
         assert fleet.teams[0].due == due
 
 
@@ -75,6 +62,7 @@ def test_a_union_made_on_the_way_is_due_at_the_earlier_task_if_both_have_one() -
     for order, due in (((1, 0), 1), ((0, 1), 0)):
         replay = crossed(order, is_one_team=False)
         lists, fleet = PlannedTasks(replay), start_fleet(replay, Notes())
+        lists.begin_step(0)
         lists.give_tasks(fleet, Tasks(replay.scenario), 0)
         assert [fleet.teams[slot].due for slot in (0, 1)] == [1, 0]
         assert lists.tasks_of_unions(fleet, [(0, 1)]) == {frozenset({0, 1}): due}

@@ -20,7 +20,8 @@ from teamformer.policies.scripted.join_fitting import JoinFitting
 from teamformer.policies.scripted.joining import JoinAll
 from teamformer.scenarios.smallest import smallest_scenario
 from teamformer.sim.env import TeamFormation
-from teamformer.trials.methods import METHODS, Method, default_for, load_method, with_settings
+from teamformer.trials.listings import method_listings, method_names
+from teamformer.trials.methods import Method, as_method, default_for, load_method, with_settings
 
 OWN = """
 from teamformer.sim.env import Decision
@@ -79,7 +80,15 @@ class Narrow(Patient):
 
 
 class Timed(Patient):
-    time_limit, workers, plans, believed = 1.0, 1, [], ()
+    time_limit, plans = 1.0, []
+
+    def within(self, time_limit, workers):
+        other = Timed()
+        other.time_limit = time_limit
+        return other
+
+    def plan(self, everything, believed, rng):
+        self.plans = [everything, believed]
 """
 
 
@@ -112,10 +121,12 @@ def test_learned_policies_go_without_their_deadlock_guard(own_module: str, tmp_p
 
 
 def test_names_are_listed_once() -> None:
-    names = [listing.name for listing in METHODS]
+    listings = method_listings()
+    names = [listing.name for listing in listings]
+    assert tuple(names) == method_names()
     assert len(set(names)) == len(names)
-    assert names[:3] == ["plan", "crews", "central"]  # the default comes first
-    for listing in METHODS:
+    assert names[:3] == ["plan", "central", "crews"]  # the default comes first
+    for listing in listings:
         assert listing.summary
         assert listing.trained_on
         assert listing.tasks_by
@@ -123,10 +134,10 @@ def test_names_are_listed_once() -> None:
 
 def test_each_name_brings_its_coordinator_or_its_policy() -> None:
     made_of = {}
-    for listing in METHODS[:6]:
-        method = load_method(listing.name)
-        assert method.name == listing.name
-        made_of[listing.name] = type(method.coordinator or method.policy)
+    for name in method_names()[:6]:
+        method = load_method(name)
+        assert method.name == name
+        made_of[name] = type(method.coordinator or method.policy)
     assert made_of == {
         "plan": SharedPlan,
         "crews": Crews,
@@ -135,7 +146,7 @@ def test_each_name_brings_its_coordinator_or_its_policy() -> None:
         "join-all": JoinAll,
         "join-fitting": JoinFitting,
     }
-    assert {type(load_method(listing.name).policy) for listing in METHODS[6:]} == {Learned}
+    assert {type(load_method(name).policy) for name in method_names()[6:]} == {Learned}
 
 
 def test_suites_change_settings_of_methods() -> None:
@@ -174,10 +185,25 @@ def test_a_mission_too_large_for_a_plan_is_solved_by_crews(
 
 
 def test_a_class_of_ones_own(own_module: str) -> None:
-    policy: Any = load_method(f"{own_module}:Timed").policy
-    assert type(policy).__name__ == "Timed"
+    policy = load_method(f"{own_module}:Timed", time_limit=2.5).policy
     assert isinstance(policy, Planner)
+    assert policy.time_limit == 2.5
+    truth, belief = [smallest_scenario()], [smallest_scenario()]
+    policy.plan(truth, belief, np.random.default_rng(0))
+    assert [policy.plans[0] is truth, policy.plans[1] is belief] == [True, True]
     assert not isinstance(load_method(f"{own_module}:Patient").policy, Planner)
+
+
+def test_an_object_of_ones_own_stays_as_it_is() -> None:
+    """It is watched from outside: neither its class nor its attributes change."""
+
+    class Mine(JoinAll):
+        pass
+
+    mine = Mine()
+    policy = as_method(mine).policy
+    assert policy is not mine
+    assert (type(mine), vars(mine)) == (Mine, {})
 
 
 @pytest.mark.parametrize(
@@ -209,7 +235,7 @@ def test_what_goes_wrong_when_a_policy_begins_is_told_by_line(own_module: str) -
     ("name", "message", "hint"),
     [
         ("heuristik", "there is no method 'heuristik'", "did you mean 'heuristic'?"),
-        ("quantum", "there is no method 'quantum'", "known are plan, crews, central, heuristic"),
+        ("quantum", "there is no method 'quantum'", "known are plan, central, crews, heuristic"),
         ("no_such_module:Class", "cannot be imported", "the folder that holds the module"),
         ("broken_policies:Class", "no_such_library", "the folder that holds the module"),
         (":Class", "cannot be imported", "write it as module:Class"),

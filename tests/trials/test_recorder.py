@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from random_worlds import random_decision, random_world
@@ -123,13 +121,7 @@ def test_the_record_brings_every_state_back() -> None:
     assert min(joins, splits, lost) > 10
 
 
-def test_who_stays_is_who_fits_first_whatever_is_wanted_next() -> None:
-    """Of robots a, b, a the first a and b stay: the other a alone is not the first to fit."""
-    brings = np.array([[1, 0], [0, 1], [1, 0]])
-    parts = {0: (0, 1), 2: (2,)}
-    for stays in itertools.product([False, True], repeat=3):
-        said = _splits({0: (0, 1, 2)}, parts, np.array(stays), brings)
-        assert said == (((0, 1), (2,)),)
-    either = {0: (0,), 1: (1, 2)}  # of three that differ, so it is as the worlds say
-    for stays, first in (([True, False, False], (0,)), ([False, True, True], (1, 2))):
-        assert _splits({0: (0, 1, 2)}, either, np.array(stays), np.eye(3, dtype=int))[0][0] == first
+def test_who_stays_is_the_part_that_goes_by_the_decision() -> None:
+    for stays, expected in ((0, ((0,), (1, 2))), (1, ((1, 2), (0,)))):
+        has_decided = np.arange(3) == stays
+        assert _splits({0: (0, 1, 2)}, {0: (0,), 1: (1, 2)}, has_decided) == (expected,)

@@ -17,7 +17,8 @@ from teamformer.errors import TeamformerError
 from teamformer.mission.links import is_linked
 from teamformer.model import Scenario
 from teamformer.planning.continuous.rules import warm_up
-from teamformer.trials.methods import DEFAULT, default_for
+from teamformer.trials.listings import DEFAULT
+from teamformer.trials.methods import default_for
 from teamformer.trials.noise import Noise
 
 ROUNDS = 7

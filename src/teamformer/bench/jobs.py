@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from teamformer.bench.suites import player_of
 from teamformer.coordination import Coordinator, Known, Plan, heeded_by
 from teamformer.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.policies.central.plays import CentralPlan
 from teamformer.policies.protocol import Planner, Policy
 from teamformer.scenarios.authors import read_world
 from teamformer.scenarios.named_settings import new_tasks_of, world_of
@@ -78,7 +78,7 @@ class Clock:
     def timed(self) -> Method:
         """Return the method as it is played under the clock."""
         if self._method.policy is not None:
-            return replace(self._method, policy=_TimedPolicy(self, self._method.policy))
+            return replace(self._method, policy=_under_clock(self, self._method.policy))
         assert self._method.coordinator is not None
         return replace(self._method, coordinator=_TimedCoordinator(self, self._method.coordinator))
 
@@ -103,16 +103,6 @@ class _TimedPolicy:
         self._clock, self._policy = clock, policy
         self.needs_everything = policy.needs_everything
 
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._policy, name)  # what planners have besides
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        """Give the policy what is set from outside, such as what a planner's robots believe."""
-        if name.startswith("_") or name == "needs_everything":
-            super().__setattr__(name, value)
-        else:
-            setattr(self._policy, name, value)
-
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
         """Start the policy."""
         with self._clock.counting(self._clock.evenly):
@@ -124,6 +114,44 @@ class _TimedPolicy:
         self._clock.decisions += rows
         with self._clock.counting(rows / rows.sum()):
             return self._policy.decide(view)
+
+
+class _TimedPlanner(_TimedPolicy):
+    """A planner under a clock; what it takes to plan is shared out evenly."""
+
+    def __init__(self, clock: Clock, planner: Planner) -> None:
+        super().__init__(clock, planner)
+        self._planner = planner
+
+    @property
+    def time_limit(self) -> float:
+        """Return how long it may plan."""
+        return self._planner.time_limit
+
+    @property
+    def plans(self) -> Sequence[CentralPlan]:
+        """Return what it has found."""
+        return self._planner.plans
+
+    def within(self, time_limit: float | None, workers: int | None) -> _TimedPlanner:
+        """Return one that may take so long, with so many threads, under the same clock."""
+        return _TimedPlanner(self._clock, self._planner.within(time_limit, workers))
+
+    def plan(
+        self,
+        everything: Sequence[Scenario],
+        believed: Sequence[Scenario],
+        rng: np.random.Generator,
+    ) -> None:
+        """Let it plan."""
+        with self._clock.counting(self._clock.evenly):
+            self._planner.plan(everything, believed, rng)
+
+
+def _under_clock(clock: Clock, policy: Policy) -> _TimedPolicy:
+    if isinstance(policy, Planner):
+        return _TimedPlanner(clock, policy)
+    return _TimedPolicy(clock, policy)
 
 
 class _TimedCoordinator:
@@ -158,7 +186,7 @@ def run_job(job: Job) -> list[Row]:
         for place, seed in enumerate(seeds):
             row = _row(job, seed, worlds[seed], tallies[place])
             row = replace(row, total_seconds=round(seconds, 6), side_by_side=len(seeds))
-            rows.append(_timed(row, clock, place))
+            rows.append(_with_times(row, clock, place))
     return [_with_bars(row, worlds[row.world_seed]) for row in rows] if job.with_bars else rows
 
 
@@ -239,7 +267,7 @@ def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
     )
 
 
-def _timed(row: Row, clock: Clock, place: int) -> Row:
+def _with_times(row: Row, clock: Clock, place: int) -> Row:
     """Add what the clock says of a trial and, of a planner, what it found."""
     row = replace(
         row,

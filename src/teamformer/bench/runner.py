@@ -19,7 +19,8 @@ from teamformer.bench.suites import Suite, cells, player_of
 from teamformer.errors import TeamformerError
 from teamformer.scenarios.authors import read_worlds
 from teamformer.scenarios.named_settings import size_of
-from teamformer.trials.methods import BARE, LISTED, files_of_own
+from teamformer.trials.listings import method_names, our_method_names
+from teamformer.trials.methods import BARE, files_of_own
 
 TIMED = 50
 """The first so many trials of each method in each setting run one by one, for their time."""
@@ -140,7 +141,7 @@ def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tupl
     said: set[str] = set()
     for setting, method in cells(request.suite, request.methods, request.settings):
         why = ""
-        is_listed = player_of(method).removesuffix(BARE) in (*LISTED, AUTHORS)
+        is_listed = player_of(method).removesuffix(BARE) in (*method_names(), AUTHORS)
         if not is_listed and not request.methods:
             why = f"{method}: not in this installation; skipped"
         elif not fits(method, setting):
@@ -189,10 +190,10 @@ def _jobs(
 
 
 def _goes_alone(method: str, request: Request) -> bool:
-    """Say whether trials must not share a batch: a planner's, and those of a user's own method."""
+    """Say whether trials must not share a batch: a planner's, and those of methods not ours."""
     method = player_of(method)
-    is_listed = method.removesuffix(BARE) in LISTED
-    return not is_listed or ready_method(method, request.time_limit).needs_everything
+    is_ours = method.removesuffix(BARE) in our_method_names()
+    return not is_ours or ready_method(method, request.time_limit).needs_everything
 
 
 def _lot_size(setting: str, is_timed: bool, alone: bool) -> int:

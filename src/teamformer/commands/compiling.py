@@ -129,11 +129,11 @@ def _compile_everything(smallest: Scenario) -> None:
     """Run methods of each kind on grids with and without walls, and on a plane."""
     from teamformer.grid import Grid
     from teamformer.plane import Plane
-    from teamformer.trials.methods import METHODS
+    from teamformer.trials.listings import our_method_names
 
     walled, plane = Grid(2, 2, ("..", ".@")), Plane(2.0, 1.0)
     worlds = [replace(smallest, world=world) for world in (smallest.world, walled, plane)]
-    _play(worlds, [listing.name for listing in METHODS])
+    _play(worlds, our_method_names())
     _plan_anew()
 
 

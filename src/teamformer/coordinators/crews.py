@@ -17,8 +17,9 @@ tasks are not better."""
 
 @dataclass(frozen=True)
 class Crews:
-    """Deals robots out into crews, and tasks to their lists; sooner than a shared plan is made.
+    """Standing parts of the fleet, each with a list of tasks; for very large missions.
 
+    Robots are dealt out into crews, and tasks to their lists, sooner than a shared plan is made.
     Tasks that come after others are dealt when these are over; until then nobody is to do them.
     """
 

@@ -11,7 +11,7 @@ from teamformer.planning.steps.shared_plan import plan_mission
 
 @dataclass(frozen=True)
 class SharedPlan:
-    """Plans who does which task with whom, in what order.
+    """The shared plan: every robot works out alike who does what with whom, and who scouts.
 
     With `scouts` robots that have time to spare look first at tasks that nobody knows all of.
     `is_brief` is for those who plan again often: then with fewer searches, and shorter ones.

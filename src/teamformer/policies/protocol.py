@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -37,25 +37,42 @@ class Policy(Protocol):
 
 @runtime_checkable
 class Planner(Policy, Protocol):
-    """A policy that plans every scenario of a batch in `begin`, for as long as it is given.
+    """A policy that plans every scenario of a batch before it decides; it is told everything.
 
-    `time_limit` is in seconds for each scenario, `workers` the threads that it may use. `believed`
-    is what robots know of each scenario that is planned, set before `begin`. `plans` holds what was
-    found, a plan for each scenario.
+    `begin` is for those who know of no planners: it plans for robots that know everything, too.
     """
 
-    time_limit: float
-    workers: int
-    believed: Sequence[Scenario]
-    plans: list[CentralPlan]
+    @property
+    def time_limit(self) -> float:
+        """Return how long it may plan, in seconds for each scenario."""
+
+    @property
+    def plans(self) -> Sequence[CentralPlan]:
+        """Return what was found since it last began: a plan for each scenario."""
+
+    def within(self, time_limit: float | None, workers: int | None) -> Self:
+        """Return one that may take so long for each scenario, with so many threads.
+
+        None leaves either as it is.
+        """
+
+    def plan(
+        self,
+        everything: Sequence[Scenario],
+        believed: Sequence[Scenario],
+        rng: np.random.Generator,
+    ) -> None:
+        """Begin with a plan for each scenario; `believed` is what robots know of each."""
 
 
 @runtime_checkable
 class Guarded(Policy, Protocol):
-    """A policy with a deadlock guard, which can be switched off.
+    """A policy with a deadlock guard.
 
     `overdue` counts the decisions that the guard has taken since `begin`.
     """
 
-    is_guarded: bool
     overdue: int
+
+    def unguarded(self) -> Policy:
+        """Return the same policy without the guard."""

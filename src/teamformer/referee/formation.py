@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from teamformer.capabilities import covers, total
-from teamformer.plane import Plane
 from teamformer.referee.motion.walking import move_team
 from teamformer.referee.teams import Fleet, RecordedTeam
 from teamformer.referee.verdict import Notes
@@ -21,7 +20,8 @@ def split_teams(fleet: Fleet, step: Step, notes: Notes) -> None:
     for stay, leave in step.splits:
         slot = fleet.find({*stay, *leave})
         if slot is None or not stay or not leave or len({*stay, *leave}) != len(stay) + len(leave):
-            notes.note(f"a split into {_list(fleet, stay)} and {_list(fleet, leave)} parts no team")
+            one, other = list_robots(fleet, stay), list_robots(fleet, leave)
+            notes.note(f"a split into {one} and {other} parts no team")
             continue
         team = fleet.teams[slot]
         if team.services:
@@ -29,20 +29,22 @@ def split_teams(fleet: Fleet, step: Step, notes: Notes) -> None:
         if team.has_formed:
             notes.note(f"{fleet.name(team)} forms twice in one step")
         del fleet.teams[slot]
-        if not _are_first_that_fit(fleet, stay, leave):
-            notes.note(f"{_list(fleet, stay)} are not the first of {fleet.name(team)} that fit")
+        if first_that_fit(fleet, (*stay, *leave), stay) != tuple(sorted(stay)):
+            notes.note(
+                f"{list_robots(fleet, stay)} are not the first of {fleet.name(team)} that fit"
+            )
         for robots in (stay, leave):
             fleet.put(RecordedTeam(set(robots), team.at, team.task, has_formed=True))
 
 
-def _are_first_that_fit(fleet: Fleet, stay: tuple[int, ...], leave: tuple[int, ...]) -> bool:
-    """Say whether robots that are taken in order, while they fit, are those that stay."""
+def first_that_fit(fleet: Fleet, robots: Iterable[int], wanted: Iterable[int]) -> tuple[int, ...]:
+    """Return the robots that, taken in order, fit into what the `wanted` ones bring together."""
     can = [robot.can for robot in fleet.scenario.robots]
-    wanted = total(can[robot] for robot in stay)
-    return not any(
-        covers(wanted, total([can[robot], *(can[other] for other in stay if other < robot)]))
-        for robot in leave
-    )
+    room, stay = total(can[robot] for robot in wanted), list[int]()
+    for robot in sorted(robots):
+        if covers(room, total(can[other] for other in (*stay, robot))):
+            stay.append(robot)
+    return tuple(stay)
 
 
 def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -> None:
@@ -77,13 +79,10 @@ def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -
 
 def check_reach(fleet: Fleet, pairs: tuple[tuple[int, int], ...], notes: Notes) -> None:
     """Note which teams are too far apart to want the join for which they walk."""
-    world = fleet.scenario.world
-    here = world.arrival_radius if isinstance(world, Plane) else 0.0
-    reach = max(fleet.scenario.join_radius, here) + ROUNDING
     for pair in pairs:
         teams = [fleet.teams[slot] for slot in pair if slot in fleet.teams]
         places = [team.at for team in teams]
-        if len(teams) == 2 and math.dist(*places) > reach:
+        if len(teams) == 2 and math.dist(*places) > fleet.reach + ROUNDING:
             one, other = (fleet.name(team) for team in teams)
             notes.note(f"{one} joins {other} from beyond the join radius")
 
@@ -156,5 +155,6 @@ def _steps(numbers: Iterable[int | None]) -> str:
     return ", ".join(str(number) for number in numbers if number is not None) or "never"
 
 
-def _list(fleet: Fleet, robots: tuple[int, ...]) -> str:
+def list_robots(fleet: Fleet, robots: tuple[int, ...]) -> str:
+    """Return robots by name, in brackets."""
     return f"[{', '.join(fleet.scenario.robots[robot].name for robot in robots)}]"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from teamformer.referee.allocation.moments import News, judge_moments
+from teamformer.referee.allocation.planned_forming import check_forming
 from teamformer.referee.allocation.planned_tasks import PlannedTasks, check_assignments
 from teamformer.referee.allocation.plans import judge_plans
 from teamformer.referee.allocation.pursuit import (
@@ -63,7 +64,7 @@ def judge(replay: Replay) -> Verdict:
     judge_orders(replay, tasks, notes)
     judge_moments(replay, tasks, news, not over, notes)
     judge_plans(replay, knowledge, search, news, notes)
-    judge_ending(replay, fleet, tasks, notes)
+    judge_ending(replay, fleet, tasks, over, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
     return Verdict(findings, len(replay.steps), len(tasks.done), tasks.cost(), tasks.lateness())
 
@@ -125,6 +126,8 @@ class _Referee:
         decided_at = {slot: team.at for slot, team in fleet.teams.items()}
         for team in fleet.teams.values():
             team.has_formed, team.met_at, team.walked_from = False, None, None
+        self.lists.begin_step(number - 1)
+        check_forming(fleet, self.lists, self.tasks, self.ways.goals, step, number, notes)
         split_teams(fleet, step, notes)
         met = [pair for pair in step.joins if _are_together(fleet, pair)]
         walked = tuple(pair for pair in step.joins if pair not in met)

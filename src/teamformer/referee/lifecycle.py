@@ -8,6 +8,8 @@ from teamformer.referee.teams import Fleet, RecordedTeam, gets_there
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Replay
 
+LIMIT_REACHED = "the step limit was reached before"
+
 
 def start_fleet(replay: Replay, notes: Notes) -> Fleet:
     """Return the fleet as the scenario has it, and say where the record's start differs."""
@@ -31,8 +33,11 @@ def judge_orders(replay: Replay, tasks: Tasks, notes: Notes) -> None:
             notes.note(f"the order made after {steps} steps is not one of the open tasks")
 
 
-def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, notes: Notes) -> None:
-    """Check what the record says of itself against what happened in it."""
+def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, over: str, notes: Notes) -> None:
+    """Check what the record says of itself against what happened in it.
+
+    `over` says why no more step could be made; it is empty if one could.
+    """
     end, scenario = replay.end, replay.scenario
     is_completed = tasks.are_over
     makespan = tasks.last if is_completed else None
@@ -49,9 +54,9 @@ def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, notes: Notes) -> No
     blocked = tuple(blocked_tasks(fleet, tasks, len(replay.steps)))
     is_true = {
         "completed": is_completed and makespan == len(replay.steps),
-        "step limit": not is_completed and len(replay.steps) == scenario.step_limit,
+        "step limit": over == LIMIT_REACHED and len(replay.steps) == scenario.step_limit,
         "infeasible": not is_completed and bool(blocked),
-        "interrupted": True,
+        "interrupted": not over,
     }
     if not is_true[end.status]:
         notes.note(f"the record ends as '{end.status}', which is not so")
@@ -89,11 +94,9 @@ def why_over(fleet: Fleet, tasks: Tasks, steps_made: int, has_lost: bool) -> str
     """Say why no more step can be made; empty if one can."""
     if tasks.are_over:
         return "everything was done before"
-    if steps_made >= fleet.scenario.step_limit:
-        return "the step limit was reached before"
     if has_lost and blocked_tasks(fleet, tasks, steps_made):
         return "some tasks could never be done since a robot was lost"
-    return ""
+    return LIMIT_REACHED if steps_made >= fleet.scenario.step_limit else ""
 
 
 def _names(names: tuple[str, ...]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from teamformer.capabilities import covers, total
 from teamformer.grid import Grid, Place
 from teamformer.model import Robot, Scenario, World
+from teamformer.plane import Plane
 
 
 @dataclass
@@ -31,6 +32,7 @@ class RecordedTeam:
     due: int | None = None  # the task that the plan gives it
     is_named: bool = False  # its decision named its task
     was_serving: bool = False  # when tasks were given
+    may_seek: bool = True  # it may walk to a partner
     had_task: bool = False  # and it kept the one that it had, or another was named
     is_pursuit_sure: bool = True  # whether it is known what it has pursued in this step
     pursues: int | None = None  # the task, if it is; None for none
@@ -53,8 +55,13 @@ def are_together(world: World, one: Place, other: Place) -> bool:
     """Say whether two places are the same: one cell, or points within the arrival radius."""
     if isinstance(world, Grid):
         return one == other
+    return squared_distance(one, other) <= world.arrival_radius**2
+
+
+def squared_distance(one: Place, other: Place) -> float:
+    """Return the squared distance of two places, in a straight line."""
     away_x, away_y = one[0] - other[0], one[1] - other[1]
-    return away_x * away_x + away_y * away_y <= world.arrival_radius**2
+    return away_x * away_x + away_y * away_y
 
 
 class Fleet:
@@ -64,6 +71,8 @@ class Fleet:
         self, scenario: Scenario, teams: dict[int, RecordedTeam], is_coordinated: bool = False
     ) -> None:
         self.scenario, self.is_coordinated = scenario, is_coordinated
+        world, reach = scenario.world, scenario.join_radius
+        self.reach = max(reach, world.arrival_radius) if isinstance(world, Plane) else reach
         self.teams = teams
         self.lost: dict[int, RecordedTeam] = {}  # robots not back, and the team each was lost from
 

@@ -14,7 +14,8 @@ from teamformer.grid import Grid
 from teamformer.model import Scenario
 from teamformer.planning.relaxation.ways import are_ways_straight
 from teamformer.policies.protocol import Planner
-from teamformer.trials.methods import STAND_IN, Method
+from teamformer.trials.listings import STAND_IN
+from teamformer.trials.methods import Method
 
 PLANNED, TABLED, PLAYED = 24, 10, 3
 """Bytes for the square of how many robots and tasks there are: with a shared plan; without one, but

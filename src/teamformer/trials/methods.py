@@ -1,33 +1,29 @@
-"""Methods by name: how a mission is solved; the listed ones, and a user's own class."""
+"""Methods by name: how a mission is solved; those of packages, and a user's own class."""
 
 from __future__ import annotations
 
 import difflib
 import importlib.util
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeGuard, cast
 
 from teamformer.coordination import Coordinator
-from teamformer.coordinators.crews import Crews
 from teamformer.coordinators.own import OwnCoordinator
 from teamformer.coordinators.shared_plan import SharedPlan
 from teamformer.errors import TeamformerError
 from teamformer.model import Scenario
 from teamformer.own_code import load_own, look_here, telling_where
 from teamformer.planning.steps.shared_plan import is_too_large
-from teamformer.policies.learned.shipped import Card, shipped_cards, shipped_policy
+from teamformer.policies.learned.shipped import shipped_policy
 from teamformer.policies.own import watch_own
 from teamformer.policies.protocol import Guarded, Planner, Policy
+from teamformer.trials.listings import CARDS, DEFAULT, STAND_IN, find_method, method_names
 
 BARE = "-bare"
 """After the name of a learned policy: without its deadlock guard."""
-
-DEFAULT, STAND_IN = "plan", "crews"
-"""What is chosen for a mission, and for one that is too large to share a plan soon."""
 
 
 @dataclass(frozen=True)
@@ -96,72 +92,6 @@ def with_settings(method: Method, settings: Mapping[str, str]) -> Method:
     return changed
 
 
-@dataclass(frozen=True)
-class Listing:
-    """A method that can be named: how it is made, and what to say of it."""
-
-    name: str
-    make: Callable[[], Policy | Coordinator]
-    summary: str
-    tasks_by: str = "the paper's order"
-    trained_on: str = "nothing to train"
-
-
-def _imported(where: str) -> Callable[[], Policy]:
-    """Return what makes a policy of the class at `module:Class`, imported when it is needed."""
-
-    def make() -> Policy:
-        module, _, name = where.partition(":")
-        policy: Policy = getattr(import_module(f"teamformer.policies.{module}"), name)()
-        return policy
-
-    return make
-
-
-def _listing_of(card: Card) -> Listing:
-    return Listing(
-        card.name,
-        lambda: shipped_policy(card.name),
-        card.summary,
-        trained_on=card.trained_on,
-    )
-
-
-METHODS = (
-    Listing(
-        "plan",
-        SharedPlan,
-        "the shared plan: every robot works out alike who does what with whom, and who scouts",
-        "the shared plan",
-    ),
-    Listing(
-        "crews",
-        Crews,
-        "standing parts of the fleet, each with a list of tasks; for very large missions",
-        "crews",
-    ),
-    Listing(
-        "central",
-        _imported("central.policy:Central"),
-        "knows everything, searches for a plan for a time, proves bounds with OR-Tools CP-SAT",
-        "its own plan",
-    ),
-    Listing("heuristic", _imported("scripted.heuristic:Heuristic"), "the paper's heuristic"),
-    Listing(
-        "join-all",
-        _imported("scripted.joining:JoinAll"),
-        "joins whom it helps to join, never splits",
-    ),
-    Listing(
-        "join-fitting",
-        _imported("scripted.join_fitting:JoinFitting"),
-        "as join-all, but joins nobody whom no task needs",
-    ),
-    *map(_listing_of, shipped_cards()),
-)
-LISTED = {listing.name: listing for listing in METHODS}
-
-
 def load_method(name: str, time_limit: float | None = None, workers: int | None = None) -> Method:
     """Return a method by its listed name, as `module:Class`, or from the folder of a training.
 
@@ -169,13 +99,15 @@ def load_method(name: str, time_limit: float | None = None, workers: int | None 
     and `workers` (threads) are what a planner may take for each mission. Raises `TeamformerError`
     for a name that is unknown and for a class that is neither policy nor coordinator.
     """
-    made = _make_player(name)
+    made = _own_or_ours(_make_player(name), name)
     if _is_coordinator(made):
         return Method(name, coordinator=made)
-    if isinstance(made, Planner):
-        made.time_limit = made.time_limit if time_limit is None else time_limit
-        made.workers = made.workers if workers is None else workers
-    return Method(name, policy=cast(Policy, made))
+    policy = cast(Policy, made)
+    return Method(name, policy=_within(policy, time_limit, workers))
+
+
+def _within(policy: Policy, time_limit: float | None, workers: int | None) -> Policy:
+    return policy.within(time_limit, workers) if isinstance(policy, Planner) else policy
 
 
 def default_for(mission: Scenario) -> str:
@@ -183,9 +115,12 @@ def default_for(mission: Scenario) -> str:
     return STAND_IN if is_too_large(mission) else DEFAULT
 
 
-def _make_player(name: str) -> Policy | Coordinator:
-    if name in LISTED:
-        return LISTED[name].make()
+def _make_player(name: str) -> Any:
+    """Return what goes by a name, as it is: nobody has asked yet what it can do."""
+    if (found := find_method(name)) is not None:
+        return _make(found.load(), str(found))
+    if name in CARDS:
+        return shipped_policy(name)
     if name and Path(name).is_dir():
         # brings all that networks need
         from teamformer.trials.trained_folder import load_trained
@@ -198,13 +133,14 @@ def _make_player(name: str) -> Policy | Coordinator:
     if not name:
         hint = "write one, or drop a comma from a list of them"
         raise TeamformerError("there is no method without a name", hint)
-    near = difflib.get_close_matches(name, LISTED, 1)
-    hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(LISTED)};"
+    known = method_names()
+    near = difflib.get_close_matches(name, known, 1)
+    hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)};"
     hint += " your own is module:Class or a folder"
     raise TeamformerError(f"there is no method '{name}'", hint)
 
 
-def _bare(name: str) -> Guarded:
+def _bare(name: str) -> Policy:
     try:
         policy = _make_player(name.removesuffix(BARE))
     except TeamformerError as error:
@@ -212,22 +148,22 @@ def _bare(name: str) -> Guarded:
     if not isinstance(policy, Guarded):
         hint = f"{BARE} is for learned policies, which have one"
         raise TeamformerError(f"there is no method '{name}': it has no deadlock guard", hint)
-    policy.is_guarded = False
-    return policy
+    return policy.unguarded()
 
 
 def files_of_own(name: str) -> list[Path]:
-    """Return the files that make a method of a user's own: of its class, or of a trained folder.
+    """Return the files that make a method that is not ours: of its class, or of a trained folder.
 
-    What the class imports is not among them. A listed method has none.
+    What the class imports is not among them. A method that comes with Teamformer has none.
     """
-    folder = Path(name.removesuffix(BARE))
-    if folder.name in LISTED:
+    name = name.removesuffix(BARE)
+    folder, found = Path(name), find_method(name)
+    if name in CARDS or (found is not None and found.is_ours):
         return []
-    if name and folder.is_dir():
+    if found is None and name and folder.is_dir():
         kept = (".json", ".onnx")
         return sorted(path for path in folder.rglob("*") if path.suffix in kept)
-    module_name, is_own, _ = name.removesuffix(BARE).partition(":")
+    module_name, is_own, _ = (name if found is None else found.entry.value).partition(":")
     if not is_own or module_name.startswith("teamformer."):
         return []
     look_here()
@@ -235,12 +171,12 @@ def files_of_own(name: str) -> list[Path]:
     return [Path(spec.origin)] if spec is not None and spec.origin is not None else []
 
 
-def _instance(where: str) -> Policy | Coordinator:
+def _instance(where: str) -> Any:
     module_name, _, class_name = where.partition(":")
     if not all(part.isidentifier() for part in (*module_name.split("."), class_name)):
         hint = "write it as module:Class, such as mine:Patient for class Patient in mine.py"
         raise TeamformerError(f"method '{where}' cannot be imported: it is no name", hint)
-    return _own_or_ours(_make(load_own(where, "method"), where), where)
+    return _make(load_own(where, "method"), f"'{where}'")
 
 
 def _own_or_ours(made: Any, name: str) -> Policy | Coordinator:
@@ -261,6 +197,6 @@ def _make(make: Any, where: str) -> Any:
     try:
         inspect.signature(make).bind()
     except TypeError as error:
-        raise TeamformerError(f"'{where}' cannot be made without arguments: {error}") from None
-    with telling_where(f"'{where}' cannot be made"):
+        raise TeamformerError(f"{where} cannot be made without arguments: {error}") from None
+    with telling_where(f"{where} cannot be made"):
         return make()

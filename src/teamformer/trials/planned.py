@@ -20,8 +20,8 @@ from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
 from teamformer.policies.central.policy import Central
 from teamformer.sim.replay.task_times import cost_of_record, lateness
+from teamformer.trials.listings import DEFAULT as SHARED
 from teamformer.trials.memory import refuse_too_large
-from teamformer.trials.methods import DEFAULT as SHARED
 from teamformer.trials.methods import load_method
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial

@@ -74,7 +74,7 @@ class Recorder:
         self._steps.append(
             Step(
                 joins=self._joins(before.groups, formed),
-                splits=_splits(before.groups, formed, robots["stays"], self._env.worlds.brings[0]),
+                splits=_splits(before.groups, formed, after.teams["row"] != NOBODY),
                 lost=tuple(np.flatnonzero(is_lost).tolist()),
                 back=tuple(np.flatnonzero(is_back).tolist()),
                 teams=_changed_teams(before, after, self._along),
@@ -227,40 +227,21 @@ def _exchanges(took: Array) -> tuple[tuple[int, int], ...]:
 
 
 def _splits(
-    before: Groups, formed: Groups, stays: Array, brings: Array
+    before: Groups, formed: Groups, has_decided: Array
 ) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
     """Return (robots that stay, robots that leave) for each team that is two now.
 
-    `stays` (robots,) is what the worlds keep of it; of a part that the shared plan wants to part
-    again, that is about the next split. But only robots that are the first to fit into what they
-    bring together, (robots, caps), can have stayed.
+    `has_decided` (slots,) says which teams go by a decision of their own; who leaves has none yet.
     """
     splits = []
     slot_of = {robot: slot for slot, robots in formed.items() for robot in robots}
     for robots in before.values():
-        if len(robots) == 1:
-            continue
-        slots = sorted({slot_of[robot] for robot in robots})
-        parts = [formed[slot] for slot in slots if set(formed[slot]) < set(robots)]
+        slots = {slot_of[robot] for robot in robots}
+        parts = [slot for slot in slots if set(formed[slot]) < set(robots)]
         if len(parts) == 2:
-            one, other = parts
-            if not stays[one[0]] or not _are_first(one, robots, brings):
-                one, other = other, one
-            if not _are_first(one, robots, brings):
-                one, other = other, one
-            splits.append((one, other))
+            stay, leave = sorted(parts, key=lambda slot: not has_decided[slot])
+            splits.append((formed[stay], formed[leave]))
     return tuple(sorted(splits, key=lambda split: min(*split[0], *split[1])))
-
-
-def _are_first(part: tuple[int, ...], robots: tuple[int, ...], brings: Array) -> bool:
-    """Say whether a part of a team are the first, in robot order, to fit into what it brings."""
-    room = brings[list(part)].sum(axis=0, dtype=np.int64)  # (caps,)
-    chosen = []
-    for robot in robots:
-        if (brings[robot] <= room).all():
-            room = room - brings[robot]
-            chosen.append(robot)
-    return tuple(chosen) == part
 
 
 def _pursued(before: _Snapshot, after: _Snapshot) -> tuple[tuple[int, int], ...]:

@@ -182,12 +182,11 @@ def begin(
     method: Method, missions: Sequence[Scenario], truths: Sequence[Scenario], seed: int
 ) -> None:
     """Start a method; only a policy that says so is told more than its views."""
-    policy = method.policy
-    if policy is None:
-        return
+    policy, rng = method.policy, np.random.default_rng(seed)
     if isinstance(policy, Planner):
-        policy.believed = missions
-    policy.begin(truths if policy.needs_everything else None, np.random.default_rng(seed))
+        policy.plan(truths, missions, rng)
+    elif policy is not None:
+        policy.begin(truths if policy.needs_everything else None, rng)
 
 
 def _best_bound(known: int | None, plan: CentralPlan | None) -> int | None:

@@ -9,7 +9,8 @@ from teamformer.bench.report.evidence import Evidence
 from teamformer.bench.report.tables import interval, number, seconds
 from teamformer.bench.statistics import Mean, wilson
 from teamformer.scenarios.named_settings import spec_of
-from teamformer.trials.methods import BARE, LISTED
+from teamformer.trials.listings import CARDS
+from teamformer.trials.methods import BARE
 
 BY_PPO = "-ppo"
 ANY_FLEET = "any-fleet"
@@ -52,7 +53,7 @@ def method_for(family: str, setting: str) -> str:
     if family not in ("teamformer", "deepset", "gnn"):
         return family
     name = f"{family}-c{spec_of(setting).capabilities}"
-    return f"{name}{BY_PPO}" if f"{name}{BY_PPO}" in LISTED else name
+    return f"{name}{BY_PPO}" if f"{name}{BY_PPO}" in CARDS else name
 
 
 def near_optimum(setting: str, most: float) -> Judge:

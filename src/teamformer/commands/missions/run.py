@@ -36,8 +36,9 @@ from teamformer.sim.env import Tally
 from teamformer.sim.replay.record import Replay
 from teamformer.sim.replay.task_times import cancelled_steps, cost_of_record, lateness
 from teamformer.sim.replay.teams import completions
+from teamformer.trials.listings import DEFAULT
 from teamformer.trials.memory import refuse_too_large
-from teamformer.trials.methods import DEFAULT, Method, default_for, load_method
+from teamformer.trials.methods import Method, default_for, load_method
 from teamformer.trials.rows import bars_of, result_row, seconds_of
 from teamformer.trials.trial import Trial, run_trial
 from teamformer.truth import draw_truth

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from teamformer.commands.console import prepare_file, prepare_folder, refuse_existing, say
+from teamformer.entry_points import OURS, Brought, brought, find_brought
 from teamformer.errors import TeamformerError
-from teamformer.extras import require
-from teamformer.scenarios.files import write_scenario
 from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.record import Replay
+
+FOLDER = "folder"
+"""The exporter for a name without an ending; the others are named by endings."""
 
 MISSIONS = (".yaml", ".yml", ".json")
 HINT = "name .mcap for Foxglove, .gif, .yaml for the mission, or a folder for tables"
@@ -20,19 +21,20 @@ def export(record: Path, wanted: Sequence[Path]) -> int:
     """Write a record into each of the files wanted, as its ending says; return the exit status.
 
     `.mcap` and `.gif` are as named, `.yaml`, `.yml` and `.json` the mission with all that happened
-    to it, and a name without an ending is a folder for CSV tables. Raises `TeamformerError` for
-    other endings, for a mission that is there already, and for a record that cannot be read, before
-    anything is written.
+    to it, and a name without an ending is a folder for CSV tables. Other packages may bring more.
+    Raises `TeamformerError` for other endings, for a library that is missing, for a mission that is
+    there already, and for a record that cannot be read, before anything is written.
     """
+    exporters: list[tuple[Brought, Path]] = []
     for path in wanted:
         if path.resolve() == record.resolve():
             raise TeamformerError(f"{path}: this is the record itself", "name another file")
-        _refuse_unwritten(path)
+        exporters.append((_exporter_of(path), path))
     replay = read_replay(record)
     for path in wanted:
         (prepare_folder if _is_folder(path) else prepare_file)(path)
-    for path in wanted:
-        for written in _write(replay, path):
+    for exporter, path in exporters:
+        for written in exporter.call(replay, path) or (path,):
             say(f"file: {written}")
     return 0
 
@@ -42,36 +44,19 @@ def _is_folder(path: Path) -> bool:
     return path.is_dir() or not path.suffix
 
 
-def _refuse_unwritten(path: Path) -> None:
-    """Raise `TeamformerError` for what cannot be written by its name, or is there already."""
+def _exporter_of(path: Path) -> Brought:
+    """Return who writes a file; raise `TeamformerError` for what cannot be written by its name."""
     ending = path.suffix.lower()
-    if _is_folder(path):
-        return
-    if ending not in (".mcap", ".gif", *MISSIONS):
-        raise TeamformerError(f"{path}: what is to be in this file?", HINT)
-    if ending in MISSIONS:
+    exporter = find_brought("exporter", FOLDER if _is_folder(path) else ending[1:])
+    if exporter is None:
+        raise TeamformerError(f"{path}: what is to be in this file?", _hint())
+    if ending in MISSIONS and not _is_folder(path):
         refuse_existing(path)
-    if ending == ".mcap":
-        require("mcap", "foxglove")
-    if ending == ".gif":
-        require("gif", "PIL")
+    exporter.load()
+    return exporter
 
 
-def _write(replay: Replay, path: Path) -> Sequence[Path]:
-    """Write one of the files wanted, or a folder's; return what was written."""
-    ending = path.suffix.lower()
-    if _is_folder(path):
-        from teamformer.export.csv_tables import write_tables
-
-        return write_tables(replay, path)
-    if ending == ".mcap":
-        from teamformer.export.mcap_file import write_mcap
-
-        write_mcap(replay, path)
-    elif ending == ".gif":
-        from teamformer.export.gif_file import write_gif
-
-        write_gif(replay, path)
-    else:
-        write_scenario(replay.scenario, path)
-    return [path]
+def _hint() -> str:
+    others = [f", .{one.name} of package {one.package}" for one in brought("exporter")]
+    ours = len([one for one in brought("exporter") if one.package == OURS])
+    return HINT + "".join(others[ours:])

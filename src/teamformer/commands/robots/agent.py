@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from teamformer.commands.console import say
 from teamformer.commands.robots.mesh import check_method, read_fleet_mission
 from teamformer.errors import TeamformerError
-from teamformer.extras import require
 from teamformer.model import Scenario
-
-if TYPE_CHECKING:
-    from teamformer.fleet.bodies.body import Body
-    from teamformer.fleet.fleet_mission import Mission
-    from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
 
 @dataclass(frozen=True)
@@ -37,6 +28,7 @@ def agent(path: Path, options: Options) -> int:
     """Run the mind of a robot until it is told to end; return the exit status."""
     mission = read_fleet_mission(path, "zenoh")
     from teamformer.fleet.agent.planning import first_plan
+    from teamformer.fleet.bodies.by_name import body_maker
     from teamformer.fleet.methods import planner_of
     from teamformer.fleet.process.facts_file import FactsFile
     from teamformer.fleet.process.loop import AgentProcess
@@ -56,13 +48,13 @@ def agent(path: Path, options: Options) -> int:
     if facts is not None:
         facts.read()  # a broken file is told before anything moves
     check_method(options.method)
+    make_body = body_maker(options.body)
     say(f"{options.robot}: making the first plan ...")
     plan = first_plan(mission, planner_of(options.method))
-    make_body = _body_maker(options.body, mission, robot)
     ends = (options.listen, options.connect)
     transport = ZenohTransport(mission.number, robot, *ends, certificates=keys.certificates)
     try:
-        body = make_body(transport)
+        body = make_body(mission, robot, transport)
         told = (keys.secret, facts, signatures, options.method)
         process = AgentProcess(mission, robot, plan, transport, body, *told, tells=True)
         say(f"agent {options.robot} of mission {mission.number:x}")
@@ -77,39 +69,3 @@ def _number_of(scenario: Scenario, name: str) -> int:
         shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
         raise TeamformerError(f"there is no robot '{name}' in the mission", f"there are {shown}")
     return names.index(name)
-
-
-def _body_maker(name: str, mission: Mission, robot: int) -> Callable[[ZenohTransport], Body]:
-    """Return what makes the body once there is a transport; the simulated one needs it."""
-    from teamformer.fleet.bodies.own import OwnBody
-    from teamformer.fleet.bodies.remote import RemoteBody
-
-    kind, _, rest = name.partition(":")
-    if kind == "sim":
-        return lambda transport: RemoteBody(transport, robot)
-    if kind == "vda5050":
-        require("fleet", "paho")
-        from teamformer.fleet.bodies.vda5050.body import Vda5050Body
-
-        return lambda _: Vda5050Body(rest, mission, robot)
-    if kind == "nav2":
-        make = _nav2_maker(rest, mission, robot)
-        return lambda _: make()
-    own = OwnBody(name, mission, robot)
-    return lambda _: own
-
-
-def _nav2_maker(text: str, mission: Mission, robot: int) -> Callable[[], Body]:
-    """Return what makes the body of a robot in a ROS graph, once ROS is found to be there."""
-    from teamformer.fleet.bodies.ros2.address import read_address
-
-    address = read_address(text, mission.scenario.robots[robot].name)
-    if find_spec("rclpy") is None:
-        raise TeamformerError(
-            "--body nav2 needs ROS 2: this Python has no rclpy",
-            "source ROS 2's setup.bash, and install teamformer for ROS's Python;"
-            " see docs/how-to/ros2.md",
-        )
-    from teamformer.fleet.bodies.ros2.body import Nav2Body
-
-    return lambda: Nav2Body(address, mission, robot)

@@ -2,33 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from teamformer.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.fleet_mission import Mission
-from teamformer.own_code import load_own, telling_where
+from teamformer.own_code import telling_where
 
 HINT = "see docs/how-to/robots.md for what a body offers"
 
 
 class OwnBody:
-    """A body of a class that is named as `module:Class`.
+    """A body that somebody else wrote.
 
-    Raises `TeamformerError` for what is no body, where the class raises anything, and for a report
-    that is none.
+    Raises `TeamformerError` for what is no body, where it raises anything, and for a report that is
+    none.
     """
 
-    def __init__(self, name: str, mission: Mission, robot: int) -> None:
+    def __init__(self, name: str, make: Callable[[], Any]) -> None:
         self._name = name
-        module, _, kind = name.partition(":")
-        if not all(part.isidentifier() for part in (*module.split("."), kind)):
-            raise TeamformerError(
-                f"there is no body '{name}'", "use sim, nav2, vda5050:URL or module:Class"
-            )
-        make = load_own(name, "body")
         with telling_where(f"--body {name} cannot be made"):
-            self._body: Any = make(mission, robot)
+            self._body = make()
         for method in ("command", "report", "close"):
             if not callable(getattr(self._body, method, None)):
                 raise TeamformerError(f"--body {name} is no body: it has no '{method}'", HINT)

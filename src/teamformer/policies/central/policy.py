@@ -29,11 +29,12 @@ COMPILING = 600.0
 
 
 class Central:
-    """Plans for up to `time_limit` seconds a scenario, then plays what it found.
+    """Knows everything, searches for a plan for a time, proves bounds with OR-Tools CP-SAT.
 
-    A search over who does what in which order counts what forming costs. Its best plan is
-    played through the simulator beforehand, as are the relaxed schedule and simple rules; the
-    fastest play becomes the script that `decide` reads out. A limit of 0 gives the first plan.
+    It plans for up to `time_limit` seconds a scenario, then plays what it found. A search over who
+    does what in which order counts what forming costs. Its best plan is played through the
+    simulator beforehand, as are the relaxed schedule and simple rules; the fastest play becomes the
+    script that `decide` reads out. A limit of 0 gives the first plan.
     `start` is a plan of all tasks that it plays and begins its search with, too.
     """
 
@@ -45,18 +46,33 @@ class Central:
         self.time_limit = time_limit
         self.workers = workers
         self.start = start
-        self.believed: Sequence[Scenario] = ()
         self.plans: list[CentralPlan] = []
 
+    def within(self, time_limit: float | None, workers: int | None) -> Central:
+        """Return a planner that may take so long, with so many threads; None: as this one."""
+        return Central(
+            self.time_limit if time_limit is None else time_limit,
+            self.workers if workers is None else workers,
+            self.start,
+        )
+
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
-        """Plan every scenario; ScenarioError names what no plan made beforehand can count with."""
+        """Plan every scenario, for robots that know everything."""
         if everything is None:
             raise ValueError("the central planner has to be given the scenarios")
+        self.plan(everything, everything, rng)
+
+    def plan(
+        self,
+        everything: Sequence[Scenario],
+        believed: Sequence[Scenario],
+        rng: np.random.Generator,
+    ) -> None:
+        """Plan every scenario; ScenarioError names what no plan made beforehand can count with."""
         if problems := [it for mission in everything for it in rules_not_known_beforehand(mission)]:
             raise ScenarioError(problems)
         seed = int(rng.integers(2**31))
         _warm_up()
-        believed = self.believed or everything
         self.plans = [
             plan_centrally(scenario, self.time_limit, seed, self.workers, own, self.start)
             for scenario, own in zip(everything, believed, strict=True)

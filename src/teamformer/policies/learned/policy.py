@@ -36,6 +36,10 @@ class Learned:
         self._guard = DeadlockGuard()
         self._fallback = JoinAll()
 
+    def unguarded(self) -> Learned:
+        """Return the same policy without its deadlock guard."""
+        return Learned(self.codec, self.brain, is_guarded=False)
+
     def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
         """Forget earlier trials."""
         self._guard.begin()

@@ -16,9 +16,9 @@ NAME = re.compile(r"(teamformer|deepset|gnn)-c(\d+)(-ppo)?")
 """A network of the paper for a number of capabilities: taught by a script, or by PPO."""
 
 NETWORKS = {
-    "teamformer": "the paper's transformer",
-    "deepset": "the paper's deep set with attention",
-    "gnn": "the paper's graph network",
+    "teamformer": "The paper's transformer",
+    "deepset": "The paper's deep set with attention",
+    "gnn": "The paper's graph network",
 }
 
 
@@ -38,7 +38,7 @@ def shipped_cards() -> Iterator[Card]:
     ]
     yield Card(
         ANY_FLEET,
-        "the best learned policy; says where to deviate from join-fitting",
+        "The best learned policy; says where to deviate from join-fitting",
         "any number of capabilities",
     )
     found = [match for name in names if (match := NAME.fullmatch(name))]

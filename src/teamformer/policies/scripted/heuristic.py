@@ -16,11 +16,12 @@ from teamformer.sim.view import View
 
 
 class Heuristic:
-    """Boehme and Hollinger's comparison policy (ICRA 2026, section V-B).
+    """The paper's heuristic: meet at the task, join there, part when it is done.
 
-    A team maintains until it stands at its assigned task. There it joins the teams with the same
-    assignment, which pair off, until the requirements are met. Afterwards it halves, step by step,
-    until every robot is alone or stands at its new assignment. That this ends is shown in
+    It is Boehme and Hollinger's comparison policy (ICRA 2026, section V-B). A team maintains until
+    it stands at its assigned task. There it joins the teams with the same assignment, which pair
+    off, until the requirements are met. Afterwards it halves, step by step, until every robot is
+    alone or stands at its new assignment. That this ends is shown in
     docs/explanation/nothing-blocks.md.
     """
 

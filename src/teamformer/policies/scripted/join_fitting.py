@@ -17,7 +17,7 @@ from teamformer.sim.view import View
 
 
 class JoinFitting:
-    """Join a team in the same place, if nothing is wasted.
+    """As join-all, but joins nobody whom no task needs.
 
     Nothing is wasted if the union has no more of what the other brings than some task in view
     needs, or than one: a task out of view may need it. At its own task a team joins others with

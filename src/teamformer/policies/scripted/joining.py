@@ -16,7 +16,7 @@ from teamformer.sim.view import View
 
 
 class JoinAll:
-    """Join a team in the same place whenever it adds what an open task needs; never split.
+    """Joins a team in the same place whenever it adds what an open task needs; never splits.
 
     Useful means: some task in view needs more of a capability than the own team has, and the
     other team has it. Teams in one place pair off by slot, first with second, third with fourth,

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import islice
+from collections.abc import Iterable, Sequence
 
 from teamformer.referee.completion import Tasks
-from teamformer.referee.teams import Fleet, RecordedTeam
+from teamformer.referee.teams import Fleet
 from teamformer.referee.verdict import Notes
 from teamformer.sim.replay.record import Replay
 
@@ -16,6 +15,7 @@ class PlannedTasks:
 
     def __init__(self, replay: Replay) -> None:
         self.scenario = replay.mission
+        self.decide = _is_followed(replay)
         self._plans = dict(replay.plans)
         self._scouts = {steps: dict(scouts) for steps, scouts in replay.scouts}
         self._looks: dict[int, int] = {}  # the task that a robot looks at first
@@ -28,14 +28,8 @@ class PlannedTasks:
         """Return the tasks that scouts look at."""
         return set(self._looks.values())
 
-    def give_tasks(self, fleet: Fleet, tasks: Tasks, steps_made: int) -> None:
-        """Write each team's `due`, once all have formed in a step and before they walk.
-
-        It is the first open task that has one of its robots in its coalition; or what one of them
-        looks at first.
-        """
-        if not fleet.is_coordinated:
-            return
+    def begin_step(self, steps_made: int) -> None:
+        """Take over the plan that holds in the next step, and what robots have exchanged of it."""
         if steps_made in self._plans:
             order = self._orders.get(steps_made, ())
             self._rank = {task: i for i, task in enumerate(order)}
@@ -47,9 +41,36 @@ class PlannedTasks:
             self._looks = dict(self._scouts.get(steps_made, {}))
         elif steps_made > 0:
             self._exchange_parts(self._took[steps_made - 1])
+
+    def give_tasks(self, fleet: Fleet, tasks: Tasks, steps_made: int) -> None:
+        """Write each team's `due`, before teams form in a step and again before they walk.
+
+        It is the earliest of its robots' next tasks.
+        """
+        if not fleet.is_coordinated:
+            return
+        next_of = self.next_tasks(fleet, tasks, steps_made)
         for team in fleet.teams.values():
-            found = [] if team.services else list(self._next_tasks(team, tasks, steps_made))
-            team.due = min(found, key=lambda task: self._rank.get(task, 0), default=None)
+            robots = () if team.services else team.robots
+            found = (task for robot in robots if (task := next_of[robot]) is not None)
+            team.due = next(iter(self.in_order(found)), None)
+
+    def next_tasks(self, fleet: Fleet, tasks: Tasks, steps_made: int) -> dict[int, int | None]:
+        """Return each robot's next task: what it looks at first, or the first open one it has."""
+        return {
+            robot: self._next_task(robot, tasks, steps_made)
+            for team in fleet.teams.values()
+            for robot in team.robots
+        }
+
+    def _next_task(self, robot: int, tasks: Tasks, steps_made: int) -> int | None:
+        looks = (self._looks[robot],) if robot in self._looks else ()
+        route = (*looks, *self._routes.get(robot, ()))
+        return next((task for task in route if tasks.is_open(task, steps_made)), None)
+
+    def in_order(self, tasks: Iterable[int]) -> list[int]:
+        """Return tasks once each, in the plan's order."""
+        return sorted(set(tasks), key=lambda task: self._rank.get(task, 0))
 
     def tasks_of_unions(
         self, fleet: Fleet, pairs: Sequence[tuple[int, int]]
@@ -98,13 +119,11 @@ class PlannedTasks:
                     f"robots {of.name} and {to.name} exchange parts of the plan, and may not"
                 )
 
-    def _next_tasks(self, team: RecordedTeam, tasks: Tasks, steps_made: int) -> Iterator[int]:
-        for robot in team.robots:
-            if robot in self._looks:
-                yield self._looks[robot]
-                continue
-            route = self._routes.get(robot, ())
-            yield from islice((task for task in route if tasks.is_open(task, steps_made)), 1)
+
+def _is_followed(replay: Replay) -> bool:
+    """Say whether teams decide by plans: some robots have a task, and no decision names one."""
+    has_coalitions = any(any(plan.coalitions) for _, plan in replay.plans)
+    return has_coalitions and not any(step.named for step in replay.steps)
 
 
 def check_assignments(

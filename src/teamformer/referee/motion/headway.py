@@ -1,7 +1,8 @@
 """Headway: who has somewhere to go goes there, by the one way of the rules, and nobody else walks.
 
-Where teams may walk to partners, which a record does not say, they may go to any team within the
-join radius instead. Of unions made on the way only how far the two walked is judged.
+Where teams may walk to partners, which a record does not say unless they go by plans, they may go
+to any team within the join radius instead. Of unions made on the way only how far the two walked
+is judged.
 """
 
 from __future__ import annotations
@@ -119,7 +120,7 @@ def check_headway(
             continue
         walk = _Walk(fleet, ways, team)
         fits = [task for task in pursuits[slot] if walk.leads_to(_goal(goals, task))]
-        partners = list(_partners_in_reach(fleet, team, moves))
+        partners = list(_partners_in_reach(fleet, team, moves)) if team.may_seek else []
         if not fits and not any(walk.leads_to(place, slack) for place, slack in partners):
             notes.note(walk.what_is_wrong(pursuits[slot], goals))
             team.least_credit = 0.0

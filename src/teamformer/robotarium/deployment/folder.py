@@ -23,7 +23,7 @@ from teamformer.robotarium.deployment.graphs import Graph
 from teamformer.robotarium.deployment.onnx_files import read_graph
 from teamformer.robotarium.experiment import start_poses
 from teamformer.robotarium.mission_checks import check_mission
-from teamformer.trials.methods import DEFAULT, STAND_IN
+from teamformer.trials.listings import DEFAULT, STAND_IN
 from teamformer.whole_files import write_all
 
 ROOT = Path(__file__).parents[2]

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 
+from teamformer.entry_points import find_brought, names_of
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.model import Scenario
-from teamformer.scenarios.imports import dcmrta, hetero_mrta, hhcrsp, sadcher
-
-FORMATS: dict[str, Callable[[Path], list[Scenario]]] = {
-    "hetero-mrta": hetero_mrta.read,
-    "dcmrta": dcmrta.read,
-    "sadcher": sadcher.read,
-    "hhcrsp": hhcrsp.read,
-}
-"""Readers by the format's name; each returns the missions in a file or folder."""
 
 
-def import_missions(form: str, path: Path) -> list[Scenario]:
-    """Return the missions in a file of others; raises `TeamformerError` with file and place."""
-    if form not in FORMATS:
-        raise TeamformerError(f"format '{form}' is unknown", f"use {', '.join(FORMATS)}")
+def import_missions(form: str, path: Path) -> Sequence[Scenario]:
+    """Return the missions in a file or folder of others, by the importer of a format's name.
+
+    Raises `TeamformerError` with file and place.
+    """
+    importer = find_brought("importer", form)
+    if importer is None:
+        hint = f"use {', '.join(names_of('importer'))}"
+        raise TeamformerError(f"format '{form}' is unknown", hint)
     try:
-        return FORMATS[form](path)
+        missions = importer.call(path)
     except ScenarioError as error:
         lines = [f"{path}: {problem.message}" for problem in error.problems]
         raise TeamformerError("\n".join(lines), "mend the file, or take its original") from None
+    if not (isinstance(missions, Sequence) and all(isinstance(it, Scenario) for it in missions)):
+        raise TeamformerError(f"{importer} returned something else than a list of Scenario")
+    return missions

@@ -1,0 +1,73 @@
+"""What every coordinator keeps, whoever wrote it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from teamformer.coordination import NEWS, Coordinator, Known, Plan, heeded_by
+from teamformer.errors import TeamformerError
+from teamformer.model import Scenario
+from teamformer.referee import judge
+from teamformer.sim.replay.record import Replay
+from teamformer.testing.missions import usual_missions
+from teamformer.trials.methods import Method
+from teamformer.trials.trial import run_trial
+
+
+def check_coordinator(make: Callable[[], Coordinator], missions: Sequence[Scenario] = ()) -> None:
+    """Check that what `make` returns is a coordinator; raises `AssertionError` with what it is not.
+
+    By its plans missions are completed, and their records are legal; the same question gets the
+    same plan; and it keeps nothing of a mission. It is given `missions`, or some of each kind.
+    """
+    missions = missions or usual_missions()
+    coordinator = make()
+    name = type(coordinator).__name__
+    assert callable(getattr(coordinator, "update", None)), (
+        f"a coordinator has a method 'update', and {name} has none"
+    )
+    unknown = sorted(set(heeded_by(coordinator)) - set(NEWS))
+    assert not unknown, f"a coordinator heeds news out of NEWS, and {name} heeds {unknown}"
+    serving_all = _Watched(coordinator)
+    for mission in missions:
+        alone = _record(_Watched(make()), name, mission)
+        shared = _record(serving_all, name, mission)
+        assert alone.steps == shared.steps, (
+            f"a coordinator keeps nothing of a mission, and {name} planned {mission.name} otherwise"
+            " after others"
+        )
+
+
+class _Watched:
+    """A coordinator that is asked everything twice."""
+
+    def __init__(self, coordinator: Coordinator) -> None:
+        self._coordinator = coordinator
+        self.heeds = heeded_by(coordinator)
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        """Return its plan, the same for both questions."""
+        name = type(self._coordinator).__name__
+        made = self._coordinator.update(known, plan)
+        assert isinstance(made, Plan), f"update() returns a Plan, and {name} returned {made!r}"
+        again = self._coordinator.update(known, plan)
+        assert made == again, (
+            f"the same knowledge gets the same plan, and {name} made another one at step"
+            f" {known.step} of {known.mission.name}"
+        )
+        return made
+
+
+def _record(coordinator: Coordinator, name: str, mission: Scenario) -> Replay:
+    try:
+        replay = run_trial(mission, Method(name, coordinator=coordinator)).replay
+    except TeamformerError as error:
+        what = f"robots can go by every plan, and in {mission.name}: {error}"
+        raise AssertionError(what) from error
+    assert replay.end.status == "completed", (
+        f"a mission that can be done is completed, and by {name} {mission.name} ended as"
+        f" '{replay.end.status}'"
+    )
+    findings = judge(replay).findings
+    assert not findings, f"a record is legal, and by {name} in {mission.name}: {findings[0]}"
+    return replay

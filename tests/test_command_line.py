@@ -11,7 +11,7 @@ import typer
 from teamformer.cli.app import app
 
 VERBS = (
-    *("run", "compare", "generate", "import", "plan", "advise", "live"),
+    *("run", "compare", "generate", "import", "plan", "advise", "schema", "live"),
     *("methods", "bench", "train", "check", "view", "learn", "export"),
     *("fleet start", "fleet add", "fleet agent", "fleet rehearse", "fleet watch"),
     *("robotarium fly", "robotarium deploy"),

@@ -55,7 +55,7 @@ SEES = {
     "trials": {*BELOW_POLICIES, "policies", "critical_path", "viewer"},
     "referee": {*CORE, "scenarios", "sim.replay"},
     "advice": {*BELOW_POLICIES, "policies", "critical_path", "trials", "viewer"},
-    "viewer": {"errors", "whole_files"},
+    "viewer": {"errors", "whole_files", "mission.keys"},
     "export": {*CORE, "rules.constants", "scenarios", "sim.replay"},
     "live": {*BELOW_POLICIES, "policies", "trials", "viewer", "export"},  # for its downloads
     "nets": set(),

@@ -121,7 +121,9 @@ def test_the_image_is_built_of_what_is_sent_to_it() -> None:
     ]
     assert all((ROOT / name).exists() for name in sent)
     needed = {"pyproject.toml", "Makefile", "src", "hatch_build.py", PROJECT["readme"], "LICENSE"}
-    assert needed <= set(sent)
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        wheel = tomllib.load(file)["tool"]["hatch"]["build"]["targets"]["wheel"]
+    assert needed | set(wheel["force-include"]) <= set(sent)
     assert "examples/warehouse.yaml" in (ROOT / "Makefile").read_text()
     assert {"examples/warehouse.yaml", "tests/first_run.py"} <= set(sent)
 

@@ -11,6 +11,7 @@ from teamformer.capabilities import Counts, in_units, out_of_units, total, units
 from teamformer.errors import ScenarioError
 from teamformer.grid import FREE, Grid, Place
 from teamformer.mission.checks import find_problems
+from teamformer.mission.keys.robot_keys import SLOWEST
 from teamformer.mission.places import possible_places
 from teamformer.mission.windows import opening_step
 from teamformer.plane import Plane
@@ -30,9 +31,6 @@ LEAST_WALKED = 0.01
 """The share of its steps that a team walks in at least, by step limits, whatever happens to it."""
 
 World = Grid | Plane | Roads
-
-SLOWEST = 0.001
-"""Cells a step, on a plane metres a second: slower ones would overflow the step counts."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +86,7 @@ class Robot:
     breaks: Breakdown | None = None
     delays: Delays | None = None
     moves: str = GROUND
+    note: str = ""  # for people
 
     @property
     def flies(self) -> bool:
@@ -169,6 +168,7 @@ class Task:
     within: float = 0.0
     weight: float = 1.0  # of its lateness and its end in the cost
     has_arrived: bool = field(default=False, compare=False)
+    note: str = ""  # for people
 
     def __post_init__(self) -> None:
         if self.lasts is not None:

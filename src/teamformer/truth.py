@@ -15,7 +15,7 @@ import numpy as np
 from teamformer.capabilities import Counts, total
 from teamformer.grid import Place
 from teamformer.mission.arrivals import draw_arrivals
-from teamformer.mission.checks import LARGEST_NUMBER
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.places import believed_place, possible_places
 from teamformer.mission.rules import LEAST_CHANCE
 from teamformer.model import Absence, Breakdown, Robot, Scenario, Task, World

@@ -198,6 +198,20 @@ def test_tables_hold_what_was_recorded(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+def test_tables_have_notes_where_there_are_some(tmp_path: Path) -> None:
+    replay = two_lifters()
+    scenario = replay.scenario
+    robots = (replace(scenario.robots[0], note="leaks, =oil"), *scenario.robots[1:])
+    tasks = (scenario.tasks[0], replace(scenario.tasks[1], note="=dock 3"))
+    write_tables(replace(replay, scenario=replace(scenario, robots=robots, tasks=tasks)), tmp_path)
+    head, *robot_rows = rows_of(tmp_path / "robots.csv")
+    assert head[-1] == "note"
+    assert [row[-1] for row in robot_rows] == ["leaks, =oil", ""]
+    head, *task_rows = rows_of(tmp_path / "tasks.csv")
+    column = head.index("note")
+    assert [row[column] for row in task_rows] == ["", "'=dock 3"]
+
+
 def test_the_table_of_tasks_has_windows_precedence_loads_and_lateness(tmp_path: Path) -> None:
     """By hand: sets out in 2, there in 3, loaded in 6, carried to 10, unloaded in 12; 1 back."""
     load = replace(task("a", 2, duration=3), to=(6, 0), unload=2, between=(1.0, 8.5))

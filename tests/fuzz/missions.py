@@ -10,7 +10,10 @@ from typing import Any
 from hypothesis import strategies as st
 
 from drawing import are_more, now_and_then, pick, some
-from teamformer.scenarios.trees.reader import LONGEST_TEXT
+from teamformer.mission.keys.kinds import LONGEST_TEXT, Kind, Number, Text, Whole, Word
+from teamformer.mission.keys.mission_keys import COST_KEYS
+from teamformer.mission.keys.robot_keys import ROBOT_KEYS
+from teamformer.mission.keys.task_keys import TASK_KEYS
 from words import draw_names
 from worlds import Drawn, Place, draw_world
 
@@ -35,7 +38,7 @@ RANGES = ([0, 0], [0, 1], [2, 2], [1, 5], [4, 10], [0, 7])
 REPAIRS = ([1, 1], [2, 9], [5, 18])
 TIMES = (1, 0, 0.5, 3, 2.25, 7.01, 1 / 3)
 WEIGHTS = (1, 0.001, 0.5, 3, 3000, 1_000_000)
-COSTS = ("makespan", "travel", "tardiness", "max_tardiness", "completion")
+COSTS = tuple(key.name for key in COST_KEYS)
 COSTS_IN_STEPS = tuple(part for part in COSTS if part != "travel")
 
 
@@ -115,7 +118,7 @@ def missions(
         for key, values in (("needs", (1, 2, 9)), ("duration", (1, 0, 3)), ("since", (2, 0, 9))):
             if now_and_then(draw, 2):
                 tree["arrivals"][key] = pick(draw, values)
-    return tree
+    return _write_details(draw, tree)
 
 
 @st.composite
@@ -146,7 +149,7 @@ def continuous_missions(
         tree["forming"] = pick(draw, TIMES)
     if now_and_then(draw, 3):
         _write_cost(draw, tree, COSTS)
-    return tree
+    return _write_details(draw, tree)
 
 
 def _draw_fleet(
@@ -351,6 +354,26 @@ def _write_pins(draw: st.DrawFn, tree: Tree, world: Drawn) -> None:
             near = [r for r in tree["robots"] if "moves" in r or world.part(r["at"]) == part]
             task["only"] = [names[id(robot)] for robot in near]  # alike ones by their one name
             room -= wanted
+
+
+def _write_details(draw: st.DrawFn, tree: Tree) -> Tree:
+    """Say what details show and nothing else depends on; its values are drawn by kind."""
+    for key in (*ROBOT_KEYS, *TASK_KEYS):
+        things = tree["robots"] if key in ROBOT_KEYS else tree["tasks"]
+        if key.is_in_details and now_and_then(draw, 3):
+            pick(draw, things)[key.name] = _of_kind(draw, key.kind)
+    return tree
+
+
+def _of_kind(draw: st.DrawFn, kind: Kind) -> Any:
+    match kind:
+        case Text():
+            return draw_names(draw, 1)[0]
+        case Word():
+            return pick(draw, kind.choices)
+        case Number() | Whole():
+            return pick(draw, [bound for bound in (kind.least, kind.most) if bound is not None])
+    raise NotImplementedError(kind)
 
 
 def _can_more_appear(tree: Tree, world: Drawn) -> bool:

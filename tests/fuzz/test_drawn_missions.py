@@ -8,11 +8,11 @@ from typing import Any
 from hypothesis import given, settings
 
 from missions import continuous_missions, missions
+from teamformer.mission.keys.mission_keys import ARRIVALS_KEYS, MISSION_KEYS
+from teamformer.mission.keys.robot_keys import BREAKS_KEYS, DELAYS_KEYS, ROBOT_KEYS
+from teamformer.mission.keys.task_keys import TASK_KEYS
+from teamformer.mission.keys.world_keys import FORMS
 from teamformer.scenarios.files import scenario_from_tree
-from teamformer.scenarios.trees.mission import ARRIVALS_KEYS, TOP_KEYS
-from teamformer.scenarios.trees.robots import BREAKS_KEYS, DELAYS_KEYS, ROBOT_KEYS
-from teamformer.scenarios.trees.tasks import TASK_KEYS
-from teamformer.scenarios.trees.world import KEYS as WORLD_KEYS
 
 IN_ANOTHER_FILE = {"world map", "world cell"}
 """Keys that `test_files.py` writes."""
@@ -43,7 +43,8 @@ def test_every_key_of_the_format_is_drawn() -> None:
             drawn.update(keys_of(tree))
 
     look()
-    known = {"file": TOP_KEYS, "world": WORLD_KEYS, "robot": ROBOT_KEYS, "task": TASK_KEYS}
+    of_worlds = (key for form in FORMS.values() for key in form)
+    known = {"file": MISSION_KEYS, "world": of_worlds, "robot": ROBOT_KEYS, "task": TASK_KEYS}
     known |= {"arrivals": ARRIVALS_KEYS, "breaks": BREAKS_KEYS, "delays": DELAYS_KEYS}
-    expected = {f"{group} {key}" for group, keys in known.items() for key in keys}
+    expected = {f"{group} {key.name}" for group, keys in known.items() for key in keys}
     assert drawn == expected - IN_ANOTHER_FILE

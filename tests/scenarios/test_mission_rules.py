@@ -10,8 +10,9 @@ import pytest
 
 from teamformer.errors import ScenarioError
 from teamformer.grid import Grid
+from teamformer.mission.keys.key import CONTINUOUS
+from teamformer.mission.keys.unknown import find_unknown
 from teamformer.mission.rules import (
-    find_surprises,
     rules_not_played,
     rules_of_simulated_missions,
     rules_of_sure_missions,
@@ -154,5 +155,5 @@ def test_continuous_time_refuses_what_is_not_sure() -> None:
     with pytest.raises(ScenarioError) as refused:
         replace(scenario, time="continuous")
     told = str(refused.value).splitlines()
-    assert len(told) == len({where[-1] for where, _ in find_surprises(scenario)})
+    assert len(told) == len({where[-1] for where, _ in find_unknown(scenario, CONTINUOUS, True)})
     assert all("only missions in steps know" in line for line in told)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 from test_broken_files import CASES, GOOD, problems_of
@@ -10,22 +11,20 @@ from test_broken_files import CASES, GOOD, problems_of
 from teamformer.model import Breakdown
 from teamformer.roads import Roads
 from teamformer.scenarios.files import read_scenario
-from teamformer.scenarios.trees.mission import TOP_KEYS
-from teamformer.scenarios.trees.robots import ROBOT_KEYS
-from teamformer.scenarios.trees.tasks import TASK_KEYS
-from teamformer.scenarios.trees.world import FORMS
 
 DOCS = Path(__file__).parents[2] / "docs" / "reference" / "scenarios.md"
+MAKING = Path(__file__).parents[2] / "docs" / "making" / "keys.py"
 
 
-def test_the_table_has_every_key_and_says_which_must_be_there() -> None:
-    rows = re.findall(r"^\| `([\w.\[\]]+)` \| .* \| (.*) \|$", DOCS.read_text(), re.MULTILINE)
-    told = {key: default == "must be there" for key, default in rows}
-    known = dict(TOP_KEYS)
-    known |= {f"robots[].{key}": must for key, must in ROBOT_KEYS.items()}
-    known |= {f"tasks[].{key}": must for key, must in TASK_KEYS.items()}
-    known |= {f"world.{key}": key == "plane" for key in FORMS["plane"]}
-    assert told == known
+def test_the_tables_of_keys_are_as_the_keys_are_now() -> None:
+    making = runpy.run_path(str(MAKING))
+    assert DOCS.read_text() == making["page"](DOCS.read_text())
+    assert making["SCHEMA"].read_text() == making["schema_text"]()
+    rows = re.findall(
+        r"^\| `([\w.\[\]]+)` \| .* \| must be there \|$", DOCS.read_text(), re.MULTILINE
+    )
+    wanted = ["teamformer", "world", "capabilities", "robots", "robots[].at", "robots[].can"]
+    assert rows == [*wanted, "tasks", "tasks[].at", "tasks[].needs", "world.plane"]
 
 
 def test_the_example_is_read(tmp_path: Path) -> None:

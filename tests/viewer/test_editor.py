@@ -10,6 +10,7 @@ import pytest
 
 from browsers import Opened
 from live_server import Served, serving_editor
+from teamformer.model import Absence
 from teamformer.referee import judge
 from teamformer.scenarios.files import read_scenario
 from teamformer.sim.replay.reading import read_replay
@@ -447,3 +448,21 @@ def test_what_a_robot_brings_is_in_sight(begun: Opened, width: int, height: int)
     for selector in ("text=Run the mission", "[name='count lift']", "[name='count scan']"):
         box = begun.page.locator(selector).bounding_box()
         assert 0 <= box["y"] <= floor - box["height"]
+
+
+def test_fields_of_keys_say_what_they_mean_and_are_written(begun: Opened, tmp_path: Path) -> None:
+    page = begun.page
+    click(begun, 1, 4)
+    wanted = {"note": "leaks oil", "speed": "0.5", "lost": "9, 40", "back": "20"}
+    for name, text in wanted.items():
+        page.fill(f"#thing [name={name}]", text)
+    page.check("#thing [name=moves]")
+    help_of_lost = page.get_attribute("#thing [name=lost]", "title")
+    assert help_of_lost is not None
+    assert help_of_lost.startswith("the step from which the robot is out of the mission")
+    page.fill("#file-name", "keys.yaml")
+    page.click("#mission >> text=Save")
+    wait_for(begun, "#notice", "keys.yaml")
+    robot = read_scenario(tmp_path / "out" / "keys.yaml").robots[1]
+    assert (robot.note, robot.speed, robot.moves) == ("leaks oil", 0.5, "air")
+    assert robot.absences == (Absence(9, 20), Absence(40))

@@ -96,6 +96,17 @@ def test_a_click_on_a_task_says_who_comes(open_page: Opener, dock: Tree) -> None
     assert "r3 is 9 cells away, brings weld" in text  # 14 right, 4 up, 1 left: 19, of which 10 made
 
 
+def test_details_show_notes(open_page: Opener, dock: Tree) -> None:
+    scenario = dock["scenario"]
+    robots, tasks = copy.deepcopy(scenario["robots"]), copy.deepcopy(scenario["tasks"])
+    robots[1]["note"], tasks[2]["note"] = "leaks <b>oil</b>", "door 3"
+    noted = dock | {"scenario": scenario | {"robots": robots, "tasks": tasks}}
+    opened = open_page(noted, "#step=10&robot=r2")
+    assert "Note: leaks <b>oil</b>" in opened.details()
+    opened.click_map(opened.page.evaluate("window.teamformer.taskBox(2)"))
+    assert "Note: door 3" in opened.details()
+
+
 def test_a_click_on_nothing_closes_the_details(open_page: Opener, dock: Tree) -> None:
     opened = open_page(dock, "#step=10&task=seam")
     assert opened.details().startswith("seam")

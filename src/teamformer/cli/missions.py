@@ -152,6 +152,14 @@ def advise(
 
 
 @app.command()
+def schema() -> None:
+    """Print the JSON Schema of mission files, by which editors complete and check them."""
+    from teamformer.commands.missions.schema import schema as command
+
+    raise typer.Exit(command())
+
+
+@app.command()
 def live(
     mission: Annotated[
         Path | None, typer.Argument(metavar="[MISSION]", help="none: draw one in the editor")

@@ -11,6 +11,9 @@ from teamformer.capabilities import describe
 from teamformer.export.events import events
 from teamformer.export.moments import Moment, moments
 from teamformer.export.services import begun_steps
+from teamformer.mission.keys.key import Key
+from teamformer.mission.keys.robot_keys import ROBOT_KEYS
+from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.model import Task
 from teamformer.rules.constants import NEVER, NOBODY
 from teamformer.sim.replay.phases import PHASES
@@ -35,16 +38,25 @@ def write_tables(replay: Replay, folder: Path) -> tuple[Path, ...]:
 def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
     """Yield each robot with the steps it spent in each phase."""
     places = ("x", "y", "lost_in_step", "back_in_step")
-    yield ("robot", "capabilities", "speed", "moves", *places, *PHASES)
+    robots = replay.scenario.robots
+    more = _in_details(ROBOT_KEYS, robots)
+    yield ("robot", "capabilities", "speed", "moves", *places, *PHASES, *(key.name for key in more))
     lost = _steps_by_robot(step.lost for step in replay.steps)
     back = _steps_by_robot(step.back for step in replay.steps)
-    for number, robot in enumerate(replay.scenario.robots):
+    for number, robot in enumerate(robots):
         steps = Counter(moment.phase[number] for moment in seen[1:])
         spent = [steps[phase] for phase in PHASES]
         can = describe(robot.can)
         away = (lost.get(number, ""), back.get(number, ""))
         moves = "air" if robot.flies else "ground"
-        yield (robot.name, can, robot.speed, moves, *robot.at, *away, *spent)
+        said = (getattr(robot, key.field) for key in more)
+        yield (robot.name, can, robot.speed, moves, *robot.at, *away, *spent, *said)
+
+
+def _in_details(keys: Sequence[Key], things: Sequence[object]) -> list[Key]:
+    """Return the keys that details show, such as notes, if some thing has them."""
+    shown = (key for key in keys if key.is_in_details)
+    return [key for key in shown if any(getattr(thing, key.field) for thing in things)]
 
 
 def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str]:
@@ -56,16 +68,18 @@ def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str
     return steps
 
 
-TASK_COLUMNS = (
+WANTED = (
     *("task", "needs", "x", "y", "duration", "to_x", "to_y", "unload"),
-    *("after", "not_before", "due", "appears", "cancelled_in_step"),
-    *("begun_in_step", "done_in_step", "late_by", "done_by"),
+    *("after", "not_before", "due"),
 )
+BECAME = ("appears", "cancelled_in_step", "begun_in_step", "done_in_step", "late_by", "done_by")
+"""Columns of tasks: what each is, and what became of it; between them is what details show."""
 
 
 def _tasks(replay: Replay) -> Iterable[Row]:
     """Yield what each task is, and what became of it."""
-    yield TASK_COLUMNS
+    more = _in_details(TASK_KEYS, replay.mission.tasks)
+    yield (*WANTED, *(key.name for key in more), *BECAME)
     done = {event.task: event for event in events(replay) if event.kind == "done"}
     known, late = known_steps(replay), lateness(replay)
     begun, cancelled = begun_steps(replay), cancelled_steps(replay)
@@ -75,7 +89,8 @@ def _tasks(replay: Replay) -> Iterable[Row]:
         appears = "" if known[number] == NEVER else known[number]
         called_off, began = cancelled.get(number, ""), begun.get(number, "")
         end = ("" if event is None else event.step, late.get(task.name, ""), ", ".join(who))
-        yield (*_wanted(task), appears, called_off, began, *end)
+        said = (getattr(task, key.field) for key in more)
+        yield (*_wanted(task), *said, appears, called_off, began, *end)
 
 
 def _wanted(task: Task) -> Row:

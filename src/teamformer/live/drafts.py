@@ -14,11 +14,11 @@ from typing import Any
 
 from teamformer.errors import ScenarioError, TeamformerError
 from teamformer.live.comments import rewrite
+from teamformer.mission.keys.kinds import INFINITE
 from teamformer.mission.rules import rules_not_played
 from teamformer.model import Scenario
 from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
 from teamformer.scenarios.maps.formats import is_map, read_coarse_map
-from teamformer.scenarios.trees.reader import INFINITE
 from teamformer.scenarios.trees.writer import world_to_tree
 from teamformer.scenarios.yaml import reader, writer
 

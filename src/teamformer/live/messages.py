@@ -18,7 +18,7 @@ from teamformer.live.incidents import (
     RobotBack,
     free_name,
 )
-from teamformer.mission.costs import LARGEST_WEIGHT, SMALLEST_WEIGHT
+from teamformer.mission.keys.task_keys import LARGEST_WEIGHT, SMALLEST_WEIGHT
 from teamformer.model import Scenario
 from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
 

@@ -21,6 +21,8 @@ from teamformer.capabilities import (
 )
 from teamformer.errors import Problem
 from teamformer.grid import LARGEST_MAP, Grid, Place
+from teamformer.mission.keys.kinds import LARGEST_NUMBER, LATEST_RETURN
+from teamformer.mission.keys.robot_keys import FASTEST, SLOWEST
 from teamformer.mission.loads import find_load_problems
 from teamformer.mission.places import believed_place, busiest_part, find_region_problems
 from teamformer.mission.reach import totals_by_region, totals_there, way_for
@@ -37,12 +39,6 @@ LARGEST_COUNT = 16_000_000
 
 LONG = 60
 """Letters that a message shows of a capability, where it has to name several."""
-
-LARGEST_NUMBER = 10**9
-"""Of steps, and along an axis; beyond lie slips of the keyboard, and what 32 bits cannot hold."""
-
-LATEST_RETURN = 2 * LARGEST_NUMBER
-"""The step in which a robot may be back: lost as late as can be, and away as long as can be."""
 
 
 def find_problems(scenario: Scenario) -> Iterator[Problem]:
@@ -170,10 +166,10 @@ def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
         yield from _problems_of_counts(
             robot.can, scenario.capabilities, (*where, "can"), f"robot '{robot.name}' can"
         )
-        if not 0.001 <= robot.speed <= 1000:  # slower or faster would overflow the step counts
+        if not SLOWEST <= robot.speed <= FASTEST:
             yield Problem(
                 (*where, "speed"),
-                f"robot '{robot.name}' has speed {robot.speed:g}; use 0.001 to 1000",
+                f"robot '{robot.name}' has speed {robot.speed:g}; use {SLOWEST} to {FASTEST}",
             )
         yield from _problems_of_absences(robot, where)
 

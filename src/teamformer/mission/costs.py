@@ -6,23 +6,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
+from teamformer.mission.keys.mission_keys import COST_KEYS
+from teamformer.mission.keys.task_keys import LARGEST_WEIGHT, SMALLEST_WEIGHT
 
 if TYPE_CHECKING:
     from teamformer.model import Scenario, Task
 
-COST_PARTS = ("makespan", "travel", "tardiness", "max_tardiness", "completion")
-"""What a cost may weigh: when all is over, the time that all robots together are on their ways,
-by how much tasks are late and when they end, both added up by the weights of the tasks, and by how
-much the latest one is late."""
+COST_PARTS = tuple(key.name for key in COST_KEYS)
+"""What a cost may weigh; times are added up by the weights of the tasks."""
 
 ONLY_IN_CONTINUOUS_TIME = "travel"
 
 LATENESS = 2
 """What tardiness weighs beside the makespan in a mission with windows and without a cost."""
-
-LARGEST_WEIGHT = 1e6
-SMALLEST_WEIGHT = 1e-3
-"""Of the weights of a cost and of tasks: they are told apart however far apart they are."""
 
 
 def cost_of(weights: Mapping[str, float], parts: Mapping[str, float]) -> float:

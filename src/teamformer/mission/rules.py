@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.errors import Problem
 from teamformer.mission.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
+from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, REAL_ROBOTS, STEPS
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
+from teamformer.mission.keys.mission_keys import HOME, TIMES
+from teamformer.mission.keys.unknown import Found, find_unknown, told_once
 from teamformer.mission.links import find_link_problems, find_links
 from teamformer.mission.loads import find_flown_loads
 from teamformer.mission.reach import can_reach, way_for
@@ -23,12 +27,6 @@ LEAST_CHANCE = {"needed": 0.0, "absent": math.inf, "scouting": LIKELY}
 """By foresight, from which probability on needs that nobody knows are expected."""
 FORESIGHTS = tuple(LEAST_CHANCE)
 
-TIMES = ("steps", "continuous")
-HOME = "home"
-LONGEST_TIME = 1e9
-"""In the unit of time of a mission in continuous time."""
-
-
 MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until"})
 """Keys of a file whose values are moments of a mission."""
 
@@ -40,7 +38,7 @@ def counted_from(where: tuple[str | int, ...]) -> str:
 
 def is_time(value: float) -> bool:
     """Say whether a number can be a time."""
-    return 0 <= value <= LONGEST_TIME
+    return 0 <= value <= LARGEST_NUMBER
 
 
 def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
@@ -68,10 +66,8 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         return
     remedy = f"write time: continuous and {remedy}"
     yield from find_flown_loads(scenario)
-    if scenario.ends is not None:
-        yield Problem(("ends",), f"in steps missions end with the last task; {remedy}")
-    if scenario.forming:
-        yield Problem(("forming",), f"in steps forming_steps says what forming takes; {remedy}")
+    for where, what in find_unknown(scenario, STEPS):
+        yield Problem(where, f"{what}; {remedy}")
     if ONLY_IN_CONTINUOUS_TIME in (scenario.cost or ()):
         known = ", ".join(part for part in COST_PARTS if part != ONLY_IN_CONTINUOUS_TIME)
         message = f"in steps a cost may weigh {known}; drop travel, or {remedy}"
@@ -86,7 +82,7 @@ def rules_not_known_beforehand(scenario: Scenario) -> Iterator[Problem]:
     """Return what a plan cannot count with that is made before the mission begins."""
     remedy = "drop cancelled, or use `teamformer run` with its default method"
     rest = f"which nobody can know who plans beforehand; {remedy}"
-    yield from told_once(scenario, _find_cancelled(scenario), lambda _: rest)
+    yield from told_once(scenario, find_unknown(scenario, BEFOREHAND), lambda _: rest)
 
 
 def rules_not_planned(scenario: Scenario) -> Iterator[Problem]:
@@ -123,10 +119,8 @@ def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
         change = "drop it" if key == "arrivals" else f"make {key} sure, drop it"
         return f"which {REAL_ROBOTS} do not know; {change}, or use {verbs}"
 
-    yield from told_once(scenario, find_surprises(scenario), rest)
-
-
-REAL_ROBOTS = "fleets and the Robotarium"
+    found = find_unknown(scenario, REAL_ROBOTS, is_surprise=True)
+    yield from told_once(scenario, found, rest)
 
 
 def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
@@ -141,70 +135,12 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
         for number, robot in enumerate(scenario.robots)
         if robot.flies and scenario.world.rows
     ]
-    found += _find_cancelled(scenario)
-    found += [
-        (("tasks", number, key), f"task '{task.name}' has {key}")
-        for number, task in enumerate(scenario.tasks)
-        for key in ("after", "between")
-        if getattr(task, key)
-    ]
+    found += find_unknown(scenario, REAL_ROBOTS)
 
     def rest(key: str) -> str:
         return f"which {REAL_ROBOTS} do not know; drop {key}, or use {verbs}"
 
     yield from told_once(scenario, found, rest)
-
-
-Found = tuple[tuple[str | int, ...], str]
-"""Where a robot or a task has something, and what in words."""
-
-MOST_NAMED = 5
-
-
-def told_once(
-    scenario: Scenario, found: Iterable[Found], rest: Callable[[str], str]
-) -> Iterator[Problem]:
-    """Return one problem for each key of robots or tasks, with the names of all that have it.
-
-    `rest` returns what is told after these, by key.
-    """
-    by_key: dict[tuple[str | int, str], list[Found]] = {}
-    for where, what in found:
-        by_key.setdefault((where[0], str(where[-1])), []).append((where, what))
-    for (group, key), alike in by_key.items():
-        where, what = alike[0]
-        things = scenario.robots if group == "robots" else scenario.tasks
-        names = [f"'{things[int(where[1])].name}'" for where, _ in alike[1:]]
-        if len(names) > MOST_NAMED:
-            names[MOST_NAMED:] = [f"{len(names) - MOST_NAMED} more"]
-        others = f" (likewise {', '.join(names)})" if names else ""
-        yield Problem(where, f"{what}{others}, {rest(key)}")
-
-
-def _find_cancelled(scenario: Scenario) -> list[Found]:
-    return [
-        (("tasks", number, "cancelled"), f"task '{task.name}' is cancelled")
-        for number, task in enumerate(scenario.tasks)
-        if task.cancelled is not None
-    ]
-
-
-def find_surprises(scenario: Scenario) -> Iterator[Found]:
-    """Return where a scenario leaves something open, and what in words."""
-    for number, robot in enumerate(scenario.robots):
-        if robot.breaks is not None:
-            yield ("robots", number, "breaks"), f"robot '{robot.name}' may break down"
-        if robot.delays is not None:
-            yield ("robots", number, "delays"), f"robot '{robot.name}' may stand still"
-    if scenario.arrivals is not None:
-        yield ("arrivals",), "tasks appear at random"
-    for number, task in enumerate(scenario.tasks):
-        if task.lasts is not None:
-            yield ("tasks", number, "duration"), f"task '{task.name}' has no sure duration"
-        if task.may_need:
-            yield ("tasks", number, "may_need"), f"task '{task.name}' has no sure needs"
-        if task.within:
-            yield ("tasks", number, "within"), f"task '{task.name}' has no sure place"
 
 
 def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
@@ -247,15 +183,8 @@ def _problems_of_roads(scenario: Scenario) -> Iterator[Problem]:
 
 def _problems_of_what_happens(scenario: Scenario) -> Iterator[Problem]:
     """Return what happens to a mission in continuous time, whose plans are made beforehand."""
-    found: list[Found] = [
-        (("robots", number, "lost"), f"robot '{robot.name}' is lost")
-        for number, robot in enumerate(scenario.robots)
-        if robot.absences
-    ]
-    found += _find_cancelled(scenario)
-    yield from told_once(
-        scenario, found, lambda key: f"which only missions in steps know; drop {key}"
-    )
+    rest = "which only missions in steps know; drop {}"
+    yield from told_once(scenario, find_unknown(scenario, CONTINUOUS), rest.format)
 
 
 def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
@@ -270,7 +199,7 @@ def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
         if not (is_time(begin) and is_time(end) and begin < end):
             message = f"{what} is to be done between {begin:g} and {end:g}; use [begin, end]"
             rule = "0 or more and in this order"
-            if max(begin, end) > LONGEST_TIME:
+            if max(begin, end) > LARGEST_NUMBER:
                 rule = f"up to 1e9{counted_from(('between',))}"
             yield Problem((*where, "between"), f"{message}, {rule}")
         elif scenario.time == "continuous" and is_too_short(task):

@@ -7,16 +7,13 @@ from typing import TYPE_CHECKING
 
 from teamformer.capabilities import Counts, covers, describe, missing, total
 from teamformer.errors import Problem
-from teamformer.mission.rules import find_surprises, told_once
+from teamformer.mission.keys.key import CONTINUOUS
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
+from teamformer.mission.keys.mission_keys import LONGEST_ARRIVALS
+from teamformer.mission.keys.unknown import find_unknown, told_once
 
 if TYPE_CHECKING:
     from teamformer.model import Arrivals, Breakdown, Robot, Scenario, Task
-
-LONGEST_ARRIVALS = 10_000
-"""Steps: the room for all that may appear is made at the start."""
-
-LARGEST = 10**9
-"""Of steps, as in `scenario_checks`, which imports this."""
 
 
 def find_surprise_problems(scenario: Scenario) -> Iterator[Problem]:
@@ -52,8 +49,8 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
     if not 0 <= arrivals.since <= LONGEST_ARRIVALS:
         message = f"tasks appear since step {arrivals.since}; use 0 to {LONGEST_ARRIVALS:,}"
         yield Problem(("arrivals", "since"), message)
-    if not 0 <= arrivals.duration <= LARGEST:
-        message = f"tasks that appear take {arrivals.duration} steps; use 0 to {LARGEST:,}"
+    if not 0 <= arrivals.duration <= LARGEST_NUMBER:
+        message = f"tasks that appear take {arrivals.duration} steps; use 0 to {LARGEST_NUMBER:,}"
         yield Problem(("arrivals", "duration"), message)
     if arrivals.most_needs < 0:
         message = f"tasks that appear need {arrivals.most_needs} capabilities; use 1 or more"
@@ -62,15 +59,17 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
 
 def _only_in_steps(scenario: Scenario) -> Iterator[Problem]:
     rest = "which only missions in steps know; make {} sure, or drop it"
-    yield from told_once(scenario, find_surprises(scenario), rest.format)
+    yield from told_once(
+        scenario, find_unknown(scenario, CONTINUOUS, is_surprise=True), rest.format
+    )
 
 
 def _problems_of_range(
     bounds: tuple[int, int], lowest: int, where: tuple[str | int, ...], what: str
 ) -> Iterator[Problem]:
     least, most = bounds
-    if not lowest <= least <= LARGEST or not most <= LARGEST:
-        message = f"{what} {least} to {most} steps; use {lowest} to {LARGEST:,}"
+    if not lowest <= least <= LARGEST_NUMBER or not most <= LARGEST_NUMBER:
+        message = f"{what} {least} to {most} steps; use {lowest} to {LARGEST_NUMBER:,}"
         yield Problem(where, message)
     elif most < least:
         message = f"{what} {least} to {most} steps, which ends before it begins; turn it round"

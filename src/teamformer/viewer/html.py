@@ -12,6 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
+from teamformer.viewer.page_keys import keys_script
 from teamformer.whole_files import own_number, write_whole
 
 SCRIPTS = (
@@ -92,7 +93,7 @@ def live_page(name: str) -> str:
 
 def _page(title: str, scripts: Sequence[str], tree: object, allowed: str) -> str:
     style = _read("page.css") + _read("compared/compared.css")
-    script = "\n".join(_read(f"{name}.js") for name in scripts)
+    script = "\n".join([keys_script(), *(_read(f"{name}.js") for name in scripts)])
     return Template(_read("page.html")).substitute(
         title=html.escape(title),
         policy=allowed + _content_policy(style, script),

@@ -14,9 +14,9 @@ from teamformer.coordination import Plan
 from teamformer.errors import TeamformerError
 from teamformer.grid import Grid, Place
 from teamformer.mission.costs import judged_by, weighed
+from teamformer.mission.keys.mission_keys import HOME as ENDS_HOME
 from teamformer.mission.links import is_linked
 from teamformer.mission.precedence import tasks_before
-from teamformer.mission.rules import HOME as ENDS_HOME
 from teamformer.mission.windows import release_of
 from teamformer.model import Scenario
 from teamformer.planning.arcs.linked.solve import LinkedSolution

@@ -18,8 +18,8 @@ from collections.abc import Callable, Sequence
 from io import StringIO
 
 from teamformer.errors import TeamformerError
+from teamformer.mission.keys.kinds import LONGEST_TEXT
 from teamformer.roads import Roads, Rows, is_way
-from teamformer.scenarios.trees.reader import LONGEST_TEXT
 from teamformer.scenarios.yaml.words import shorten
 
 LARGEST_FILE = 20_000_000  # bytes

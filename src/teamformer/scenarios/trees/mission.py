@@ -9,42 +9,22 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.errors import ScenarioError
-from teamformer.mission.costs import COST_PARTS
-from teamformer.mission.rules import HOME
-from teamformer.model import Arrivals, Robot, Scenario, World
+from teamformer.mission.keys.mission_keys import MISSION_KEYS, VERSION
+from teamformer.model import Robot, Scenario, World
 from teamformer.plane import DECIMALS, Plane
-from teamformer.roads import Roads
-from teamformer.scenarios.trees.pins import Pinned, apply_pins, read_pins
+from teamformer.scenarios.trees.pins import Pinned, Pins, apply_pins
 from teamformer.scenarios.trees.reader import Reader
-from teamformer.scenarios.trees.robots import Fleet, read_robots
+from teamformer.scenarios.trees.robots import read_robots
 from teamformer.scenarios.trees.tasks import read_tasks
-from teamformer.scenarios.trees.world import read_at, read_world
+from teamformer.scenarios.trees.values import Given, read
+from teamformer.scenarios.trees.world import read_world
 from teamformer.scenarios.yaml.reader import Where
-
-VERSION = 1
 
 RECORD = "teamformer_replay"
 """The key that only records have."""
 
-TOP_KEYS = {
-    "teamformer": True,  # required
-    "name": False,
-    "world": True,
-    "capabilities": True,
-    "robots": True,
-    "tasks": True,
-    "teams": False,
-    "sensing_radius": False,
-    "join_radius": False,
-    "forming_steps": False,
-    "step_limit": False,
-    "time": False,
-    "ends": False,
-    "forming": False,
-    "cost": False,
-    "finding_radius": False,
-    "arrivals": False,
-}
+READ_APART = ("teamformer", "world", "robots", "tasks")
+"""Keys that are read before others, because the others need them, or by a file of their own."""
 
 BY_METHOD = "delete it, and choose a method with --method"
 
@@ -58,10 +38,6 @@ KEYS_OF_METHODS = {
 }
 """What files said before methods did: how a mission is solved, not what it is; and what to do."""
 
-ARRIVALS_KEYS = {
-    "rate": True, "until": True, "needs": False, "duration": False, "since": False,
-}  # fmt: skip
-
 
 def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None:
     """Return the scenario in a reader's tree, or None after noting what is wrong with it.
@@ -72,29 +48,23 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
         what = "this is the record of a run, and no mission"
         reader.refuse((RECORD,), f"{what}; name a mission, or use `view`, `check` or `export`")
         return None
-    top = reader.mapping((), _without_methods(reader), TOP_KEYS)
+    tree = _without_methods(reader)
+    top = reader.mapping((), tree, {key.name: key.is_required for key in MISSION_KEYS})
     if not _knows_version(reader, top):
         return None
     world = read_world(reader, top.get("world", {"grid": [1, 1]}), folder)
-    rules = _read_rules(reader, top, world)
-    fleet = read_robots(reader, top.get("robots", []), world)
+    given = Given(world, top.get("time"))
+    fleet = read_robots(reader, top.get("robots", []), given)
     if isinstance(world, Plane) and "arrival_radius" not in top["world"]:
         world = _with_usual_radius(world, fleet.robots)
-    mission = Pinned(
-        capabilities=tuple(reader.names(("capabilities",), top.get("capabilities", []))),
-        robots=fleet.robots,
-        tasks=read_tasks(reader, top.get("tasks", []), world, rules.get("time")),
-    )
-    mission = _with_pins(reader, top, world, mission, fleet)
-    parts = {
-        "name": reader.text(("name",), top.get("name", name)),
-        "world": world,
-        "capabilities": mission.capabilities,
-        "robots": mission.robots,
-        "tasks": mission.tasks,
-        "teams": _read_teams(reader, top.get("teams", []), fleet),
-        **rules,
-    }
+    given = replace(given, world=world, named=fleet.named)
+    tasks, pins = read_tasks(reader, top.get("tasks", []), given)
+    parts: dict[str, Any] = {"name": name, "capabilities": (), "world": world}
+    for key in MISSION_KEYS:
+        if key.name in top and key.name not in READ_APART:
+            parts[key.field] = read(key.kind, reader, (key.name,), top[key.name], given)
+    mission = Pinned(parts["capabilities"], fleet.robots, tuple(tasks))
+    parts |= vars(_with_pins(reader, top, world, mission, pins))
     if not reader.is_faithful:  # the model would complain about what stands in for the mistakes
         return None
     try:
@@ -136,26 +106,15 @@ def _with_usual_radius(plane: Plane, robots: tuple[Robot, ...]) -> Plane:
 
 
 def _with_pins(
-    reader: Reader, top: Mapping[str, Any], world: World, mission: Pinned, fleet: Fleet
+    reader: Reader, top: Mapping[str, Any], world: World, mission: Pinned, pins: Sequence[Pins]
 ) -> Pinned:
     """Return a mission with the pins of its tasks said in capabilities."""
-    pins, any_are = [], False
-    listed = top.get("tasks")
-    for number, keys in enumerate(listed if isinstance(listed, list) else ()):
-        said = keys if isinstance(keys, dict) else {}
-        any_are |= "only" in said or "with" in said
-        pins.append(read_pins(reader, ("tasks", number), said, fleet))
-    if not any_are or not reader.is_faithful:
+    if not any(pin.only or pin.having for pin in pins) or not reader.is_faithful:
         return mission
     if "arrivals" in top:
         message = "tasks that appear at random may need anything, pins too"
         reader.refuse(("arrivals",), f"{message}; drop arrivals, or only and with of the tasks")
     return apply_pins(reader, world, mission, pins)
-
-
-def _read_teams(reader: Reader, value: Any, fleet: Fleet) -> tuple[tuple[int, ...], ...]:
-    parts = enumerate(reader.sequence(("teams",), value))
-    return tuple(fleet.read_names(reader, ("teams", number), part) for number, part in parts)
 
 
 def _without_methods(reader: Reader) -> Any:
@@ -168,45 +127,3 @@ def _without_methods(reader: Reader) -> Any:
             what = f"'{key}' says how to solve the mission, not what it is"
             reader.refuse((key,), f"{what}; {remedy}")
     return {key: value for key, value in tree.items() if key not in KEYS_OF_METHODS}
-
-
-def _read_rules(reader: Reader, top: Mapping[str, Any], world: World) -> dict[str, Any]:
-    """Return the rules that the file sets; the others keep the model's defaults."""
-    rules: dict[str, Any] = {}
-    for key in ("sensing_radius", "join_radius", "finding_radius"):
-        if key in top:
-            rules[key] = reader.number((key,), top[key], can_be_infinite=True)
-    for key, least in (("forming_steps", 0), ("step_limit", 1)):
-        if key in top:
-            rules[key] = reader.whole((key,), top[key], least)
-    if "time" in top:
-        rules["time"] = reader.word(top["time"])
-    if "forming" in top:
-        rules["forming"] = reader.number(("forming",), top["forming"])
-    if "arrivals" in top:
-        rules["arrivals"] = _read_arrivals(reader, top["arrivals"])
-    if "cost" in top:
-        rules["cost"] = _read_cost(reader, top["cost"])
-    if "ends" in top:
-        ends = top["ends"]
-        is_name = isinstance(world, Roads) and ends != HOME
-        is_place = isinstance(ends, list) or is_name
-        rules["ends"] = read_at(reader, ("ends",), ends, world) if is_place else reader.word(ends)
-    return rules
-
-
-def _read_arrivals(reader: Reader, value: Any) -> Arrivals:
-    said = reader.mapping(("arrivals",), value, ARRIVALS_KEYS)
-    most = reader.whole(("arrivals", "needs"), said["needs"], 1) if "needs" in said else 0
-    return Arrivals(
-        reader.number(("arrivals", "rate"), said.get("rate", 0.0)),
-        reader.whole(("arrivals", "until"), said.get("until", 0)),
-        most,
-        reader.whole(("arrivals", "duration"), said.get("duration", 0)),
-        reader.whole(("arrivals", "since"), said.get("since", 0)),
-    )
-
-
-def _read_cost(reader: Reader, value: Any) -> dict[str, float]:
-    weights = reader.mapping(("cost",), value, dict.fromkeys(COST_PARTS, False))
-    return {name: reader.number(("cost", name), weight) for name, weight in weights.items()}

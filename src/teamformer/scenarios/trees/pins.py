@@ -11,11 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from teamformer.capabilities import covers, describe, missing, total
+from teamformer.mission.keys.kinds import LONGEST_TEXT
 from teamformer.mission.places import possible_places
 from teamformer.mission.reach import can_reach, way_for
 from teamformer.model import Robot, Task, World
-from teamformer.scenarios.trees.reader import LONGEST_TEXT, Reader
-from teamformer.scenarios.trees.robots import Fleet
+from teamformer.scenarios.trees.reader import Reader
 from teamformer.scenarios.yaml.reader import Where
 
 
@@ -34,16 +34,6 @@ class Pinned:
     capabilities: tuple[str, ...]
     robots: tuple[Robot, ...]
     tasks: tuple[Task, ...]
-
-
-def read_pins(reader: Reader, where: Where, keys: Mapping[str, object], fleet: Fleet) -> Pins:
-    """Return the pins of a task; robots that are none are refused."""
-    read: dict[str, tuple[int, ...]] = {"only": (), "with": ()}
-    for key in read.keys() & keys.keys():
-        if keys[key] == []:
-            reader.refuse((*where, key), f"{key} names no robot; name one, or drop it")
-        read[key] = tuple(sorted(set(fleet.read_names(reader, (*where, key), keys[key]))))
-    return Pins(read["only"], read["with"])
 
 
 def apply_pins(

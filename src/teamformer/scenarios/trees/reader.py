@@ -9,15 +9,15 @@ from typing import Any
 
 from teamformer.capabilities import PLACES, exact, is_exact
 from teamformer.grid import Place
-from teamformer.mission.checks import LARGEST_NUMBER
+from teamformer.mission.keys.kinds import (
+    INFINITE,
+    LARGEST_COUNT,
+    LARGEST_NUMBER,
+    LONGEST_TEXT,
+)
 from teamformer.mission.rules import counted_from
 from teamformer.scenarios.yaml.reader import Tree, Where
 from teamformer.scenarios.yaml.words import Misread, describe, kind_of, misread, shorten
-
-LARGEST_COUNT = 100_000
-LONGEST_TEXT = 200
-INFINITE = ".inf"
-"""Infinity as text: JSON has no number for it."""
 
 
 class Reader:
@@ -220,12 +220,3 @@ def _suggest(key: Any, keys: Mapping[str, bool]) -> str:
 
 def _list(keys: Mapping[str, bool]) -> str:
     return ", ".join(keys)
-
-
-def read_range(reader: Reader, where: Where, value: Any, remedy: str) -> tuple[int, int] | None:
-    """Return the least and the most of a number of steps; None after refusing what is no range."""
-    pair = reader.pair(where, value, remedy)
-    if pair is None:
-        return None
-    least, most = (reader.whole((*where, part), steps) for part, steps in enumerate(pair))
-    return least, most

@@ -7,35 +7,13 @@ from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import Any
 
-from teamformer.mission.checks import LARGEST_NUMBER, LATEST_RETURN
-from teamformer.model import Absence, Breakdown, Delays, Robot, World
-from teamformer.roads import AIR, GROUND, Roads
-from teamformer.scenarios.trees.reader import LONGEST_TEXT, Reader, name_of, read_range
-from teamformer.scenarios.trees.world import read_at
+from teamformer.mission.keys.key import Key
+from teamformer.mission.keys.kinds import LONGEST_TEXT, Text
+from teamformer.mission.keys.robot_keys import MOST_ALIKE, ROBOT_KEYS
+from teamformer.model import Absence, Robot
+from teamformer.scenarios.trees.reader import Reader
+from teamformer.scenarios.trees.values import Given, read_part
 from teamformer.scenarios.yaml.reader import Where
-from teamformer.scenarios.yaml.words import shorten
-
-MOST_ALIKE = 1000
-"""Robots that one entry of a file stands for."""
-
-ROBOT_KEYS = {
-    "name": False,
-    "at": True,
-    "can": True,
-    "speed": False,
-    "lost": False,
-    "back": False,
-    "breaks": False,
-    "delays": False,
-    "moves": False,
-    "count": False,
-}
-
-MOVES = (GROUND, AIR)
-
-BREAKS_KEYS = {"rate": True, "repair": False}
-
-DELAYS_KEYS = {"chance": True, "seed": True}
 
 
 @dataclass(frozen=True)
@@ -49,95 +27,43 @@ class Fleet:
     entries: tuple[int, ...]
     named: Mapping[str, tuple[int, ...]]
 
-    def read_names(self, reader: Reader, where: Where, value: Any) -> tuple[int, ...]:
-        """Return the robots in a list of names; those that are none are refused."""
-        found: list[int] = []
-        for entry, name in enumerate(reader.names(where, value)):
-            if name not in self.named and name != "?":
-                message = f"there is no robot '{shorten(name)}'; write the name of one"
-                reader.refuse((*where, entry), message)
-            found += self.named.get(name, ())
-        return tuple(found)
 
-
-def read_robots(reader: Reader, value: Any, world: World) -> Fleet:
+def read_robots(reader: Reader, value: Any, given: Given) -> Fleet:
     """Return the robots; problems are noted in the reader."""
     robots: list[Robot] = []
     entries: list[int] = []
     groups: dict[str, tuple[int, ...]] = {}
     for number, part in enumerate(reader.sequence(("robots",), value)):
-        where = ("robots", number)
-        keys = reader.mapping(where, part, ROBOT_KEYS)
-        count, longest = 1, LONGEST_TEXT
-        if "count" in keys:
-            count = reader.whole((*where, "count"), keys["count"], 1, MOST_ALIKE)
-            longest -= len(f"-{count}")
-        robot = Robot(
-            name=reader.text((*where, "name"), keys.get("name", f"r{len(robots) + 1}"), longest),
-            at=read_at(reader, (*where, "at"), keys.get("at"), world),
-            can=reader.counts((*where, "can"), keys.get("can", [])),
-            speed=reader.number((*where, "speed"), keys.get("speed", 1.0)),
-            absences=_read_absences(reader, where, keys),
-            breaks=_read_breaks(reader, (*where, "breaks"), keys),
-            delays=_read_delays(reader, (*where, "delays"), keys.get("delays")),
-            moves=_read_moves(reader, (*where, "moves"), keys.get("moves", GROUND), world),
-        )
-        if "count" not in keys:
-            alike = [robot]
-        elif "name" in keys:
-            alike = [replace(robot, name=f"{robot.name}-{n + 1}") for n in range(count)]
-            groups[robot.name] = tuple(range(len(robots), len(robots) + count))
-        else:
-            alike = [replace(robot, name=f"r{len(robots) + n + 1}") for n in range(count)]
-        robots += alike
-        entries += [number] * len(alike)
+        where, first = ("robots", number), len(robots)
+        said = read_part(reader, where, part, _keys_for(part), given)
+        count = said.pop("count", None)
+        names = [f"r{first + n + 1}" for n in range(count or 1)]
+        if "name" in said and count is None:
+            names = [said["name"]]
+        elif "name" in said:
+            names = [f"{said['name']}-{n + 1}" for n in range(count)]
+            groups[said["name"]] = tuple(range(first, first + count))
+        said["absences"] = _absences(reader, where, said, said.get("name", names[0]))
+        robot = Robot(**said | {"name": names[0]})
+        robots += [replace(robot, name=name) for name in names]
+        entries += [number] * len(names)
     one = {robot.name: (number,) for number, robot in reversed(list(enumerate(robots)))}
     return Fleet(tuple(robots), tuple(entries), groups | one)
 
 
-def _read_moves(reader: Reader, where: Where, value: Any, world: World) -> str:
-    """Return how a robot moves: on the ground, in the air or, on roads, by a table's name."""
-    word = reader.text(where, value)
-    if word not in MOVES and not isinstance(world, Roads):
-        reader.refuse(where, f"{name_of(where)} is '{word}'; write {' or '.join(MOVES)}")
-    return word
+def _keys_for(part: Any) -> tuple[Key, ...]:
+    """Return the keys of a robot; the name of several alike has room for their numbers."""
+    count = part.get("count") if isinstance(part, dict) else None
+    if not isinstance(count, int) or not 1 <= count <= MOST_ALIKE:
+        return ROBOT_KEYS
+    name, *others = ROBOT_KEYS
+    return (replace(name, kind=Text(LONGEST_TEXT - len(f"-{count}"))), *others)
 
 
-def _read_absences(reader: Reader, where: Where, keys: Mapping[str, Any]) -> tuple[Absence, ...]:
-    """Return when a robot is lost and back: `lost` and `back` are a step each, or lists."""
-    lost = _read_steps(reader, (*where, "lost"), keys.get("lost", []), LARGEST_NUMBER)
-    back = _read_steps(reader, (*where, "back"), keys.get("back", []), LATEST_RETURN)
+def _absences(reader: Reader, where: Where, said: dict[str, Any], name: str) -> tuple[Absence, ...]:
+    """Return when a robot is lost and back, and take both out of what is said of it."""
+    lost, back = said.pop("lost", []), said.pop("back", [])
     if len(back) > len(lost):
         what = "is back but never lost" if not lost else "is back more often than it is lost"
-        name = keys.get("name", name_of(where))
         reader.refuse((*where, "back"), f"robot '{name}' {what}; add lost or drop back")
     return tuple(Absence(*pair) for pair in zip_longest(lost, back[: len(lost)]))
-
-
-def _read_steps(reader: Reader, where: Where, value: Any, latest: int) -> list[int]:
-    if not isinstance(value, list):
-        return [reader.whole(where, value, most=latest)]
-    return [
-        reader.whole((*where, number), steps, most=latest) for number, steps in enumerate(value)
-    ]
-
-
-def _read_breaks(reader: Reader, where: Where, keys: Mapping[str, Any]) -> Breakdown | None:
-    if "breaks" not in keys:
-        return None
-    said = reader.mapping(where, keys["breaks"], BREAKS_KEYS)
-    rate = reader.number((*where, "rate"), said.get("rate", 0.0))
-    if "repair" not in said:
-        return Breakdown(rate)
-    remedy = "write it as [least, most]"
-    return Breakdown(rate, read_range(reader, (*where, "repair"), said["repair"], remedy))
-
-
-def _read_delays(reader: Reader, where: Where, value: Any) -> Delays | None:
-    if value is None:
-        return None
-    if not isinstance(value, dict):
-        return Delays(reader.number(where, value))
-    said = reader.mapping(where, value, DELAYS_KEYS)
-    chance = reader.number((*where, "chance"), said.get("chance", 0.0))
-    return Delays(chance, reader.whole((*where, "seed"), said.get("seed", 0)))

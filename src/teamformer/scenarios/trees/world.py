@@ -12,6 +12,7 @@ from typing import Any, Literal
 from teamformer.errors import TeamformerError
 from teamformer.frame import Frame
 from teamformer.grid import BLOCKED, FREE, LARGEST_MAP, Grid, Place
+from teamformer.mission.keys.world_keys import FORMS, FRAME_KEYS, PLANE_KEYS
 from teamformer.model import World
 from teamformer.plane import Plane
 from teamformer.roads import GROUND, Roads, Rows
@@ -22,14 +23,7 @@ from teamformer.scenarios.trees.reader import Reader, name_of
 from teamformer.scenarios.yaml.reader import Where
 from teamformer.scenarios.yaml.words import describe, shorten
 
-FORMS = {
-    "grid": {"grid", "y_axis", "frame"},
-    "rows": {"rows", "y_axis", "frame"},
-    "map": {"map", "cell"},
-    "plane": {"plane", "step", "arrival_radius", "unit"},
-    "roads": {"roads"},
-}
-KEYS = dict.fromkeys(sorted(set().union(*FORMS.values())), False)
+KEYS = dict.fromkeys(sorted({key.name for form in FORMS.values() for key in form}), False)
 WHERE = ("world",)
 STAND_IN = Grid(1, 1)
 """Read instead of a world that is wrong, so that reading can go on."""
@@ -44,7 +38,7 @@ def read_world(reader: Reader, value: Any, folder: Path | None) -> World:
             choice = "grid: [width, height], rows: [...], map: FILE, plane: [width, height]"
             reader.refuse(WHERE, f"the world needs exactly one of {choice} and roads: FILE")
         return STAND_IN
-    for extra in sorted(set(world) - FORMS[forms[0]]):
+    for extra in sorted(set(world) - {key.name for key in FORMS[forms[0]]}):
         reader.refuse((*WHERE, extra), f"'{extra}' does not go with '{forms[0]}'; remove it")
     if forms == ["grid"]:
         return _read_grid(reader, world)
@@ -96,7 +90,7 @@ def _read_frame(reader: Reader, world: dict[str, Any]) -> Frame | None:
     if "frame" not in world:
         return None
     where = (*WHERE, "frame")
-    said = reader.mapping(where, world["frame"], {"cell": True, "origin": False})
+    said = reader.mapping(where, world["frame"], {key.name: key.is_required for key in FRAME_KEYS})
     cell = reader.number((*where, "cell"), said.get("cell", 1.0))
     return Frame(cell, *read_origin(reader, (*where, "origin"), said.get("origin", [0, 0, 0])))
 
@@ -122,8 +116,8 @@ def _read_plane(reader: Reader, world: dict[str, Any]) -> Plane:
         reader.refuse(where, "the plane is not a pair; write it as [width, height], in metres")
         size = [1, 1]
     width, height = (reader.number((*where, axis), part) for axis, part in enumerate(size))
-    keys = ("step", "arrival_radius", "unit")
-    given = {key: reader.number((*WHERE, key), world[key]) for key in keys if key in world}
+    more = [key.name for key in PLANE_KEYS if key.name in world and key.name != "plane"]
+    given = {key: reader.number((*WHERE, key), world[key]) for key in more}
     return Plane(width, height, **given)
 
 
@@ -188,10 +182,10 @@ def _is_possible(reader: Reader, key: str, cells: int) -> bool:
 
 
 def read_at(reader: Reader, where: Where, value: Any, world: World) -> Place:
-    """Return where something is: `[x, y]`, on roads the name of a place. None was told before."""
+    """Return where something is: `[x, y]`, on roads the name of a place."""
     if not isinstance(world, Roads):
-        return reader.place(where, [0, 0] if value is None else value, isinstance(world, Plane))
-    if value is None or not world.places:  # roads that are wrong were told
+        return reader.place(where, value, isinstance(world, Plane))
+    if not world.places:  # roads that are wrong were told
         return 0, 0
     if isinstance(value, list | dict):
         reader.refuse(where, f"{name_of(where)} is {describe(value)}; on roads name a place")

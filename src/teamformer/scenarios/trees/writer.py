@@ -3,67 +3,76 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from teamformer.capabilities import Counts, exact
+from teamformer.capabilities import Counts as Brought
+from teamformer.capabilities import exact
 from teamformer.frame import Frame
-from teamformer.grid import Place
+from teamformer.grid import Place as At
 from teamformer.mission.arrivals import without_arrivals
-from teamformer.model import Arrivals, Robot, Scenario, Task, World
+from teamformer.mission.keys.key import Key
+from teamformer.mission.keys.kinds import (
+    INFINITE,
+    Counts,
+    Either,
+    Kind,
+    Links,
+    Number,
+    Part,
+    Place,
+)
+from teamformer.mission.keys.mission_keys import MISSION_KEYS, VERSION
+from teamformer.mission.keys.robot_keys import ROBOT_KEYS
+from teamformer.mission.keys.task_keys import TASK_KEYS
+from teamformer.model import Robot, Scenario, Task, World
 from teamformer.plane import Plane
 from teamformer.roads import GROUND, Roads
 from teamformer.scenarios.maps.road_tables import write_times
-from teamformer.scenarios.trees.mission import VERSION
-from teamformer.scenarios.trees.reader import INFINITE
 
 
 def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
     """Return the tree of a scenario's file, with maps written out as rows."""
-    world = scenario.world
-    tree: dict[str, Any] = {
+    world, tasks = scenario.world, without_arrivals(scenario).tasks
+    apart = {
         "teamformer": VERSION,
-        "name": scenario.name,
         "world": world_to_tree(world),
-        "capabilities": list(scenario.capabilities),
-        "robots": [_robot_to_tree(robot, world) for robot in scenario.robots],
-        "tasks": [task_to_tree(task, world) for task in without_arrivals(scenario).tasks],
+        "robots": [robot_to_tree(robot, world) for robot in scenario.robots],
+        "tasks": [task_to_tree(task, world) for task in tasks],
+        "teams": tuple([scenario.robots[r].name for r in team] for team in scenario.teams),
     }
-    if scenario.teams:
-        tree["teams"] = [[scenario.robots[r].name for r in team] for team in scenario.teams]
-    tree |= {
-        "sensing_radius": _radius_to_tree(scenario.sensing_radius),
-        "join_radius": _radius_to_tree(scenario.join_radius),
-        "forming_steps": scenario.forming_steps,
-        "step_limit": scenario.step_limit,
-        **_mission_rules_to_tree(scenario),
+    return part_to_tree(MISSION_KEYS, vars(scenario) | apart, world)
+
+
+def part_to_tree(keys: Sequence[Key], held: Mapping[str, Any], world: World) -> dict[str, Any]:
+    """Return a part of a file, without what has its default or is None; `held` is by field."""
+    return {
+        key.name: to_tree(key.kind, value, world)
+        for key in keys
+        if (value := held.get(key.field)) is not None
+        and (key.is_always_written or value != key.default)
     }
-    return tree
 
 
-def _mission_rules_to_tree(scenario: Scenario) -> dict[str, Any]:
-    """Return the rules of time and end that are not as in most missions."""
-    tree: dict[str, Any] = {}
-    if scenario.time != "steps":
-        tree["time"] = scenario.time
-    if scenario.ends is not None:
-        ends = scenario.ends
-        tree["ends"] = ends if isinstance(ends, str) else at_to_tree(ends, scenario.world)
-    if scenario.forming:
-        tree["forming"] = scenario.forming
-    if scenario.cost is not None:
-        tree["cost"] = dict(scenario.cost)
-    if scenario.arrivals is not None:
-        tree["arrivals"] = _arrivals_to_tree(scenario.arrivals)
-    if scenario.finding_radius != 1:
-        tree["finding_radius"] = _radius_to_tree(scenario.finding_radius)
-    return tree
-
-
-def _arrivals_to_tree(arrivals: Arrivals) -> dict[str, Any]:
-    tree: dict[str, Any] = {"rate": arrivals.rate, "until": arrivals.until}
-    tree |= {"needs": arrivals.most_needs} if arrivals.most_needs else {}
-    tree |= {"duration": arrivals.duration} if arrivals.duration else {}
-    return tree | ({"since": arrivals.since} if arrivals.since else {})
+def to_tree(kind: Kind, value: Any, world: World) -> Any:
+    """Return a value of a kind as it stands in a file."""
+    match kind:
+        case Number(can_be_infinite=True):
+            return INFINITE if value == math.inf else value
+        case Counts():
+            return counts_to_tree(value)
+        case Place():
+            return at_to_tree(value, world)
+        case Either():
+            return to_tree(kind.listed if isinstance(value, tuple) else kind.plain, value, world)
+        case Links():
+            return {name: list(gap) for name, gap in value.items()}
+        case Part(makes=""):
+            return dict(value)
+        case Part():
+            tree = part_to_tree(kind.keys, vars(value), world)
+            return tree[kind.alone] if list(tree) == [kind.alone] else tree
+    return list(value) if isinstance(value, tuple) else value
 
 
 def world_to_tree(world: World) -> dict[str, Any]:
@@ -89,30 +98,14 @@ def _frame_to_tree(frame: Frame) -> dict[str, Any]:
     return {"cell": frame.cell, "origin": [frame.x, frame.y, frame.yaw]}
 
 
-def at_to_tree(at: Place, world: World) -> list[float] | str:
+def at_to_tree(at: At, world: World) -> list[float] | str:
     """Return where something is as it stands in a file."""
     return world.name_of(at) if isinstance(world, Roads) else list(at)
 
 
-def _robot_to_tree(robot: Robot, world: World) -> dict[str, Any]:
-    tree: dict[str, Any] = {
-        "name": robot.name,
-        "at": at_to_tree(robot.at, world),
-        "can": counts_to_tree(robot.can),
-    }
-    if robot.speed != 1:
-        tree["speed"] = robot.speed
-    if robot.moves != GROUND:
-        tree["moves"] = robot.moves
-    tree |= absences_to_tree(robot)
-    if robot.breaks is not None:
-        repair = robot.breaks.repair
-        tree["breaks"] = {"rate": robot.breaks.rate}
-        tree["breaks"] |= {} if repair is None else {"repair": list(repair)}
-    if robot.delays is not None:
-        chance, seed = robot.delays.chance, robot.delays.seed
-        tree["delays"] = chance if seed is None else {"chance": chance, "seed": seed}
-    return tree
+def robot_to_tree(robot: Robot, world: World) -> dict[str, Any]:
+    """Return a robot as it stands in a file."""
+    return part_to_tree(ROBOT_KEYS, vars(robot) | absences_to_tree(robot), world)
 
 
 def absences_to_tree(robot: Robot) -> dict[str, Any]:
@@ -127,33 +120,12 @@ def absences_to_tree(robot: Robot) -> dict[str, Any]:
 
 def task_to_tree(task: Task, world: World) -> dict[str, Any]:
     """Return a task as it stands in a file."""
-    tree: dict[str, Any] = {
-        "name": task.name,
-        "at": at_to_tree(task.at, world),
-        "needs": counts_to_tree(task.needs),
-    }
-    more = {
-        "within": task.within,
-        "may_need": dict(task.may_need),
-        "duration": task.duration if task.lasts is None else list(task.lasts),
-        "appears": task.appears,
-        "cancelled": task.cancelled,
-        "after": list(task.after),
-        "between": [] if task.between is None else list(task.between),
-        "to": [] if task.to is None else list(task.to),
-        "unload": task.unload,
-        "starts": {name: list(gap) for name, gap in task.starts.items()},
-    }
-    tree |= {key: value for key, value in more.items() if value}
-    return tree | ({} if task.weight == 1 else {"weight": task.weight})
+    takes = task.duration if task.lasts is None else task.lasts
+    return part_to_tree(TASK_KEYS, vars(task) | {"duration": takes}, world)
 
 
-def counts_to_tree(counts: Counts) -> list[str] | dict[str, float]:
+def counts_to_tree(counts: Brought) -> list[str] | dict[str, float]:
     """Return counts as they stand in a file."""
     if set(counts.values()) == {1}:
         return list(counts)
     return {name: exact(count) for name, count in counts.items()}
-
-
-def _radius_to_tree(radius: float) -> float | str:
-    return INFINITE if radius == math.inf else radius

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from teamformer.scenarios.trees.reader import INFINITE
+from teamformer.mission.keys.kinds import INFINITE
 from teamformer.scenarios.yaml.words import scalar
 from teamformer.whole_files import own_number
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from teamformer.mission.checks import LARGEST_NUMBER
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
 
 LARGEST_COUNT = 2**53
 """Which every reader of JSON keeps exact, the page's too."""

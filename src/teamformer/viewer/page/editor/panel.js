@@ -1,8 +1,6 @@
 // The editor's panel: Run, tools, the fields of what is selected, what a new thing brings, problems.
 
 const TOOLS = { move: "Select", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
-const STEP_FIELDS = { robots: { lost: "Lost in steps", back: "Back in steps" }, tasks: {} };
-const MORE_FIELDS = { robots: { speed: "Speed", delays: "Stands still (0 to 1)" }, tasks: { duration: "Duration, steps", within: "Within (cells or m)", appears: "Appears after step", cancelled: "Called off in step" } };
 
 class EditorPanel {
   constructor(app, box) {
@@ -133,10 +131,9 @@ class EditorPanel {
     const counts = readWrittenCounts(thing[key] ?? []);
     const all = () =>
       writtenCounts(Object.fromEntries(draft.tree.capabilities.map((name) => [name, Number(this.thing.elements[`count ${name}`].value)])));
-    const single = Object.entries(MORE_FIELDS[kind]).filter(([name]) => typeof (thing[name] ?? 0) !== "object"); // a range is kept
-    const more = single.map(([name, text]) =>
-      labelled(text, number(name, thing[name] ?? "", set(({ value }) => ({ [name]: value === "" ? undefined : Number(value) }), name), "any")),
-    );
+    const more = FILE_KEYS[kind]
+      .filter(({ name, field }) => field !== "number" || typeof (thing[name] ?? 0) !== "object") // a range is kept
+      .map((key) => this.keyField(key, thing, set));
     this.thing.replaceChildren(
       labelled(kind === "robots" ? "Robot" : "Task", input("text", "title", thing.name ?? "", ({ target }) => this.rename(selection, target.value)), "wide"),
       element(
@@ -147,20 +144,22 @@ class EditorPanel {
       ),
       element("fieldset", {}, element("legend", {}, "Place"), labelled("x", number("x", thing.at[0], set(() => ({ at: place() }), "at"), "any")), labelled("y", number("y", thing.at[1], set(() => ({ at: place() }), "at"), "any"))),
       ...more,
-      ...(kind === "robots" ? [this.flightField(thing, set)] : []),
-      ...Object.entries(STEP_FIELDS[kind]).map(([name, text]) =>
-        labelled(text, input("text", name, [thing[name] ?? []].flat().join(", "), set(({ value }) => ({ [name]: readSteps(value) }), name))),
-      ),
       element("div", { class: "acts" }, act("Remove", () => this.app.remove(selection))),
     );
   }
 
-  // Whether a robot flies over obstacles.
-  flightField(thing, set) {
-    const change = set(({ checked }) => ({ moves: checked ? "air" : undefined }), "moves");
-    const box = input("checkbox", "moves", "air", change);
-    box.checked = thing.moves === "air";
-    return labelled("Flies", box);
+  // The field of a key, by what stands under it.
+  keyField({ name, label, help, field }, thing, set) {
+    const value = thing[name];
+    const change = (read) => set((target) => ({ [name]: read(target) }), name);
+    const made = {
+      number: () => number(name, value ?? "", change(({ value }) => (value === "" ? undefined : Number(value))), "any"),
+      steps: () => input("text", name, [value ?? []].flat().join(", "), change(({ value }) => readSteps(value))),
+      text: () => input("text", name, value ?? "", change(({ value }) => value || undefined)),
+      flight: () => checkbox(name, value === "air", change(({ checked }) => (checked ? "air" : undefined))),
+    }[field]();
+    made.title = help;
+    return labelled(label, made, field === "text" ? "wide" : "");
   }
 
   // Letter by letter, each from what was before the first: half a name may be another thing's.
@@ -233,6 +232,12 @@ function labelled(text, field, kind = "") {
 function input(type, name, value, on) {
   const field = element("input", { type, name, value });
   field.addEventListener("input", on);
+  return field;
+}
+
+function checkbox(name, isChecked, on) {
+  const field = input("checkbox", name, "on", on);
+  field.checked = isChecked;
   return field;
 }
 

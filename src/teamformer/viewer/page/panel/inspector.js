@@ -56,6 +56,7 @@ function teamDetails(app, team, robot) {
     waitingFor(app, team.goal, team.missing, team),
     delayText(app, robot),
     sharesText(app, robot),
+    ...saidOf(FILE_KEYS.robots, scenario.robots[robot]),
     ...(team.robots.length > 1 ? titled("Robots", robotChips(app, team.robots, robot)) : []),
     ...titled("Brings", capabilityChips(app, "brings", team.counts)),
     ...(team.goal === NOBODY ? [] : titled("Task", taskLink(app, team.goal))),
@@ -88,6 +89,12 @@ function delayText({ history }, robot) {
   return delay ? element("p", { class: "muted" }, `Stands still in ${percent(delay)} of the steps`) : null;
 }
 
+// What a file says of a robot or a task that is there to be shown, such as a note.
+function saidOf(keys, { said }) {
+  const shown = keys.filter(({ name, isInDetails }) => isInDetails && said[name] !== undefined);
+  return shown.map(({ name, label }) => element("p", { class: "muted" }, `${label}: ${said[name]}`));
+}
+
 function lostDetails(app, robot) {
   const { history, player } = app;
   const name = robotName(history.scenario, robot);
@@ -95,6 +102,7 @@ function lostDetails(app, robot) {
     heading(app, mark("mark", app.map.theme.lost), name),
     lead(capitalised(describeLoss(history, robot, player.step))),
     ...(app.actionsFor?.(robot) ?? []),
+    ...saidOf(FILE_KEYS.robots, history.scenario.robots[robot]),
     ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
   ];
 }
@@ -112,6 +120,7 @@ function taskDetails(app, task) {
     heading(app, taskMark(app, task), name),
     lead(capitalised(describeStanding(history, task, app.scene()))),
     element("p", { class: "muted" }, `${placeText(history, task, player.step)}${steps}${orderText(app, task)}`),
+    ...saidOf(FILE_KEYS.tasks, history.scenario.tasks[task]),
     ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
     ...(isShown ? [] : titled("May need", element("p", {}, describeChances(history.scenario, mayNeed)))),
     ...(app.actionsForTask?.(task) ?? []),

@@ -20,6 +20,7 @@ function readScenario(tree, truth, foresight = "scouting") {
       name: robot.name,
       at: robot.at,
       can: readCounts(robot.can, numbers),
+      said: robot, // as the file has it
       flies: robot.moves === "air",
       delay: robot.delays?.chance ?? robot.delays ?? 0, // of how many steps it stands still in
     })),
@@ -38,18 +39,15 @@ function readScenario(tree, truth, foresight = "scouting") {
 // `needs` and `duration` are what they really are, `sure`, `believed` and `lasts` what is known
 // before; `mayNeed` has pairs of a capability and the probability that one more is needed. It is at
 // `at`, known to be `within` a distance of `around`, and `first` believed to be in the nearest place.
-function readTask(
-  { name, at, within, needs, may_need, duration, appears, cancelled, after, between, to, unload, weight },
-  numbers,
-  truth,
-  leastChance,
-) {
+function readTask(said, numbers, truth, leastChance) {
+  const { name, at, within, needs, may_need, duration, appears, cancelled, after, between, to, unload, weight } = said;
   const mayNeed = Object.entries(may_need ?? {}).map(([cap, chance]) => [numbers.get(cap), chance]);
   const sure = readCounts(needs, numbers);
   const hoped = mayNeed.filter(([, chance]) => chance > 0 && chance >= leastChance).map(([cap]) => [cap, 1]);
   const [lasts, took] = Array.isArray(duration) ? [duration, duration[1]] : [null, duration ?? 0];
   return {
     name,
+    said, // as the file has it
     at: truth?.at ?? at,
     around: at,
     within: within ?? 0,

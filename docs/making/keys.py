@@ -1,0 +1,59 @@
+"""Writes what the tables of keys say into docs/reference/scenarios.md, and the JSON Schema.
+
+`python docs/making/keys.py` after a change of `src/teamformer/mission/keys`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from teamformer.mission.keys.key import REQUIRED, Key
+from teamformer.mission.keys.kinds import Parts
+from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
+from teamformer.mission.keys.world_keys import PLANE_KEYS
+from teamformer.scenarios.schema import schema_text
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "reference" / "scenarios.md"
+SCHEMA = ROOT / "mission.schema.json"
+
+
+def rows(keys: Sequence[Key], before: str = "") -> Iterator[str]:
+    """Yield a row for each key: what it means, and what holds if it is left out."""
+    for key in keys:
+        without = REQUIRED if key.is_required else key.without or said(key.default)
+        yield f"| `{before}{key.name}` | {key.means} | {without} |"
+        if isinstance(key.kind, Parts):
+            yield from rows(key.kind.keys, f"{before}{key.name}[].")
+
+
+def said(default: object) -> str:
+    """Return a default as the page shows it."""
+    return f"`{default}`" if isinstance(default, str) else f"{default:g}"
+
+
+def tables() -> dict[str, list[str]]:
+    """Return the lines of each table, by the name between its markers."""
+    head = ["| key | means | if left out |", "|---|---|---|"]
+    cost = [f"| `{key.name}` | {key.means} |" for key in COST_KEYS]
+    return {
+        "every key": [*head, *rows(MISSION_KEYS)],
+        "planes": [*head, *rows(PLANE_KEYS, "world.")],
+        "cost": ["| key | what it measures |", "|---|---|", *cost],
+    }
+
+
+def page(text: str) -> str:
+    """Return the text of the page with its tables as the keys have them now."""
+    for name, lines in tables().items():
+        begin, end = f"<!-- keys: {name} -->", "<!-- end of keys -->"
+        table = "\n".join([begin, "", *lines, "", end])
+        text = re.sub(f"{begin}.*?{end}", lambda _, table=table: table, text, flags=re.DOTALL)
+    return text
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    SCHEMA.write_text(schema_text(), encoding="utf-8")

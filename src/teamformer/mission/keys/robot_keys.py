@@ -1,0 +1,147 @@
+"""The keys of a robot."""
+
+from __future__ import annotations
+
+from teamformer.mission.keys.key import CONTINUOUS, REAL_ROBOTS, Key, Unknown
+from teamformer.mission.keys.kinds import (
+    LARGEST_NUMBER,
+    LATEST_RETURN,
+    Counts,
+    Moments,
+    Moves,
+    Number,
+    Part,
+    Place,
+    Range,
+    Text,
+    Whole,
+)
+from teamformer.roads import AIR, GROUND
+
+SLOWEST, FASTEST = 0.001, 1000
+"""Cells a step, on a plane metres a second: others would overflow the step counts."""
+
+MOST_ALIKE = 1000
+"""Robots that one entry of a file stands for."""
+
+NOT_KNOWN = "([what is not known](#what-is-not-known))"
+SURPRISES = (CONTINUOUS, REAL_ROBOTS)
+
+BREAKS_KEYS = (
+    Key("rate", Number(0, 1), "the probability that the robot breaks down in a step"),
+    Key(
+        "repair",
+        Range(1),
+        "the least and the most steps until it is back, every whole number equally likely",
+        default=None,
+        without="it is lost for good",
+    ),
+)
+
+DELAYS_KEYS = (
+    Key("chance", Number(0, 1, is_below=True), "the probability that it stands still in a step"),
+    Key("seed", Whole(), "decides in which steps it stands still, the same ones in every trial"),
+)
+
+ROBOT_KEYS = (
+    Key(
+        "name",
+        Text(),
+        "a name that no other robot has",
+        default="",
+        without="`r1`, `r2`, ... by place in the list",
+    ),
+    Key(
+        "at",
+        Place(),
+        "where the robot starts: a cell `[x, y]`; on a plane a point in metres; on roads the name "
+        "of a place",
+        example=[2, 3],
+    ),
+    Key(
+        "can",
+        Counts(),
+        "its capabilities: a list of names, or counts as in `{scan: 1, power: 2}`; counts may be "
+        "[fractions](#fractions)",
+        example=["lift"],
+    ),
+    Key(
+        "speed",
+        Number(SLOWEST, FASTEST),
+        "cells per step, 0.001 to 1000; on a plane metres per second; on roads a factor: 2 halves "
+        "all times. A team is as fast as its slowest robot",
+        default=1.0,
+        label="Speed",
+    ),
+    Key(
+        "lost",
+        Moments(1, LARGEST_NUMBER),
+        "the step from which the robot is out of the mission; the first step is 1. So `lost: 15` "
+        "is 14 steps after the start. If the robots that are left, with those still to come back, "
+        "can never do some task, the mission is given up in that step, even if other tasks could "
+        "be done; `cancelled` calls a task off. A list if it is lost more than once",
+        default=(),
+        without="never",
+        label="Lost in steps",
+        unknown=Unknown((CONTINUOUS,), "is lost", field="absences"),
+    ),
+    Key(
+        "back",
+        Moments(2, LATEST_RETURN),
+        "the step from which a lost robot takes part again, alone and where it was lost. A list "
+        "if `lost` is one, as in `lost: [9, 40], back: [20]`",
+        default=(),
+        without="never",
+        label="Back in steps",
+    ),
+    Key(
+        "breaks",
+        Part(BREAKS_KEYS, makes="Breakdown"),
+        f"`{{rate: 0.001, repair: [10, 40]}}`: random breakdowns {NOT_KNOWN}",
+        default=None,
+        without="it does not break down",
+        unknown=Unknown(SURPRISES, "may break down", is_surprise=True),
+    ),
+    Key(
+        "delays",
+        Part(DELAYS_KEYS, makes="Delays", alone="chance"),
+        f"the probability that it stands still in a step {NOT_KNOWN}",
+        default=None,
+        without="0",
+        label="Stands still (0 to 1)",
+        unknown=Unknown(SURPRISES, "may stand still", is_surprise=True),
+    ),
+    Key(
+        "moves",
+        Moves((GROUND, AIR)),
+        "`ground`, or `air` if obstacles do not stop it ([robots that fly](#robots-that-fly)); on "
+        "[roads](#roads) it says which of the tables the robot uses",
+        default=GROUND,
+        label="Flies",
+    ),
+    Key(
+        "count",
+        Whole(1, MOST_ALIKE),
+        "the number of robots with these properties, all at the same place. They are named "
+        "`cart-1`, `cart-2`, ...; a name may have 200 letters, number included",
+        default=None,
+        without="1, with its own name",
+    ),
+    Key(
+        "note",
+        Text(),
+        "a text for people, which pages and tables show with the robot",
+        default="",
+        without="none",
+        label="Note",
+        is_in_details=True,
+    ),
+)
+
+NOT_ALIKE = {
+    "lost": "absences have it",
+    "back": "absences have it",
+    "absences": "lost and back say them",
+    "count": "becomes so many robots",
+}
+"""Keys without a field of their own in the model, and fields without a key: why."""

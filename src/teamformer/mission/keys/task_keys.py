@@ -1,0 +1,174 @@
+"""The keys of a task."""
+
+from __future__ import annotations
+
+from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, REAL_ROBOTS, Key, Unknown
+from teamformer.mission.keys.kinds import (
+    Chances,
+    Counts,
+    Either,
+    Links,
+    Names,
+    Number,
+    Place,
+    Range,
+    Robots,
+    Text,
+    Time,
+    Whole,
+    Window,
+)
+from teamformer.mission.keys.robot_keys import NOT_KNOWN, SURPRISES
+
+SMALLEST_WEIGHT, LARGEST_WEIGHT = 1e-3, 1e6
+"""Of the weights of a cost and of tasks: they are told apart however far apart they are."""
+
+CONTINUOUS_TIME = "([continuous time](#continuous-time))"
+
+TASK_KEYS = (
+    Key(
+        "name",
+        Text(),
+        "a name that no other task has",
+        default="",
+        without="`t1`, `t2`, ... by place in the list",
+    ),
+    Key(
+        "at",
+        Place(),
+        "the cell or point `[x, y]` where the task is; on roads the name of a place",
+        example=[18, 9],
+    ),
+    Key(
+        "needs",
+        Counts(),
+        "the capabilities that *one team* must bring together: names or counts, as for `can`",
+        example={"lift": 2, "weld": 1},
+    ),
+    Key(
+        "duration",
+        Either(Time(), Range(0, "write steps, or [least, most]")),
+        "steps that the team must stay. In continuous time it may be a fraction. In steps it may "
+        f"be a range `[least, most]` {NOT_KNOWN}",
+        default=0,
+        label="Duration, steps",
+        unknown=Unknown(SURPRISES, "has no sure duration", is_surprise=True, field="lasts"),
+    ),
+    Key(
+        "appears",
+        Whole(0, is_checked_later=True),
+        "how many steps have been made when everybody learns of the task; 0: it is known from the "
+        "start",
+        default=0,
+        label="Appears after step",
+    ),
+    Key(
+        "cancelled",
+        Whole(1, is_checked_later=True),
+        "the step in which the task is called off, if it is not done by then "
+        "([called off](#called-off))",
+        default=None,
+        without="it never is",
+        label="Called off in step",
+        unknown=Unknown((CONTINUOUS, BEFOREHAND, REAL_ROBOTS), "is cancelled"),
+    ),
+    Key(
+        "after",
+        Names(),
+        f"names of tasks that must have ended before this one begins {CONTINUOUS_TIME}",
+        default=(),
+        without="none",
+        unknown=Unknown((REAL_ROBOTS,), "has after"),
+    ),
+    Key(
+        "between",
+        Window(),
+        "`[begin, end]`: the task may not begin before `begin`, and is late if it ends after "
+        f"`end` {CONTINUOUS_TIME}",
+        default=None,
+        without="any time",
+        example=[0, 20],
+        unknown=Unknown((REAL_ROBOTS,), "has between"),
+    ),
+    Key(
+        "starts",
+        Links(),
+        "in continuous time: `{TASK: [least, most]}`, this task starts at least and at most this "
+        f"long after TASK starts, and other robots do it {CONTINUOUS_TIME}",
+        default={},
+        without="whenever it can",
+        example={"drip": [5, 10]},
+    ),
+    Key(
+        "to",
+        Place(),
+        "the cell or point `[x, y]` to which the task's load is brought ([loads](#loads))",
+        default=None,
+        without="nothing is carried",
+    ),
+    Key(
+        "unload",
+        Time(),
+        "steps that the team stays there with the load; in continuous time it may be a fraction",
+        default=0,
+    ),
+    Key(
+        "may_need",
+        Chances(),
+        "`{weld: 0.4}`: with this probability the task needs one more of the capability "
+        f"{NOT_KNOWN}",
+        default={},
+        without="nothing",
+        example={"weld": 0.4},
+        unknown=Unknown(SURPRISES, "has no sure needs", is_surprise=True),
+    ),
+    Key(
+        "within",
+        Number(0),
+        "the task is somewhere within this distance of `at`, in a straight line, in cells or "
+        f"metres; where exactly shows only when a team comes near {NOT_KNOWN}",
+        default=0.0,
+        without="0: it is at `at`",
+        label="Within (cells or m)",
+        unknown=Unknown(SURPRISES, "has no sure place", is_surprise=True),
+    ),
+    Key(
+        "weight",
+        Number(SMALLEST_WEIGHT, LARGEST_WEIGHT),
+        "how much the task counts in `cost`, both when it ends and how late it is; 0.001 to "
+        "1,000,000",
+        default=1.0,
+    ),
+    Key(
+        "only",
+        Robots(),
+        "names of robots, or the name of an entry with `count` for all its robots: what other "
+        "robots bring does not count for this task ([pins](#pins))",
+        default=(),
+        without="every robot may do it",
+    ),
+    Key(
+        "with",
+        Robots(),
+        "names of robots that must take part, as for `only` ([pins](#pins))",
+        default=(),
+        without="none",
+    ),
+    Key(
+        "note",
+        Text(),
+        "a text for people, which pages and tables show with the task",
+        default="",
+        without="none",
+        label="Note",
+        is_in_details=True,
+    ),
+)
+
+NOT_ALIKE = {
+    "only": "becomes capabilities that only these robots bring",
+    "with": "becomes capabilities that only these robots bring",
+    "lasts": "duration says it, as a range",
+    "has_arrived": "a task that appears at random stands in no file",
+}
+"""Keys without a field of their own in the model, and fields without a key: why."""

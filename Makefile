@@ -30,7 +30,7 @@ docs: $(VENV)/docs.stamp  ## the site, in build/site; a link that leads nowhere 
 	@echo "read it: $(BIN)/python -m http.server --directory build/site, then http://localhost:8000"
 
 kernels: $(VENV)/dev.stamp  ## compiled once, before two processes of the suite would both compile them
-	$(BIN)/python -m teamformer.commands.compiling --everything > /dev/null
+	$(BIN)/python -m teamformer.cli.terminal.compiling --everything > /dev/null
 
 types: $(VENV)/dev.stamp
 	$(BIN)/mypy
@@ -62,7 +62,7 @@ wheel-of:  ## the wheel of one PYTHON, built and tried in an environment of its 
 	$(WHEEL_BIN)/pip install --quiet .
 	rm -rf build/kernels build/first-run src/teamformer/compiled
 	PYTHONPATH=src NUMBA_CACHE_DIR=build/kernels NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= \
-		$(WHEEL_BIN)/python -m teamformer.commands.compiling --everything
+		$(WHEEL_BIN)/python -m teamformer.cli.terminal.compiling --everything
 	mkdir src/teamformer/compiled
 	find build/kernels -name '*.nbc' ! -name 'inner.*' -exec mv {} src/teamformer/compiled/ ';'  # linked in
 	$(WHEEL_BIN)/pip wheel --quiet --no-deps --wheel-dir build/wheel . ; \

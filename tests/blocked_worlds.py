@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from random_worlds import random_decision, random_world, with_loads
-from teamformer.model import Scenario
-from teamformer.sim.env import TeamFormation
-from teamformer.trials.methods import Player, as_method
+from teamformer.methods.by_name import Player, as_method
+from teamformer.mission.model import Scenario
 from teamformer.trials.trial import decide
+from teamformer.world.env import TeamFormation
 
 
 def blocked_worlds(

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.capabilities import covers, total
-from teamformer.coordination import Coordinator, Known, Plan
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.mission.reach import can_reach
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.sim.env import TeamFormation
-from teamformer.trials.methods import Method
+from teamformer.methods.by_name import Method
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.mission.coordination import Coordinator, Known, Plan
+from teamformer.mission.parts.capabilities import covers, total
+from teamformer.mission.parts.reach import can_reach
+from teamformer.world.env import TeamFormation
 
 COORDINATIONS = ("paper", "crews", "plan")
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from teamformer.bench.jobs import Job, known_row
 from teamformer.bench.rows import Row
-from teamformer.scenarios.named_settings import world_of
+from teamformer.files.drawn.named_settings import world_of
 
 
 def rows_of(

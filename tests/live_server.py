@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.commands.addresses import Address
-from teamformer.live.mission_with_past import Mission
+from teamformer.cli.terminal.addresses import Address
+from teamformer.files.mission_files import scenario_from_tree
+from teamformer.live.running.mission_with_past import Mission
 from teamformer.live.session import Session
 from teamformer.live.workshop import Workshop
-from teamformer.model import Scenario
-from teamformer.scenarios.files import scenario_from_tree
-from teamformer.trials.methods import load_method
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Scenario
 from teamformer.viewer.html import live_page
 
 HERE = Address()
@@ -96,8 +96,8 @@ def serving_session(
     """Serve what pages speak to while the block runs, at a port that is free if none is given."""
     import uvicorn
 
-    from teamformer.live.doors import Doors
-    from teamformer.live.server import configure, make_app
+    from teamformer.live.serving.doors import Doors
+    from teamformer.live.serving.server import configure, make_app
 
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

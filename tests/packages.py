@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.entry_points import brought
+from teamformer.base.entry_points import brought
 
 
 def add_package(

@@ -6,12 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from teamformer.capabilities import Counts
-from teamformer.errors import ScenarioError
-from teamformer.grid import BLOCKED, FREE, Grid, Place
-from teamformer.mission.places import busiest_part
-from teamformer.mission.reach import totals_by_region
-from teamformer.model import (
+from teamformer.base.errors import ScenarioError
+from teamformer.mission.model import (
     Absence,
     Arrivals,
     Breakdown,
@@ -21,9 +17,13 @@ from teamformer.model import (
     Task,
     World,
 )
-from teamformer.plane import Plane
-from teamformer.sim.env import Decision
-from teamformer.sim.view import View
+from teamformer.mission.parts.capabilities import Counts
+from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
+from teamformer.mission.parts.places import busiest_part
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.reach import totals_by_region
+from teamformer.world.env import Decision
+from teamformer.world.view import View
 
 
 def random_world(

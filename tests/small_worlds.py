@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.grid import Grid, Place
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.rules.constants import NOBODY
 
 CAPS = ("a", "b", "c")
 

@@ -6,11 +6,11 @@ import numpy as np
 import torch
 
 from random_worlds import random_decision, random_world
-from teamformer.arrays import Array
-from teamformer.nets.teamformer import Teamformer, TeamformerSettings
-from teamformer.policies.learned.token_features import TASK_FEATURES, TEAM_FEATURES
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.view import View
+from teamformer.base.array_types import Array
+from teamformer.learning.nets.teamformer import Teamformer, TeamformerSettings
+from teamformer.methods.learned.token_features import TASK_FEATURES, TEAM_FEATURES
+from teamformer.world.env import TeamFormation
+from teamformer.world.view import View
 
 CAPS = 4
 SPELLINGS = ["edit", "full"]

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from teamformer.model import Scenario
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.authors import read_worlds
+from teamformer.files.imports.authors import read_worlds
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Scenario
 from teamformer.trials.trial import run_trials
 
 AUTHORS = Path(__file__).parents[2] / "shared" / "data" / "authors"

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.scenarios.files import write_scenario
-from teamformer.scenarios.smallest import smallest_scenario
+from teamformer.files.drawn.smallest import smallest_scenario
+from teamformer.files.mission_files import write_scenario
 from test_command_line import VERBS
 
 MISSION, ARENA = "smallest.yaml", str(Path(__file__).parents[1] / "examples/robotarium-4.yaml")

@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from teamformer.capabilities import (
+from teamformer.mission.parts.capabilities import (
     covers,
     describe,
     exact,

@@ -16,12 +16,12 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.commands import console
-from teamformer.referee import judge
-from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay.reading import read_replay
-from teamformer.trials.listings import method_listings
-from teamformer.trials.methods import load_method
+from teamformer.cli.terminal import console
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.by_name import load_method
+from teamformer.methods.listings import method_listings
+from teamformer.record.reading import read_replay
+from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 from typed import FOUR, teamformer
 
@@ -305,7 +305,7 @@ def test_names_that_the_terminal_cannot_show_and_narrow_pipes(
 
 SLOW = """
 import time
-from teamformer.policies.scripted.joining import JoinAll
+from teamformer.methods.scripted.joining import JoinAll
 class Slow(JoinAll):
     def decide(self, view):
         print('deciding', flush=True)

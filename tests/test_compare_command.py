@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from teamformer.commands.missions import compare
-from teamformer.commands.missions.run import watch_trial
-from teamformer.model import Scenario
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.writing import replay_to_tree
-from teamformer.trials.methods import Method
+from teamformer.cli.verbs.missions import compare
+from teamformer.cli.verbs.missions.run import watch_trial
+from teamformer.methods.by_name import Method
+from teamformer.mission.model import Scenario
+from teamformer.record.reading import read_replay
+from teamformer.record.writing import replay_to_tree
 from teamformer.trials.trial import Trial
 from typed import FOUR, teamformer
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.commands import compiling
-from teamformer.trials.methods import load_method
+from teamformer.cli.terminal import compiling
+from teamformer.methods.by_name import load_method
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "four-robots.yaml"
 

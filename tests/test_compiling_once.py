@@ -13,11 +13,11 @@ from typing import Any
 import numba as nb
 import pytest
 
-from teamformer.jit import entry, needs_compiling
-from teamformer.kernels import announcing, compiler, files, turns
-from teamformer.kernels.announcing import QUIET, WAITING, Announcer
-from teamformer.kernels.clock import compiling_seconds
-from teamformer.kernels.turns import turn
+from teamformer.base.kernels import announcing, compiler, files, turns
+from teamformer.base.kernels.announcing import QUIET, WAITING, Announcer
+from teamformer.base.kernels.clock import compiling_seconds
+from teamformer.base.kernels.jit import entry, needs_compiling
+from teamformer.base.kernels.turns import turn
 from test_jit import answer_kernel
 
 KEPT = "compiling kernels, on the first run only (a minute, more if busy) ...\n"
@@ -118,7 +118,7 @@ CALL = "import sys; sys.path.insert(0, '.'); from oracle import reply; print(rep
 def test_python_that_optimises_leaves_what_is_kept_without_it(tmp_path: Path) -> None:
     """An `assert` is not compiled there; each finds its own file again."""
     (tmp_path / "oracle.py").write_text(
-        "from teamformer.jit import entry\n\n\n@entry\ndef reply():\n"
+        "from teamformer.base.kernels.jit import entry\n\n\n@entry\ndef reply():\n"
         '    """Return a number."""\n    assert True\n    return 42\n'
     )
     told = []
@@ -165,7 +165,7 @@ def test_what_another_process_compiles_is_waited_for_and_taken(
 TAKE_TURN = """
 import sys
 from pathlib import Path
-from teamformer.kernels import turns
+from teamformer.base.kernels import turns
 turns.PATIENCE = 0
 with turns.turn(Path(sys.argv[1])):
     print(Path(sys.argv[1]).read_text())

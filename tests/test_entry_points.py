@@ -11,24 +11,24 @@ import pytest
 
 from packages import add_package, packages_in
 from small_worlds import two_robots_one_task
-from teamformer import entry_points
-from teamformer.commands.records.export import export
-from teamformer.entry_points import GROUPS, brought, find_brought, names_of
-from teamformer.errors import TeamformerError
+from teamformer.base import entry_points
+from teamformer.base.entry_points import GROUPS, brought, find_brought, names_of
+from teamformer.base.errors import TeamformerError
+from teamformer.cli.verbs.records.export import export
+from teamformer.files.imports import import_missions
 from teamformer.fleet.bodies.body import Report
-from teamformer.fleet.bodies.by_name import body_maker
 from teamformer.fleet.fleet_mission import Mission
-from teamformer.scenarios.imports import import_missions
-from teamformer.sim.replay.writing import write_replay
-from teamformer.trials.listings import method_listings, method_names, our_method_names
-from teamformer.trials.methods import files_of_own, load_method
+from teamformer.fleet.process.bodies_by_name import body_maker
+from teamformer.methods.by_name import files_of_own, load_method
+from teamformer.methods.listings import method_listings, method_names, our_method_names
+from teamformer.record.writing import write_replay
 from teamformer.trials.trial import run_trial
 
 CODE = """
-from teamformer.coordinators.crews import Crews
+from teamformer.methods.coordinators.crews import Crews
 from teamformer.fleet.bodies.body import Report
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.smallest import smallest_scenario
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.files.drawn.smallest import smallest_scenario
 
 
 class Eager(JoinAll):

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import teamformer as tf
-from teamformer.advice.experience import Lesson
-from teamformer.scenarios.files import read_scenario, write_scenario
+from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.trials.advice.experience import Lesson
 from typed import teamformer
 
 HERE, THERE = (2, 2), (30, 2)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from teamformer import extras
-from teamformer.errors import TeamformerError
+from teamformer.base import extras
+from teamformer.base.errors import TeamformerError
 
 ROOT = Path(__file__).parent.parent
 

@@ -10,34 +10,34 @@ from typing import Any
 import numpy as np
 import pytest
 
-from teamformer.capabilities import Counts
-from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.export.csv_tables import write_tables
-from teamformer.export.reasons import explain
+from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.files.mission_files import read_scenario
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.fleet_mission import Mission as FleetMission
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.rehearsal.faults import Faults, Order
 from teamformer.fleet.rehearsal.rehearse import play as rehearse
-from teamformer.grid import Grid
-from teamformer.live.incidents import NewTask
-from teamformer.live.messages import read_incident
-from teamformer.live.mission_with_past import Mission
-from teamformer.model import Arrivals, Robot, Scenario, Task
-from teamformer.plane import Plane
+from teamformer.live.running.incidents import NewTask
+from teamformer.live.running.messages import read_incident
+from teamformer.live.running.mission_with_past import Mission
+from teamformer.methods.by_name import load_method
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Arrivals, Robot, Scenario, Task
+from teamformer.mission.parts.capabilities import Counts
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.plane import Plane
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.relaxation.problem import most_in_coalitions, relax
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.referee import judge
+from teamformer.planning.problem.relaxed_problem import most_in_coalitions, relax
+from teamformer.record.export.csv_tables import write_tables
+from teamformer.record.export.reasons import explain
+from teamformer.record.referee import judge
 from teamformer.robotarium.mission_checks import check_mission
-from teamformer.scenarios.files import read_scenario
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.multi_agent.parallel_env import TeamFormationParallel
-from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
+from teamformer.world.env import TeamFormation
+from teamformer.world.multi_agent.parallel_env import TeamFormationParallel
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "piano.yaml"
 

@@ -14,9 +14,9 @@ import pytest
 
 import teamformer
 import teamformer as tf
-from teamformer.api import advice, missions, trials
-from teamformer.policies.scripted.joining import JoinAll
+from teamformer.methods.scripted.joining import JoinAll
 from teamformer.trials import planned
+from teamformer.trials.api import advice, missions, trials
 from teamformer.viewer import notebook_page
 
 ROOT = Path(__file__).parents[1]

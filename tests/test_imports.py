@@ -76,9 +76,9 @@ HOMES = {
     "vroom": ("bench/peers/by_vroom.py",),
     "torch": ("nets/", "train/"),
     "safetensors": ("train/",),
-    "onnxruntime": ("policies/learned/onnx_sessions.py",),
-    "gymnasium": ("sim/multi_agent/parallel_env.py",),
-    "pettingzoo": ("sim/multi_agent/parallel_env.py",),
+    "onnxruntime": ("methods/learned/onnx_sessions.py",),
+    "gymnasium": ("world/multi_agent/parallel_env.py",),
+    "pettingzoo": ("world/multi_agent/parallel_env.py",),
     "typer": ("cli/", "commands/"),
     "click": ("cli/", "commands/"),
     "rich": ("cli/", "commands/", "bench/"),
@@ -110,11 +110,15 @@ HOMES = {
     "rps": ("robotarium/robots/rps_robots.py",),
     "scipy": ("robotarium/control/assignment.py",),
     "onnx": ("train/export/",),
-    "starlette": ("live/doors.py", "live/server.py"),
-    "uvicorn": ("live/doors.py", "live/server.py"),
-    "ruamel": ("live/comments.py",),
-    "foxglove": ("export/foxglove_channels.py", "export/foxglove_server.py", "export/mcap_file.py"),
-    "PIL": ("export/gif_file.py", "robotarium/draw.py", "scenarios/maps/images.py"),
+    "starlette": ("live/serving/doors.py", "live/serving/server.py"),
+    "uvicorn": ("live/serving/doors.py", "live/serving/server.py"),
+    "ruamel": ("live/drawing/comments.py",),
+    "foxglove": (
+        "record/export/foxglove_channels.py",
+        "record/export/foxglove_server.py",
+        "record/export/mcap_file.py",
+    ),
+    "PIL": ("record/export/gif_file.py", "robotarium/draw.py", "files/maps/images.py"),
 }
 NOWHERE = ("pandas", "networkx")
 
@@ -183,13 +187,13 @@ def test_the_reader_of_imports_finds_them(tmp_path: Path) -> None:
     path = tmp_path / "some.py"
     path.write_text(
         "import a.b\nfrom c import d as e\nif TYPE_CHECKING:\n    import f\n"
-        "def g():\n    from teamformer.sim import env\n"
+        "def g():\n    from teamformer.world import env\n"
     )
-    found = {"a.b": True, "c.d": True, "f": False, "teamformer.sim.env": False}
+    found = {"a.b": True, "c.d": True, "f": False, "teamformer.world.env": False}
     assert dict(imports_of(path)) == found
-    assert not is_allowed("planning", "teamformer.sim.env")
-    assert not is_allowed("referee", "teamformer.sim.env")
-    assert is_allowed("referee", "teamformer.sim.replay.record.Step")
+    assert not is_allowed("planning", "teamformer.world.env")
+    assert not is_allowed("referee", "teamformer.world.env")
+    assert is_allowed("referee", "teamformer.record.record.Step")
     assert not is_allowed("scenarios", "teamformer.simulated")
     assert {part_of(path) for path in FILES} - {"__init__"} <= set(SEES)
 

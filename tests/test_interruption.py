@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from teamformer.commands.interruption import Interruption
-from teamformer.import_apart import import_apart
+from teamformer.base.import_apart import import_apart
+from teamformer.cli.terminal.interruption import Interruption
 
 
 @pytest.fixture(autouse=True)

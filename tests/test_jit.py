@@ -19,10 +19,9 @@ import numba as nb
 import pytest
 from numba.core.serialize import dumps
 
-from teamformer import jit
-from teamformer.kernels import files
-from teamformer.kernels.clock import compiling_seconds, working_seconds
-from teamformer.kernels.stamps import stamp_of
+from teamformer.base.kernels import files, jit
+from teamformer.base.kernels.clock import compiling_seconds, working_seconds
+from teamformer.base.kernels.stamps import stamp_of
 from teamformer.planning.relaxation import threshold
 
 
@@ -32,7 +31,7 @@ def twice(number: int) -> int:
 
 SOURCE = """
 from typing import NamedTuple
-from teamformer.jit import entry, kernel
+from teamformer.base.kernels.jit import entry, kernel
 import numpy as np
 
 STEP = 2
@@ -101,9 +100,9 @@ def test_functions_that_are_alike_have_stamps_of_their_own(tmp_path: Path) -> No
 STAMPS_OF_ALL = """
 import importlib, pkgutil
 import teamformer
-from teamformer.kernels.compiler import Entry
-from teamformer.kernels.clock import compiling_seconds, working_seconds
-from teamformer.kernels.stamps import stamp_of
+from teamformer.base.kernels.compiler import Entry
+from teamformer.base.kernels.clock import compiling_seconds, working_seconds
+from teamformer.base.kernels.stamps import stamp_of
 for part in ("rules", "planning", "sim", "policies"):
     package = importlib.import_module(f"teamformer.{part}")
     for found in pkgutil.walk_packages(package.__path__, f"teamformer.{part}."):
@@ -127,7 +126,7 @@ def test_stamps_are_the_same_in_every_process() -> None:
         for seed in ("1", "2")
     ]
     assert told[0] == told[1]
-    assert "teamformer.sim.step step_worlds " in told[0]
+    assert "teamformer.world.step step_worlds " in told[0]
 
 
 def test_what_was_compiled_and_kept_needs_no_compiling(
@@ -165,7 +164,7 @@ class KilledError(BaseException):
 def answer_kernel(path: Path, answer: int) -> Any:
     """Write a module whose only kernel returns a number, and load it as a new process would."""
     path.write_text(
-        f"from teamformer.jit import entry\n\n@entry\ndef reply():\n    return {answer}\n"
+        f"from teamformer.base.kernels.jit import entry\n\n@entry\ndef reply():\n    return {answer}\n"
     )
     return load_anew(path).reply
 
@@ -247,9 +246,9 @@ import time
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 from teamformer import jit
-from teamformer.kernels import files
-from teamformer.kernels.clock import compiling_seconds, working_seconds
-from teamformer.kernels.stamps import stamp_of
+from teamformer.base.kernels import files
+from teamformer.base.kernels.clock import compiling_seconds, working_seconds
+from teamformer.base.kernels.stamps import stamp_of
 files.PACKAGED = Path(sys.argv[2])
 from oracle import reply
 print(jit.needs_compiling(reply), reply())
@@ -278,7 +277,7 @@ def call_anew(folder: Path, kept: str, **environment: str) -> str:
 def test_what_a_wheel_brings_is_not_compiled(tmp_path: Path) -> None:
     """Compiled for the baseline, then found by a process with an empty cache of its own."""
     (tmp_path / "oracle.py").write_text(
-        "from teamformer.jit import entry\n\n@entry\ndef reply():\n    return 42\n"
+        "from teamformer.base.kernels.jit import entry\n\n@entry\ndef reply():\n    return 42\n"
     )
     assert call_anew(tmp_path, "built", **AS_THE_WHEEL) == "True 42"
     [built] = (tmp_path / "built").rglob("*.nbc")

@@ -9,8 +9,8 @@ import numba as nb
 import numpy as np
 import pytest
 
-from teamformer.jit import allocating_kernel, entry, kernel
-from teamformer.rules.sorting import sort_indices
+from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
+from teamformer.world.rules.sorting import sort_indices
 
 
 @pytest.fixture(autouse=True)

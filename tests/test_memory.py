@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from teamformer.cli import main
-from teamformer.grid import Grid
-from teamformer.scenarios.generate import Spec, generate
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.methods.by_name import load_method
+from teamformer.mission.parts.grid import Grid
 from teamformer.trials import memory
 from teamformer.trials.memory import bytes_left, bytes_needed, plans_for_all
-from teamformer.trials.methods import load_method
 
 pytestmark = pytest.mark.skipif(not Path("/proc/meminfo").exists(), reason="needs Linux")
 
@@ -102,7 +102,7 @@ def test_memory_that_runs_out_is_one_line(
     def exhaust() -> int:
         return len(bytearray(2**62))
 
-    monkeypatch.setattr("teamformer.commands.policies.listing.methods", exhaust)
+    monkeypatch.setattr("teamformer.cli.verbs.policies.listing.methods", exhaust)
     with pytest.raises(SystemExit) as ended:
         main()
     told = capsys.readouterr().err.splitlines()

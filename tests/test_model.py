@@ -8,9 +8,8 @@ from typing import Any
 
 import pytest
 
-from teamformer.errors import ScenarioError
-from teamformer.grid import Grid, Place
-from teamformer.model import (
+from teamformer.base.errors import ScenarioError
+from teamformer.mission.model import (
     MOST_WAITING,
     MOST_WALKING,
     Absence,
@@ -19,6 +18,7 @@ from teamformer.model import (
     Task,
     default_step_limit,
 )
+from teamformer.mission.parts.grid import Grid, Place
 
 LIFTER = Robot("a", (0, 0), {"lift": 1})
 SCANNER = Robot("b", (0, 0), {"scan": 1})

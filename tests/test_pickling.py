@@ -14,9 +14,7 @@ import pytest
 
 import teamformer as tf
 from small_worlds import make, robot, task
-from teamformer.bench.peers.peer_plan import OutOfReachError
-from teamformer.coordination import Coordinator
-from teamformer.errors import (
+from teamformer.base.errors import (
     Problem,
     ReaderGoneError,
     ReplayError,
@@ -24,12 +22,14 @@ from teamformer.errors import (
     TeamformerError,
     UndoableError,
 )
-from teamformer.live.messages import TaskRefusedError
-from teamformer.policies.protocol import Policy
-from teamformer.scenarios.yaml.reader import StopReadingError
-from teamformer.sim.replay.values import DamageError
-from teamformer.trials.methods import METHODS, load_method
-from teamformer.trials.worker_processes import WorkerDiedError, work_in_processes
+from teamformer.base.worker_processes import WorkerDiedError, work_in_processes
+from teamformer.bench.peers.peer_plan import OutOfReachError
+from teamformer.files.yaml.reader import StopReadingError
+from teamformer.live.running.messages import TaskRefusedError
+from teamformer.methods.by_name import METHODS, load_method
+from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.coordination import Coordinator
+from teamformer.record.values import DamageError
 
 Kind = TypeVar("Kind")
 

@@ -15,8 +15,8 @@ import pytest
 import yaml
 
 from others_rules import dcmrta_makespan, hetero_mrta_makespan, hhcrsp_cost, sadcher_makespan
+from teamformer.files.mission_files import read_scenario
 from teamformer.planning.continuous.rules import warm_up
-from teamformer.scenarios.files import read_scenario
 from typed import FOUR, teamformer
 
 TREE = {

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from small_worlds import reachable
-from teamformer import regions as module
-from teamformer.grid import BLOCKED, FREE, Grid
-from teamformer.regions import find_regions, flood
+from teamformer.mission.parts import regions as module
+from teamformer.mission.parts.grid import BLOCKED, FREE, Grid
+from teamformer.mission.parts.regions import find_regions, flood
 
 
 def test_two_parts_and_a_pocket() -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.jit import entry
-from teamformer.rules.constants import MICROMETRES
-from teamformer.rules.coverage import covers, fills_gap, helps
-from teamformer.rules.pairing import pair_off
-from teamformer.rules.sorting import sort_indices
-from teamformer.rules.splitting import anybody_fits, fits
+from teamformer.base.kernels.jit import entry
+from teamformer.world.rules.constants import MICROMETRES
+from teamformer.world.rules.coverage import covers, fills_gap, helps
+from teamformer.world.rules.pairing import pair_off
+from teamformer.world.rules.sorting import sort_indices
+from teamformer.world.rules.splitting import anybody_fits, fits
 
 
 @entry

@@ -15,7 +15,7 @@ import yaml
 
 import teamformer as tf
 from notebooks import NOTEBOOKS
-from teamformer.sim.view import View
+from teamformer.world.view import View
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -60,7 +60,7 @@ def test_the_reference_has_every_name() -> None:
     shown = set(re.findall(r"^::: teamformer\.([\w.]+)\.(\w+)$", page, re.MULTILINE))
     homes = {tuple(home.replace(":", ".").rsplit(".", 1)) for home in tf._HOMES.values()}
     assert homes - shown == {("sim.view", "View")}  # which has a page of its own
-    assert "::: teamformer.sim.view.View" in (DOCS / "reference" / "view.md").read_text()
+    assert "::: teamformer.world.view.View" in (DOCS / "reference" / "view.md").read_text()
 
 
 @pytest.mark.skipif(find_spec("mkdocs") is None, reason="no mkdocs: install the extra `docs`")

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from small_worlds import two_robots_one_task
-from teamformer.coordination import Known, Plan
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
+from teamformer.files.drawn.named_settings import world_of
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.env import Decision
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.coordination import Known, Plan
 from teamformer.testing import check_body, check_coordinator, check_policy
+from teamformer.world.env import Decision
 
 ROOT = Path(__file__).parents[1]
 

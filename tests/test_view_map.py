@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.commands.console import out
-from teamformer.commands.missions.draw_map import draw_map
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
+from teamformer.cli.terminal.console import out
+from teamformer.cli.verbs.missions.draw_map import draw_map
 
 MISSION = """\
 teamformer: 1

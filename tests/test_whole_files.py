@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.whole_files import write_all, write_whole
+from teamformer.base.whole_files import write_all, write_whole
 
 
 def test_text_is_written_as_utf_8_and_bytes_as_they_are(tmp_path: Path) -> None:

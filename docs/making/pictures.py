@@ -206,7 +206,7 @@ def pages() -> None:
     from playwright.sync_api import sync_playwright
 
     import teamformer as tf
-    from teamformer.export.gif_file import write_gif
+    from teamformer.record.export.gif_file import write_gif
 
     folder = ROOT / "build" / "pictures"
     tf.run(tf.load(ROOT / "examples" / "four-robots.yaml")).save(folder)

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 import teamformer as tf
-from teamformer.mission.places import possible_places
-from teamformer.model import Scenario, Task
-from teamformer.sim.replay.record import Ending, Replay, Step
-from teamformer.truth import draw_truth
+from teamformer.mission.parts.places import possible_places
+from teamformer.mission.model import Scenario, Task
+from teamformer.record.record import Ending, Replay, Step
+from teamformer.mission.truth import draw_truth
 
 AFTER = (5, 20, 100)
 """Missions that were played before."""

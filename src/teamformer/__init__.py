@@ -15,72 +15,72 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from typing import TypeAlias
 
-    from teamformer.advice.experience import Experience as Experience
-    from teamformer.advice.suggestions import Advice as Advice
-    from teamformer.api.advice import advise as advise
-    from teamformer.api.advice import learn as learn
-    from teamformer.api.missions import generate as generate
-    from teamformer.api.missions import load as load
-    from teamformer.api.missions import save as save
-    from teamformer.api.missions import setting as setting
-    from teamformer.api.trials import Trial as Trial
-    from teamformer.api.trials import check as check
-    from teamformer.api.trials import compare as compare
-    from teamformer.api.trials import plan as plan
-    from teamformer.api.trials import run as run
-    from teamformer.coordination import Coordinator as Coordinator
-    from teamformer.coordination import Known as Known
-    from teamformer.coordination import Plan as Plan
-    from teamformer.errors import TeamformerError as TeamformerError
-    from teamformer.grid import Grid as Grid
-    from teamformer.model import Robot as Robot
-    from teamformer.model import Scenario
-    from teamformer.model import Task as Task
-    from teamformer.plane import Plane as Plane
-    from teamformer.policies.protocol import Policy as Policy
-    from teamformer.roads import Roads as Roads
-    from teamformer.sim.env import Decision as Decision
-    from teamformer.sim.env import TeamFormation as TeamFormation
-    from teamformer.sim.multi_agent.parallel_env import (
+    from teamformer.base.errors import TeamformerError as TeamformerError
+    from teamformer.methods.by_name import Method as Method
+    from teamformer.methods.seam.protocol import Policy as Policy
+    from teamformer.mission.coordination import Coordinator as Coordinator
+    from teamformer.mission.coordination import Known as Known
+    from teamformer.mission.coordination import Plan as Plan
+    from teamformer.mission.model import Robot as Robot
+    from teamformer.mission.model import Scenario
+    from teamformer.mission.model import Task as Task
+    from teamformer.mission.parts.grid import Grid as Grid
+    from teamformer.mission.parts.plane import Plane as Plane
+    from teamformer.mission.parts.roads import Roads as Roads
+    from teamformer.trials.advice.experience import Experience as Experience
+    from teamformer.trials.advice.suggestions import Advice as Advice
+    from teamformer.trials.api.advice import advise as advise
+    from teamformer.trials.api.advice import learn as learn
+    from teamformer.trials.api.missions import generate as generate
+    from teamformer.trials.api.missions import load as load
+    from teamformer.trials.api.missions import save as save
+    from teamformer.trials.api.missions import setting as setting
+    from teamformer.trials.api.trials import Trial as Trial
+    from teamformer.trials.api.trials import check as check
+    from teamformer.trials.api.trials import compare as compare
+    from teamformer.trials.api.trials import plan as plan
+    from teamformer.trials.api.trials import run as run
+    from teamformer.viewer.notebook_page import Page as Page
+    from teamformer.world.env import Decision as Decision
+    from teamformer.world.env import TeamFormation as TeamFormation
+    from teamformer.world.multi_agent.parallel_env import (
         TeamFormationParallel as TeamFormationParallel,
     )
-    from teamformer.sim.view import View as View
-    from teamformer.trials.methods import Method as Method
-    from teamformer.viewer.notebook_page import Page as Page
+    from teamformer.world.view import View as View
 
     Mission: TypeAlias = Scenario
 
 _HOMES = {
-    "Advice": "advice.suggestions:Advice",
-    "Experience": "advice.experience:Experience",
+    "Advice": "trials.advice.suggestions:Advice",
+    "Experience": "trials.advice.experience:Experience",
     "Page": "viewer.notebook_page:Page",
-    "Trial": "api.trials:Trial",
-    "advise": "api.advice:advise",
-    "check": "api.trials:check",
-    "compare": "api.trials:compare",
-    "generate": "api.missions:generate",
-    "learn": "api.advice:learn",
-    "load": "api.missions:load",
-    "plan": "api.trials:plan",
-    "run": "api.trials:run",
-    "save": "api.missions:save",
-    "setting": "api.missions:setting",
-    "Coordinator": "coordination:Coordinator",
-    "Decision": "sim.env:Decision",
-    "Grid": "grid:Grid",
-    "Known": "coordination:Known",
-    "Method": "trials.methods:Method",
-    "Mission": "model:Scenario",
-    "Plan": "coordination:Plan",
-    "Plane": "plane:Plane",
-    "Policy": "policies.protocol:Policy",
-    "Roads": "roads:Roads",
-    "Robot": "model:Robot",
-    "Task": "model:Task",
-    "TeamFormation": "sim.env:TeamFormation",
-    "TeamFormationParallel": "sim.multi_agent.parallel_env:TeamFormationParallel",
-    "TeamformerError": "errors:TeamformerError",
-    "View": "sim.view:View",
+    "Trial": "trials.api.trials:Trial",
+    "advise": "trials.api.advice:advise",
+    "check": "trials.api.trials:check",
+    "compare": "trials.api.trials:compare",
+    "generate": "trials.api.missions:generate",
+    "learn": "trials.api.advice:learn",
+    "load": "trials.api.missions:load",
+    "plan": "trials.api.trials:plan",
+    "run": "trials.api.trials:run",
+    "save": "trials.api.missions:save",
+    "setting": "trials.api.missions:setting",
+    "Coordinator": "mission.coordination:Coordinator",
+    "Decision": "world.env:Decision",
+    "Grid": "mission.parts.grid:Grid",
+    "Known": "mission.coordination:Known",
+    "Method": "methods.by_name:Method",
+    "Mission": "mission.model:Scenario",
+    "Plan": "mission.coordination:Plan",
+    "Plane": "mission.parts.plane:Plane",
+    "Policy": "methods.seam.protocol:Policy",
+    "Roads": "mission.parts.roads:Roads",
+    "Robot": "mission.model:Robot",
+    "Task": "mission.model:Task",
+    "TeamFormation": "world.env:TeamFormation",
+    "TeamFormationParallel": "world.multi_agent.parallel_env:TeamFormationParallel",
+    "TeamformerError": "base.errors:TeamformerError",
+    "View": "world.view:View",
 }
 """Where each name lives, below this package."""
 

@@ -12,15 +12,15 @@ import pytest
 
 import teamformer as tf
 from small_worlds import make, robot, task
-from teamformer.advice.advise import advise_on
-from teamformer.advice.changes import changes_of
-from teamformer.advice.measuring import Search, search, searched
-from teamformer.advice.suggestions import Advice
-from teamformer.critical_path.stretches import Stretch
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import write_scenario
+from teamformer.mission.model import Absence, Scenario
 from teamformer.mission.orders import in_order
-from teamformer.model import Absence, Scenario
-from teamformer.scenarios.files import write_scenario
+from teamformer.record.critical_path.stretches import Stretch
+from teamformer.trials.advice.advise import advise_on
+from teamformer.trials.advice.changes import changes_of
+from teamformer.trials.advice.measuring import Search, search, searched
+from teamformer.trials.advice.suggestions import Advice
 from teamformer.trials.noise import Noise
 from teamformer.viewer.advice_page import advice_page
 from typed import teamformer

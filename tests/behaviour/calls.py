@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 import teamformer as tf
-from teamformer.export.csv_tables import write_tables
-from teamformer.export.moments import moments
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.trees.writer import scenario_to_tree
 from teamformer.fleet.fleet_mission import Mission as FleetMission
 from teamformer.fleet.rehearsal.rehearse import judge, set_stage
+from teamformer.methods.by_name import load_method
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.scenarios.named_settings import world_of
-from teamformer.scenarios.trees.writer import scenario_to_tree
-from teamformer.trials.methods import load_method
+from teamformer.record.export.csv_tables import write_tables
+from teamformer.record.export.moments import moments
 
 Mission = Callable[[], tf.Mission]
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import teamformer as tf
-from teamformer.scenarios.families import FAMILIES as KINDS
-from teamformer.scenarios.named_settings import world_of
+from teamformer.files.drawn.families import FAMILIES as KINDS
+from teamformer.files.drawn.named_settings import world_of
 
 ROOT = Path(__file__).parents[2]
 

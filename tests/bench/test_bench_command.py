@@ -125,7 +125,7 @@ def _wait_for_the_end(group: int, deadline: float) -> None:
 
 DIES = """
 import os
-from teamformer.policies.scripted.joining import JoinAll
+from teamformer.methods.scripted.joining import JoinAll
 
 class Dies(JoinAll):
     def decide(self, view):

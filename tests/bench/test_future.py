@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teamformer.model import Scenario, Task
-from teamformer.scenarios.named_settings import new_tasks_of, world_of
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.view import View
-from teamformer.trials.listings import our_method_names
-from teamformer.trials.methods import Method, load_method
+from teamformer.files.drawn.named_settings import new_tasks_of, world_of
+from teamformer.methods.by_name import Method, load_method
+from teamformer.methods.listings import our_method_names
+from teamformer.mission.model import Scenario, Task
 from teamformer.trials.trial import begin, decide
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.view import View
 
 MINE = [name for name in our_method_names() if not load_method(name).needs_everything]
 FITTING = [name for name in MINE if not name.endswith(("-c8", "-c100", "-ppo"))]  # networks once

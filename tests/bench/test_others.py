@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from home_care import HHCRSP
+from teamformer.base.errors import TeamformerError
 from teamformer.bench.others.instances import read_instances
 from teamformer.bench.others.one_robot_worlds import draw_world
 from teamformer.bench.others.published import Reported, read_reported
@@ -20,7 +21,6 @@ from teamformer.bench.others.results import (
     published_means,
     result_of,
 )
-from teamformer.errors import TeamformerError
 from test_plan_command import TREE
 from typed import teamformer
 

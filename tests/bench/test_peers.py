@@ -13,7 +13,7 @@ from teamformer.bench.peers.auction import auction
 from teamformer.bench.peers.lone_robots import able_robots, lower_limits
 from teamformer.bench.peers.names import LIBRARIES, PEERS
 from teamformer.bench.peers.peer_plan import OutOfReachError, makespan_of, plain, plan_of
-from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from test_plan_command import TREE
 from typed import teamformer
 

@@ -14,8 +14,8 @@ from teamformer.bench.report.results import _missions, template
 from teamformer.bench.runner import AUTHORS
 from teamformer.bench.store import folders_beside
 from teamformer.bench.suites import names_of_suites
-from teamformer.trials.listings import our_method_names
-from teamformer.trials.methods import BARE
+from teamformer.methods.by_name import BARE
+from teamformer.methods.listings import our_method_names
 from typed import teamformer
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from hand_rows import rows_of
+from teamformer.base.errors import TeamformerError
 from teamformer.bench.executors import Batches, run_here, run_in_processes
 from teamformer.bench.jobs import Job, known_row, list_schedule, run_job
 from teamformer.bench.report.tables import summary_table
@@ -19,15 +20,14 @@ from teamformer.bench.runner import TIMED, Request, fits, fitting_cells, own_sta
 from teamformer.bench.store import Store
 from teamformer.bench.suites import Suite, cells, load_suite
 from teamformer.bench.summary import summarise
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.methods.by_name import Method, load_method
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.replay.task_times import cost_of_record
-from teamformer.trials.methods import Method, load_method
+from teamformer.record.task_times import cost_of_record
 from teamformer.trials.trial import run_trial
 
 SMALL = Suite(
@@ -176,7 +176,7 @@ def test_only_the_first_trials_are_timed(tmp_path: Path) -> None:
 
 
 def test_a_policy_of_one_s_own_runs_alone(tmp_path: Path) -> None:
-    mine = "teamformer.policies.scripted.joining:JoinAll"
+    mine = "teamformer.methods.scripted.joining:JoinAll"
     request = Request(SMALL, trials=2, settings=("3N2T-C2",), methods=(mine,))
     rows = measured(tmp_path, request)
     assert {row.side_by_side for row in rows.values()} == {1}
@@ -249,7 +249,7 @@ def test_the_list_schedule_of_two_tasks_in_a_row() -> None:
 
 
 OWN = """
-from teamformer.policies.scripted.joining import JoinAll
+from teamformer.methods.scripted.joining import JoinAll
 
 
 class Mine(JoinAll):

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from teamformer.base.errors import TeamformerError
 from teamformer.bench.jobs import Job, known_row
 from teamformer.bench.rows import Row, row_of, with_bars
 from teamformer.bench.store import BenchmarkDescription, Store
-from teamformer.errors import TeamformerError
-from teamformer.scenarios.named_settings import world_of
+from teamformer.files.drawn.named_settings import world_of
 
 ABOUT = BenchmarkDescription("fig3", 0, {"forming_steps": 1})
 

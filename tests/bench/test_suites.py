@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from teamformer.base.errors import TeamformerError
 from teamformer.bench.suites import cells, load_suite, names_of_suites, player_of
-from teamformer.errors import TeamformerError
-from teamformer.trials.methods import load_method
+from teamformer.methods.by_name import load_method
 
 SHIPPED = [
     "authors",

@@ -10,18 +10,18 @@ import pytest
 
 from coordinations import play_by_plan
 from small_worlds import done_at, make, robot, task
-from teamformer.coordination import NEWS, Known, Plan
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.on_command import OnCommand
-from teamformer.coordinators.replayed import Replayed
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.errors import TeamformerError
-from teamformer.model import Absence, Scenario
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.referee import judge
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.on_command import OnCommand
+from teamformer.methods.coordinators.replayed import Replayed
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.coordination import NEWS, Known, Plan
+from teamformer.mission.model import Absence, Scenario
+from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial, run_trials
+from teamformer.world.env import Decision, TeamFormation
 
 
 @dataclass

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.errors import TeamformerError
-from teamformer.live.incidents import LostRobot, NewTask
-from teamformer.live.mission_with_past import Mission
-from teamformer.referee import judge
-from teamformer.scenarios.files import read_scenario
-from teamformer.scenarios.named_settings import world_of
-from teamformer.trials.methods import load_method
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.mission_files import read_scenario
+from teamformer.live.running.incidents import LostRobot, NewTask
+from teamformer.live.running.mission_with_past import Mission
+from teamformer.methods.by_name import load_method
+from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 from typed import teamformer
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from small_worlds import make, robot, task
-from teamformer.coordination import Known, Plan
-from teamformer.coordinators.reordered import Reordered
-from teamformer.sim.env import TeamFormation
+from teamformer.methods.coordinators.reordered import Reordered
+from teamformer.mission.coordination import Known, Plan
+from teamformer.world.env import TeamFormation
 
 ROBOTS = [robot("a", 0), robot("b", 0), robot("c", 5), robot("ab", 8)]
 TASKS = [task("a", 4), task("b", 6), task("c", 1), task("ab", 9)]

@@ -12,20 +12,20 @@ import pytest
 import teamformer as tf
 from random_worlds import random_world, with_loads, with_precedence_and_windows, with_surprises
 from small_worlds import make, robot, task
-from teamformer.critical_path.of_plan import path_of_plan
-from teamformer.critical_path.of_record import path_of_record
-from teamformer.critical_path.stretches import Stretch, path_rows
-from teamformer.critical_path.words import why_so_late
-from teamformer.export.moments import moments
-from teamformer.model import Absence, Scenario, Task
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Absence, Scenario, Task
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import plan_continuous
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.replay.phases import AT_WORK
-from teamformer.sim.replay.record import Replay
-from teamformer.trials.methods import load_method
+from teamformer.planning.problem.routes import MissionPlan
+from teamformer.record.critical_path.of_plan import path_of_plan
+from teamformer.record.critical_path.of_record import path_of_record
+from teamformer.record.critical_path.stretches import Stretch, path_rows
+from teamformer.record.critical_path.words import why_so_late
+from teamformer.record.export.moments import moments
+from teamformer.record.phases import AT_WORK
+from teamformer.record.record import Replay
 from teamformer.trials.trial import run_trial
+from teamformer.world.rules.constants import NOBODY
 
 
 def played(mission: Scenario, method: str = "plan", seed: int = 0) -> Replay:

@@ -13,21 +13,21 @@ import pytest
 
 from coordinations import COORDINATIONS, method_of
 from small_worlds import make, robot, task
-from teamformer.commands.records.export import export
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.errors import TeamformerError
-from teamformer.export.csv_tables import write_tables
-from teamformer.export.moments import moments
-from teamformer.export.plans_in_force import PlansInForce
-from teamformer.export.reasons import explain, story_lines
-from teamformer.grid import Grid
-from teamformer.model import Absence, Breakdown, Robot, Scenario, Task
-from teamformer.referee import judge
-from teamformer.sim.replay.phases import FORMING, IDLE, LOST, SERVING, WAITING, WALKING
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.record import Ending, Replay, SharedPlanMade, Step, TeamAt
-from teamformer.sim.replay.writing import write_replay
-from teamformer.trials.methods import load_method
+from teamformer.base.errors import TeamformerError
+from teamformer.cli.verbs.records.export import export
+from teamformer.methods.by_name import load_method
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.mission.model import Absence, Breakdown, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.record.export.csv_tables import write_tables
+from teamformer.record.export.moments import moments
+from teamformer.record.export.plans_in_force import PlansInForce
+from teamformer.record.export.reasons import explain, story_lines
+from teamformer.record.phases import FORMING, IDLE, LOST, SERVING, WAITING, WALKING
+from teamformer.record.reading import read_replay
+from teamformer.record.record import Ending, Replay, SharedPlanMade, Step, TeamAt
+from teamformer.record.referee import judge
+from teamformer.record.writing import write_replay
 from teamformer.trials.trial import run_trial
 
 
@@ -135,7 +135,7 @@ def test_a_record_is_gone_through_once_however_much_happens(tells: str, tmp_path
     """Each of the few readers of a record looks at each step a few times."""
     write: Any = None
     if tells == "mcap":
-        write = pytest.importorskip("teamformer.export.mcap_file").write_mcap
+        write = pytest.importorskip("teamformer.record.export.mcap_file").write_mcap
     for steps in (100, 800):
         replay = much_happens(steps)
         counted = CountedSteps(replay.steps)
@@ -252,7 +252,7 @@ def test_loading_carrying_and_unloading_are_told_everywhere(tmp_path: Path) -> N
         "unloads t0",
     ]
     pytest.importorskip("foxglove")
-    from teamformer.export.mcap_file import write_mcap
+    from teamformer.record.export.mcap_file import write_mcap
 
     write_mcap(replay, tmp_path / "load.mcap")
     found = mcap_messages(tmp_path / "load.mcap")
@@ -275,7 +275,7 @@ def mcap_messages(path: Path) -> list[tuple[str, int, Any, str]]:
 
 def test_the_mcap_file_holds_frames_scene_map_and_log(tmp_path: Path) -> None:
     pytest.importorskip("foxglove")
-    from teamformer.export.mcap_file import write_mcap
+    from teamformer.record.export.mcap_file import write_mcap
 
     path = tmp_path / "beam.mcap"
     write_mcap(two_lifters(), path)
@@ -298,7 +298,7 @@ def test_the_mcap_file_holds_frames_scene_map_and_log(tmp_path: Path) -> None:
 
 
 def test_the_record_becomes_a_scenario_again(tmp_path: Path) -> None:
-    from teamformer.scenarios.files import read_scenario
+    from teamformer.files.mission_files import read_scenario
 
     record = tmp_path / "replay.json"
     write_replay(two_lifters(), record)
@@ -372,7 +372,7 @@ def test_a_gif_shows_every_step(tmp_path: Path) -> None:
 
 
 def test_a_long_mission_has_no_more_frames_than_can_be_watched(tmp_path: Path) -> None:
-    gif = pytest.importorskip("teamformer.export.gif_file", reason="no extra `gif`")
+    gif = pytest.importorskip("teamformer.record.export.gif_file", reason="no extra `gif`")
     quiet = replace(
         two_lifters(), steps=(Step(),) * 1200, end=Ending("interrupted", None, 1200, 0, 0, 0, 0)
     )

@@ -21,10 +21,10 @@ pytest.importorskip("google.protobuf")
 from foxglove_client import FoxgloveClient, Heard
 from test_export import two_lifters
 
-from teamformer.errors import TeamformerError
-from teamformer.export.foxglove_server import Follower, Player
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.process.fleet import free_ports
-from teamformer.sim.replay.record import Replay
+from teamformer.record.export.foxglove_server import Follower, Player
+from teamformer.record.record import Replay
 
 ROOT = Path(__file__).parents[2]
 SECOND = 1_000_000_000

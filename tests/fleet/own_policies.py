@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.model import Scenario
-from teamformer.sim.env import Decision
-from teamformer.sim.view import View
+from teamformer.mission.model import Scenario
+from teamformer.world.env import Decision
+from teamformer.world.view import View
 
 
 class Alone:

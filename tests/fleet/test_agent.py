@@ -27,7 +27,7 @@ from teamformer.fleet.messages import (
     TaskFact,
     Word,
 )
-from teamformer.rules.constants import NOBODY
+from teamformer.world.rules.constants import NOBODY
 
 
 def beat_from(agent: Agent, sender: int, word: Word, others: tuple[Word, ...] = ()) -> Message:

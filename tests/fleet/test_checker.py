@@ -8,7 +8,7 @@ from fleets import pair
 from teamformer.fleet.messages import READY, SERVE
 from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.trace import Accepted, Event, Finished, Said, Walked, Worked
-from teamformer.rules.constants import NOBODY
+from teamformer.world.rules.constants import NOBODY
 
 GOOD: list[Event] = [
     Walked(0.0, 0, tuple((x, 0) for x in range(7)), 0.0, 1.0),

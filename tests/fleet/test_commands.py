@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from fleets import trio
-from teamformer.scenarios.files import write_scenario
+from teamformer.files.mission_files import write_scenario
 from typed import teamformer
 
 

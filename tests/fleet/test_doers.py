@@ -8,8 +8,7 @@ import pytest
 
 from fleets import PLANNER, pair, plan_of, trio
 from small_worlds import make, robot, task
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.export.events import events
+from teamformer.files.mission_files import read_scenario
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import Notice, Post
 from teamformer.fleet.observer.watch import Watch
@@ -18,9 +17,10 @@ from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.record import record_of, team_changes
 from teamformer.fleet.rehearsal.rehearse import faults_of, play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
-from teamformer.model import Absence
-from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay.record import Replay
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.mission.model import Absence
+from teamformer.record.export.events import events
+from teamformer.record.record import Replay
 from teamformer.trials.trial import run_trial
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

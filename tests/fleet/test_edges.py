@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.agent.knowledge import Remembered
 from teamformer.fleet.messages import LoadFact, TaskFact
 from teamformer.fleet.process.facts_file import FactsFile

@@ -23,13 +23,13 @@ from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.record import Deed, record_of, teams_shown
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Trace, Worked
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.record import TaskAt, TeamAt
-from teamformer.sim.replay.writing import write_replay
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.plane import Plane
+from teamformer.record.reading import read_replay
+from teamformer.record.record import TaskAt, TeamAt
+from teamformer.record.writing import write_replay
+from teamformer.world.rules.constants import NOBODY
 
 
 def load(needs: str, x: int, to: int, duration: int = 0, unload: int = 0) -> Task:

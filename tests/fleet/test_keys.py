@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from fleets import trio
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.messages import OPERATOR
 from teamformer.fleet.transports.keys import CERTIFICATES, Keys, read_keys
 

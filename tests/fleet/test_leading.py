@@ -9,7 +9,8 @@ import pytest
 
 from fleets import PLANNER, pair, plan_of, trio
 from own_policies import Alone
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.generate import Spec, generate
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.leading import PATIENCE, warm_up
 from teamformer.fleet.agent.sight import Company, companies, view_of
@@ -20,10 +21,9 @@ from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.fleet.rehearsal.trace import Said, Trace, Worked
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.view import View
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.view import View
 
 OWN = "own_policies:"
 

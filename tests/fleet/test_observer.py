@@ -19,7 +19,7 @@ from fleets import plan_of, trio
 from live_server import serving_session
 from loops import run_apart
 from small_worlds import make, robot, task
-from teamformer.export.events import events
+from teamformer.files.mission_files import write_scenario
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import (
     LIFE,
@@ -48,10 +48,10 @@ from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.process.fleet import free_ports
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
-from teamformer.rules.constants import NOBODY
-from teamformer.scenarios.files import write_scenario
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.record import FLEET, TeamAt
+from teamformer.record.export.events import events
+from teamformer.record.reading import read_replay
+from teamformer.record.record import FLEET, TeamAt
+from teamformer.world.rules.constants import NOBODY
 
 SMALL = make([robot("a", 0), robot("a", 1), robot("b", 9)], [task("a", 3), task("ab", 7)])
 MISSION = Mission(SMALL)

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from fleets import pair, plan_of
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.bodies.by_name import body_maker
+from teamformer.fleet.process.bodies_by_name import body_maker
 from teamformer.fleet.process.loop import AgentProcess
 
 HERE = "test_own_body"

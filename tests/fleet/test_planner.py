@@ -5,15 +5,15 @@ from __future__ import annotations
 import pytest
 
 from fleets import PLANNER, pair, trio
-from teamformer.coordination import Known, Plan
-from teamformer.coordinators.shared_plan import SharedPlan
+from teamformer.files.drawn.named_settings import world_of
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.planner import CoordinatedPlanner, Situation
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
-from teamformer.scenarios.named_settings import world_of
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.mission.coordination import Known, Plan
 from teamformer.trials.trial import run_trials
 
 FIRST_ADDED = 1 << 24

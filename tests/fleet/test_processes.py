@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from teamformer.files.drawn.generate import Spec, generate
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.process.fleet import LocalFleet
-from teamformer.grid import Grid
-from teamformer.model import Absence, Scenario
-from teamformer.scenarios.generate import Spec, generate
+from teamformer.mission.model import Absence, Scenario
+from teamformer.mission.parts.grid import Grid
 
 ROBOTS = TASKS = 20
 WORLD = Grid(40, 40)

@@ -12,6 +12,7 @@ import pytest
 
 from fleets import PLANNER, pair, plan_of, trio
 from small_worlds import make, robot, task
+from teamformer.files.drawn.generate import Spec, generate
 from teamformer.fleet import operator
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.fleet_mission import Mission
@@ -24,12 +25,11 @@ from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, judge, play, set_stage
 from teamformer.fleet.rehearsal.shrink import shrink
 from teamformer.fleet.rehearsal.trace import Sent, Trace, Walked, Worked
-from teamformer.grid import Grid
-from teamformer.model import Absence
-from teamformer.plane import Plane
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.writing import write_replay
+from teamformer.mission.model import Absence
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.plane import Plane
+from teamformer.record.reading import read_replay
+from teamformer.record.writing import write_replay
 
 ALL_KINDS = {
     *("loss", "twice", "delay", "radio", "junk", "skew", "drift", "lag", "stutter"),

@@ -30,7 +30,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from test_msgs.action import Fibonacci
 from visualization_msgs.msg import Marker, MarkerArray
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import write_scenario
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.ros2.address import read_address
@@ -42,9 +43,8 @@ from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.fleet import free_ports
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.scenarios.files import write_scenario
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.plane import Plane
 
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")  # of rosidl
 

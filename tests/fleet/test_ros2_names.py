@@ -9,13 +9,13 @@ from unittest.mock import patch
 import pytest
 
 from fleets import pair
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import write_scenario
 from teamformer.fleet.bodies.ros2.address import Address, read_address
 from teamformer.fleet.bodies.ros2.coordinates import metres_of, place_of
-from teamformer.frame import Frame
-from teamformer.grid import Grid
-from teamformer.plane import Plane
-from teamformer.scenarios.files import write_scenario
+from teamformer.mission.parts.frame import Frame
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.plane import Plane
 from typed import teamformer
 
 
@@ -97,7 +97,7 @@ def test_the_command_line_tells_it(
 
 
 def test_a_python_without_ros_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    import teamformer.commands.robots.agent as command
+    import teamformer.cli.verbs.robots.agent as command
 
     with patch.object(command, "find_spec", lambda _: None):
         assert agent_with("nav2", tmp_path) == 2

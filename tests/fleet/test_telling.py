@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from fleets import PLANNER, agents_of, opened, pair, plan_of, standing, trio
+from teamformer.files.mission_files import read_scenario
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.fleet_mission import Mission
@@ -15,7 +16,6 @@ from teamformer.fleet.messages import EVERYBODY, OPERATOR, Message, Notice, Offe
 from teamformer.fleet.process.telling import Telling
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.scenarios.files import read_scenario
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -23,13 +23,13 @@ import pytest
 from paho.mqtt import client as mqtt
 from paho.mqtt.enums import CallbackAPIVersion
 
+from teamformer.files.mission_files import write_scenario
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.vda5050.body import Vda5050Body
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.fleet import free_ports
-from teamformer.scenarios.files import write_scenario
 from vda5050_vehicle import driving, running, two_vehicles, wait_for, wait_for_port
 
 AGV = Path(__file__).parent / "virtual_agv.js"

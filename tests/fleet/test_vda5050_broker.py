@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.bodies.vda5050.address import Address, read_address
 from teamformer.fleet.bodies.vda5050.body import Vda5050Body
 from teamformer.fleet.process.fleet import free_ports

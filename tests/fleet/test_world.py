@@ -9,9 +9,9 @@ from small_worlds import make, robot, task
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import Mission
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.plane import Plane
 
 
 def test_a_robot_is_in_a_cell_until_it_is_in_the_next() -> None:

@@ -20,8 +20,8 @@ from teamformer.fleet.bodies.body import Report
 from teamformer.fleet.bodies.vda5050.body import Vda5050Body
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.process.fleet import free_ports
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.plane import Plane
 
 TURNED = 0.35
 """Radians by which a vehicle may be turned other than a node wants, as in vda-5050-lib."""

@@ -6,8 +6,8 @@ from functools import cache
 
 from hypothesis import strategies as st
 
-from teamformer.model import Scenario
-from teamformer.trials.methods import load_method
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Scenario
 from teamformer.trials.trial import Trial, run_trial
 
 DEFAULT = "plan"

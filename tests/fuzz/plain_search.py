@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from teamformer.model import Scenario
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.mission.model import Scenario
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.rules.constants import NOBODY
 
 MOST_TRIED = 600
 """Steps that are tried; with more of them nobody waits for the end."""

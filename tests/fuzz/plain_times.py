@@ -11,9 +11,9 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from teamformer.grid import Place
-from teamformer.model import Robot, Scenario
-from teamformer.roads import Roads
+from teamformer.mission.model import Robot, Scenario
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.roads import Roads
 
 Routes = Sequence[Sequence[int]]
 """The tasks of each robot, in its order."""

@@ -26,19 +26,19 @@ from missions import SEEDS, continuous_missions, missions
 from schedules import schedules
 from small_worlds import make, robot
 from small_worlds import task as task_at
-from teamformer.commands.console import out
+from teamformer.cli.terminal.console import out
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.mission_files import scenario_from_tree, write_scenario
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
-from teamformer.grid import Grid
-from teamformer.live.incidents import LostRobot
-from teamformer.model import Scenario
-from teamformer.scenarios.files import scenario_from_tree, write_scenario
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.replay.writing import write_replay
+from teamformer.live.running.incidents import LostRobot
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
+from teamformer.record.writing import write_replay
 from test_verbs import typed
 from texts import text_of
 from told import (

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from missions import continuous_missions
 from plain_times import Times, Ways, all_plans, times_of
-from teamformer.critical_path.of_plan import path_of_plan
-from teamformer.errors import TeamformerError
-from teamformer.model import Scenario
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import scenario_from_tree
+from teamformer.mission.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import plan_continuous
-from teamformer.scenarios.files import scenario_from_tree
+from teamformer.planning.problem.routes import MissionPlan
+from teamformer.record.critical_path.of_plan import path_of_plan
 from teamformer.trials.planned import PlannedMission
 from teamformer.trials.start_plan import read_start_plan
 from tiny import (

@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from methods import DEFAULT, play
 from missions import SEEDS, missions
 from plain_search import fewest_steps
-from teamformer.errors import UndoableError
-from teamformer.mission.costs import judged_by, weighed
+from teamformer.base.errors import UndoableError
+from teamformer.files.mission_files import scenario_from_tree
+from teamformer.methods.central.policy import Central
+from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.policies.central.policy import Central
-from teamformer.referee import judge
-from teamformer.scenarios.files import scenario_from_tree
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import done_steps
+from teamformer.record.record import Replay
+from teamformer.record.referee import judge
+from teamformer.record.task_times import done_steps
 from teamformer.trials.planned import PlannedMission, plan_mission, rules_not_planned
 from teamformer.trials.start_plan import read_start_plan
 from teamformer.trials.trial import Trial, run_trial

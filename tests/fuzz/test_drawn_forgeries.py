@@ -10,11 +10,11 @@ from drawing import pick
 from forgeries import FORGERIES, edited_records, forgeries
 from methods import METHODS, play
 from missions import SEEDS, missions
-from teamformer.errors import TeamformerError
-from teamformer.referee import judge
-from teamformer.scenarios.files import scenario_from_tree
-from teamformer.sim.replay.reading import replay_from_tree
-from teamformer.sim.replay.writing import replay_to_tree
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import scenario_from_tree
+from teamformer.record.reading import replay_from_tree
+from teamformer.record.referee import judge
+from teamformer.record.writing import replay_to_tree
 from test_forged_fields import FORGERIES as FIELDS
 from watching import fuzzed, noted
 

@@ -8,11 +8,11 @@ from typing import Any
 from hypothesis import given, settings
 
 from missions import continuous_missions, missions
+from teamformer.files.mission_files import scenario_from_tree
 from teamformer.mission.keys.mission_keys import ARRIVALS_KEYS, MISSION_KEYS
 from teamformer.mission.keys.robot_keys import BREAKS_KEYS, DELAYS_KEYS, ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import FORMS
-from teamformer.scenarios.files import scenario_from_tree
 
 IN_ANOTHER_FILE = {"world map", "world cell"}
 """Keys that `test_files.py` writes."""

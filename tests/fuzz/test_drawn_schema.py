@@ -10,9 +10,9 @@ from jsonschema import Draft202012Validator
 
 from edits import edited_trees
 from missions import continuous_missions, missions
-from teamformer.errors import TeamformerError
-from teamformer.scenarios.files import scenario_from_tree
-from teamformer.scenarios.schema import mission_schema
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.schema import mission_schema
 
 VALIDATOR = Draft202012Validator(mission_schema())
 FOUND = 0.85

@@ -15,13 +15,13 @@ from edits import edited_texts, edited_trees
 from methods import DEFAULT, play
 from missions import SEEDS, continuous_missions, missions
 from plain_times import Ways, times_of
-from teamformer.errors import TeamformerError
-from teamformer.mission.rules import rules_not_played
-from teamformer.model import Scenario
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import read_scenario, scenario_from_tree, write_scenario
+from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
-from teamformer.referee import judge
-from teamformer.scenarios.files import read_scenario, scenario_from_tree, write_scenario
+from teamformer.record.referee import judge
 from texts import text_of
 from watching import fuzzed
 

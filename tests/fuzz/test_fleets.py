@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 
 from missions import missions
 from schedules import schedules
+from teamformer.files.mission_files import scenario_from_tree
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
-from teamformer.scenarios.files import scenario_from_tree
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.writing import write_replay
+from teamformer.record.reading import read_replay
+from teamformer.record.writing import write_replay
 from watching import fuzzed, noted
 
 

@@ -6,12 +6,12 @@ from typing import Any
 
 from methods import METHODS, play
 from missions import SEEDS, missions
-from teamformer.critical_path.of_record import path_of_record
-from teamformer.critical_path.words import why_so_late
+from teamformer.files.mission_files import scenario_from_tree
+from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.referee import judge
-from teamformer.scenarios.files import scenario_from_tree
-from teamformer.truth import draw_truth
+from teamformer.record.critical_path.of_record import path_of_record
+from teamformer.record.critical_path.words import why_so_late
+from teamformer.record.referee import judge
 from watching import fuzzed
 
 RUN = "run FILE --method {method} --seed {seed}"

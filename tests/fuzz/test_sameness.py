@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 
 from methods import DEFAULT, METHODS, SCRIPTED, method_of, play
 from missions import SEEDS, missions
-from teamformer.grid import BLOCKED, FREE, Grid
-from teamformer.model import Scenario
+from teamformer.files.mission_files import scenario_from_tree
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import BLOCKED, FREE, Grid
+from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.scenarios.files import scenario_from_tree
-from teamformer.sim.replay.reading import replay_from_tree
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import cost_of_record
-from teamformer.sim.replay.writing import replay_to_tree
+from teamformer.record.reading import replay_from_tree
+from teamformer.record.record import Replay
+from teamformer.record.task_times import cost_of_record
+from teamformer.record.writing import replay_to_tree
 from teamformer.trials.trial import run_trials
-from teamformer.truth import draw_truth
 from watching import fuzzed, is_everyday
 
 RUN = "run FILE --method {method} --seed {seed}"

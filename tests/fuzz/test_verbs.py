@@ -15,7 +15,7 @@ import teamformer.cli
 from methods import METHODS
 from missions import SEEDS, continuous_missions, missions
 from teamformer.cli.app import app
-from teamformer.commands.missions import advise
+from teamformer.cli.verbs.missions import advise
 from texts import text_of
 from watching import fuzzed
 

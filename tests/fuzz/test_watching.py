@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import watching
-from teamformer.scenarios.files import read_scenario
+from teamformer.files.mission_files import read_scenario
 
 MISSION = {
     "teamformer": 1,

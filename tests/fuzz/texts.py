@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from teamformer.scenarios.yaml.writer import to_text
+from teamformer.files.yaml.writer import to_text
 
 ROW = re.compile(r'^    - "([.@#]+)"$', re.MULTILINE)
 

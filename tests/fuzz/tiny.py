@@ -19,17 +19,17 @@ from hypothesis import HealthCheck, given, seed, settings
 
 from missions import continuous_missions, missions
 from plain_times import Times, Ways, able_crews, all_plans
-from teamformer.errors import TeamformerError
-from teamformer.mission.links import is_linked
-from teamformer.model import Scenario
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import scenario_from_tree
+from teamformer.mission.checks.links import is_linked
+from teamformer.mission.model import Scenario
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import plan_continuous, warm_up
+from teamformer.planning.problem.routes import MissionPlan
+from teamformer.planning.problem.team_plan import plan_teams
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
 from teamformer.planning.steps.solve import begin_race, first_plan, from_coalitions, improve
-from teamformer.planning.steps.team_plan import plan_teams
 from teamformer.planning.steps.timed_plan import time_team_plan
-from teamformer.scenarios.files import scenario_from_tree
 from texts import text_of
 
 MOST_PLANS, MOST_PLANS_IN_STEPS = 30_000, 3_000

@@ -9,7 +9,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from drawing import now_and_then, pick
-from teamformer.grid import Grid
+from teamformer.mission.parts.grid import Grid
 
 Place = list[float] | str
 

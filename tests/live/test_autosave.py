@@ -17,13 +17,19 @@ import pytest
 
 from live_server import small_mission
 from small_worlds import late_pair
-from teamformer.coordination import Known, Plan
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.errors import TeamformerError
-from teamformer.live.autosave import NAME, Autosave, Identity
-from teamformer.live.drafts import Draft
-from teamformer.live.forecasts import forecast
-from teamformer.live.incidents import (
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import write_scenario
+from teamformer.live.drawing.drafts import Draft
+from teamformer.live.keeping.autosave import NAME, Autosave, Identity
+from teamformer.live.keeping.resuming import (
+    drop_half_line,
+    find_autosave,
+    play_again,
+    put_aside,
+    read_autosave,
+)
+from teamformer.live.running.forecasts import forecast
+from teamformer.live.running.incidents import (
     CancelledTask,
     Happening,
     LostRobot,
@@ -33,17 +39,11 @@ from teamformer.live.incidents import (
     RobotBack,
     search_plan,
 )
-from teamformer.live.mission_with_past import Mission
-from teamformer.live.resuming import (
-    drop_half_line,
-    find_autosave,
-    play_again,
-    put_aside,
-    read_autosave,
-)
-from teamformer.model import Scenario
-from teamformer.scenarios.files import write_scenario
-from teamformer.trials.methods import load_method
+from teamformer.live.running.mission_with_past import Mission
+from teamformer.methods.by_name import load_method
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.model import Scenario
 
 METHODS = ("plan", "crews", "join-fitting")
 

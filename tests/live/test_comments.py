@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from teamformer.live.comments import rewrite
-from teamformer.live.drafts import open_draft, write_draft
-from teamformer.scenarios.files import read_scenario
-from teamformer.scenarios.yaml import reader
+from teamformer.files.mission_files import read_scenario
+from teamformer.files.yaml import reader
+from teamformer.live.drawing.comments import rewrite
+from teamformer.live.drawing.drafts import open_draft, write_draft
 
 TEXT = """\
 # the yard behind the hall

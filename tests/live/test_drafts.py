@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from teamformer.errors import TeamformerError
-from teamformer.live.drafts import EMPTY, can_be_drawn, open_draft, problems_of, read_draft
-from teamformer.live.messages import read_files
+from teamformer.base.errors import TeamformerError
+from teamformer.live.drawing.drafts import EMPTY, can_be_drawn, open_draft, problems_of, read_draft
+from teamformer.live.running.messages import read_files
 
 GOOD = EMPTY | {
     "robots": [{"at": [1, 1], "can": ["lift"]}],

@@ -9,13 +9,11 @@ from pathlib import Path
 import pytest
 
 from small_worlds import late_pair, make, robot, task
-from teamformer.coordination import Plan
-from teamformer.errors import TeamformerError
-from teamformer.export.reasons import explain
-from teamformer.grid import Grid
-from teamformer.live import forecasts
-from teamformer.live.forecasts import Forecast, forecast, possible_truth
-from teamformer.live.incidents import (
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import read_scenario, scenario_from_tree
+from teamformer.live.running import forecasts
+from teamformer.live.running.forecasts import Forecast, forecast, possible_truth
+from teamformer.live.running.incidents import (
     CancelledTask,
     Incident,
     LostRobot,
@@ -25,15 +23,17 @@ from teamformer.live.incidents import (
     RobotBack,
     search_plan,
 )
-from teamformer.live.mission_with_past import Mission
-from teamformer.model import Absence, Breakdown, Delays, Robot, Scenario, Task
-from teamformer.policies.central.policy import Central
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.referee import judge
-from teamformer.scenarios.files import read_scenario, scenario_from_tree
-from teamformer.trials.methods import Method, load_method
+from teamformer.live.running.mission_with_past import Mission
+from teamformer.methods.by_name import Method, load_method
+from teamformer.methods.central.policy import Central
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.mission.coordination import Plan
+from teamformer.mission.model import Absence, Breakdown, Delays, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.truth import draw_truth
+from teamformer.record.export.reasons import explain
+from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
-from teamformer.truth import draw_truth
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

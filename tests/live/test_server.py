@@ -19,27 +19,27 @@ from typing import Any
 import pytest
 
 from live_server import Served, serving, serving_editor, serving_session, small_mission
-from teamformer.commands import addresses
-from teamformer.commands.addresses import Address, address_of
-from teamformer.errors import TeamformerError
-from teamformer.export.csv_tables import write_tables
-from teamformer.export.mcap_file import write_mcap
-from teamformer.live.drafts import Draft
-from teamformer.live.incidents import Incident
-from teamformer.live.mission_with_past import Mission
-from teamformer.live.what_if import IsOver, WhatIf, what_if
+from teamformer.base.errors import TeamformerError
+from teamformer.cli.terminal import addresses
+from teamformer.cli.terminal.addresses import Address, address_of
+from teamformer.files.mission_files import scenario_to_tree
+from teamformer.live.drawing.drafts import Draft
+from teamformer.live.running.incidents import Incident
+from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.what_if import IsOver, WhatIf, what_if
 from teamformer.live.workshop import Workshop
-from teamformer.model import Scenario
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.referee import judge
-from teamformer.scenarios.files import scenario_to_tree
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.writing import replay_to_tree
-from teamformer.trials.methods import load_method
+from teamformer.record.export.csv_tables import write_tables
+from teamformer.record.export.mcap_file import write_mcap
+from teamformer.record.reading import read_replay
+from teamformer.record.referee import judge
+from teamformer.record.writing import replay_to_tree
 from teamformer.viewer.html import write_page
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
-from teamformer.live.doors import PromptRequests
+from teamformer.live.serving.doors import PromptRequests
 
 client = pytest.importorskip("websockets.sync.client")
 closed = pytest.importorskip("websockets.exceptions")
@@ -542,8 +542,8 @@ def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
 
 
 def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
-    from teamformer.commands.missions.live import Options, live
-    from teamformer.scenarios.files import write_scenario
+    from teamformer.cli.verbs.missions.live import Options, live
+    from teamformer.files.mission_files import write_scenario
 
     path = tmp_path / "small.yaml"
     write_scenario(small_mission(), path)

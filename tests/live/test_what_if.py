@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from small_worlds import make, robot, task
-from teamformer.coordination import Coordinator, Known, Plan
-from teamformer.live.forecasts import Forecast, forecast
-from teamformer.live.incidents import CancelledTask, Incident, LostRobot, NewTask
-from teamformer.live.mission_with_past import Mission
-from teamformer.live.what_if import WhatIf, luck_of, what_if
-from teamformer.model import Scenario
-from teamformer.scenarios.files import read_scenario
-from teamformer.trials.methods import Method, load_method
+from teamformer.files.mission_files import read_scenario
+from teamformer.live.running.forecasts import Forecast, forecast
+from teamformer.live.running.incidents import CancelledTask, Incident, LostRobot, NewTask
+from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.what_if import WhatIf, luck_of, what_if
+from teamformer.methods.by_name import Method, load_method
+from teamformer.mission.coordination import Coordinator, Known, Plan
+from teamformer.mission.model import Scenario
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

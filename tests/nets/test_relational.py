@@ -5,8 +5,13 @@ from __future__ import annotations
 import pytest
 import torch
 
-from teamformer.nets.critic import Critic, CriticSettings
-from teamformer.nets.relational import REFUSED, RelationalPolicy, RelationalSettings, RelationTokens
+from teamformer.learning.nets.critic import Critic, CriticSettings
+from teamformer.learning.nets.relational import (
+    REFUSED,
+    RelationalPolicy,
+    RelationalSettings,
+    RelationTokens,
+)
 
 SEEN, TASKS = 5, 4
 

@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from spelling_views import CAPS, SPELLINGS, illegal_decisions, random_views, tensors, wild_network
-from teamformer.nets.action_mask import (
+from teamformer.learning.nets.action_mask import (
     EDIT,
     Grammar,
     changes,
@@ -17,10 +17,10 @@ from teamformer.nets.action_mask import (
     spell,
     steps_with_a_choice,
 )
-from teamformer.nets.teamformer import Tokens
-from teamformer.policies.learned.token_features import SpellingCodec
-from teamformer.sim.env import Decision
-from teamformer.sim.view import View
+from teamformer.learning.nets.teamformer import Tokens
+from teamformer.methods.learned.token_features import SpellingCodec
+from teamformer.world.env import Decision
+from teamformer.world.view import View
 
 CODEC = SpellingCodec(CAPS)
 

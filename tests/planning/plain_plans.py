@@ -8,9 +8,9 @@ from itertools import combinations
 
 import numpy as np
 
-from teamformer.errors import ScenarioError
-from teamformer.grid import BLOCKED, FREE, Grid, Place
-from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.base.errors import ScenarioError
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
 from teamformer.planning.relaxation.schedule import Schedule
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.planning.steps.team_plan import TeamPlan
+from teamformer.mission.model import Scenario
+from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.planning.problem.team_plan import TeamPlan
 
 
 def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]:

@@ -8,15 +8,15 @@ import pytest
 from plain_plans import fastest_makespan, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.methods.by_name import load_method
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import bound_makespan, lower_bound
-from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.solve import solve
-from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial, run_trials
 
 

@@ -8,14 +8,14 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from teamformer.errors import ScenarioError
-from teamformer.grid import Grid
-from teamformer.mission.costs import cost_in_steps
-from teamformer.model import Robot, Scenario, Task
-from teamformer.referee.judge import judge
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.replay.task_times import cost_of_record, done_steps
-from teamformer.trials.methods import load_method
+from teamformer.base.errors import ScenarioError
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.methods.by_name import load_method
+from teamformer.mission.checks.costs import cost_in_steps
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.record.referee.judge import judge
+from teamformer.record.task_times import cost_of_record, done_steps
 from teamformer.trials.trial import Trial, run_trial
 
 PLANNERS = ("plan", "crews", "central")

@@ -7,14 +7,14 @@ import pytest
 
 from plain_plans import fastest_makespan, find_faults, tiny_world
 from small_worlds import make, robot, task
-from teamformer.model import Scenario
+from teamformer.mission.model import Scenario
+from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.cp_sat import (
     build_circuits,
     latest_makespan,
     make_solver,
     minimise,
 )
-from teamformer.planning.relaxation.problem import relax
 from teamformer.planning.relaxation.schedule import Schedule
 
 

@@ -7,23 +7,23 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from teamformer.arrays import Array
-from teamformer.coordination import Known
-from teamformer.grid import Grid
-from teamformer.jit import entry
-from teamformer.model import Robot, Scenario, Task
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import entry
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.mission.coordination import Known
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.earliest import earliest_formed
 from teamformer.planning.bounds.makespan import bound_makespan
 from teamformer.planning.crews.deal import _quick_tour, deal_crews
 from teamformer.planning.crews.evaluation import empty_room, walk_list
 from teamformer.planning.crews.routes import Shared, bits_of, empty_parties, gather_parties
-from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.steps.shared_plan import shared_plan_of
 from teamformer.planning.steps.situation import situation_of
 from teamformer.planning.steps.starts import plan_from_crews
 from teamformer.planning.steps.timed_plan import time_team_plan
-from teamformer.rules.distances import travel_matrix
-from teamformer.scenarios.generate import Spec, generate
+from teamformer.world.rules.distances import travel_matrix
 
 NOBODY = -1
 

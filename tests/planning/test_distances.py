@@ -6,8 +6,13 @@ import numpy as np
 
 from plain_world import walk
 from random_worlds import random_world
-from teamformer.grid import Grid
-from teamformer.rules.distances import UNREACHABLE, blocked_cells, distance_fields, travel_matrix
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.rules.distances import (
+    UNREACHABLE,
+    blocked_cells,
+    distance_fields,
+    travel_matrix,
+)
 
 HOOK = Grid(4, 3, ("...@", ".@@.", "...."))
 """

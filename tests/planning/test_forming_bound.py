@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 import pytest
 
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import lower_bound
 
 Team = tuple[int, tuple[int, ...]]  # where it is, and its robots

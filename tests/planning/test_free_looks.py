@@ -9,18 +9,18 @@ import pytest
 
 from coordinations import method_of
 from small_worlds import far_from_what_may_be_needed, make, robot, task
-from teamformer.coordination import Known, Plan
-from teamformer.export.reasons import story_lines
-from teamformer.model import Scenario
-from teamformer.planning.free_looks import with_free_looks
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.model import Scenario
+from teamformer.mission.truth import draw_truth, expected_mission
+from teamformer.planning.steps.free_looks import with_free_looks
 from teamformer.planning.steps.shared_plan import plan_mission
-from teamformer.referee import judge
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.replay.reading import replay_from_tree
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.writing import replay_to_tree
+from teamformer.record.export.reasons import story_lines
+from teamformer.record.reading import replay_from_tree
+from teamformer.record.record import Replay
+from teamformer.record.referee import judge
+from teamformer.record.writing import replay_to_tree
 from teamformer.trials.trial import run_trial
-from teamformer.truth import draw_truth, expected_mission
 
 
 def begin(

@@ -7,7 +7,7 @@ from itertools import pairwise, permutations, product
 import numpy as np
 import pytest
 
-from teamformer.arrays import Floats
+from teamformer.base.array_types import Floats
 from teamformer.planning.bounds.open_paths import bound_paths, shortest_path, span
 
 

@@ -13,14 +13,14 @@ import pytest
 from plain_plans import fastest_makespan, find_faults, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.grid import Grid
-from teamformer.model import Scenario
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import bound_makespan
-from teamformer.planning.relaxation.problem import relax
+from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.solve import solve
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.generate import Spec, generate
 from teamformer.trials.trial import run_trials
 
 

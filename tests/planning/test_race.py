@@ -8,9 +8,9 @@ import time
 import numpy as np
 import pytest
 
+from teamformer.planning.problem.team_plan import plan_teams
 from teamformer.planning.race import Judgement, Race, search_by_clock
 from teamformer.planning.steps.solve import begin_race
-from teamformer.planning.steps.team_plan import plan_teams
 from teamformer.planning.steps.timed_plan import TimedPlan
 
 

@@ -10,7 +10,10 @@ import pytest
 from plain_plans import fastest_makespan, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.model import Scenario
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.model import Scenario
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.bounds.prize_routes import (
     Stops,
@@ -20,10 +23,7 @@ from teamformer.planning.bounds.prize_routes import (
     make_stops,
 )
 from teamformer.planning.bounds.route_cover import raise_by_routes
-from teamformer.planning.relaxation.problem import relax
-from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
+from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.trials.trial import run_trials
 
 

@@ -8,11 +8,11 @@ import pytest
 from plain_plans import fastest_makespan, find_faults, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.planning.relaxation.problem import Relaxed, relax
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.planning.problem.relaxed_problem import Relaxed, relax
 from teamformer.planning.relaxation.relaxed_plan import empty_timing, hang_tasks, start_tasks
 from teamformer.planning.relaxation.schedule import Schedule, make_plan
 from teamformer.planning.relaxation.threshold import Search
-from teamformer.scenarios.generate import Spec, generate
 
 
 def search_schedule(problem: Relaxed, seed: int, rounds: int) -> Schedule | None:

@@ -8,8 +8,8 @@ import pytest
 from plain_plans import PlainWorld, Stay, find_faults, last_step, serve
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import relax
+from teamformer.mission.model import Scenario
+from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.schedule import schedule_tasks
 
 

@@ -13,10 +13,13 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.capabilities import covers, total
-from teamformer.coordination import Known, Plan
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.capabilities import covers, total
+from teamformer.mission.parts.grid import Grid
+from teamformer.planning.problem.team_plan import plan_teams
 from teamformer.planning.steps.shared_plan import (
     Rounds,
     is_too_large,
@@ -27,10 +30,7 @@ from teamformer.planning.steps.shared_plan import (
 )
 from teamformer.planning.steps.situation import situation_in_hindsight, situation_of
 from teamformer.planning.steps.starts import plan_from_crews
-from teamformer.planning.steps.team_plan import plan_teams
 from teamformer.planning.steps.timed_plan import time_team_plan
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.scenarios.named_settings import world_of
 
 
 def start_of(scenario: Scenario) -> Known:

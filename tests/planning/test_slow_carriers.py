@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teamformer.coordination import Known
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.planning.arcs.in_steps.meeting import TICKS
+from teamformer.methods.by_name import load_method
+from teamformer.mission.coordination import Known
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.planning.continuous.solve import plan_together
+from teamformer.planning.graph.meeting import TICKS
+from teamformer.planning.problem.team_plan import plan_teams
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.situation import situation_of
-from teamformer.planning.steps.team_plan import plan_teams
-from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trial
 
 

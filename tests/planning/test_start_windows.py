@@ -8,13 +8,13 @@ import pytest
 from plain_plans import fastest_makespan, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.model import Scenario
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.mission.model import Scenario
 from teamformer.planning.bounds.earliest import earliest_in_order
 from teamformer.planning.bounds.makespan import bound_makespan, lower_bound
 from teamformer.planning.bounds.refutation import MOST_TASKS_A_TOUR
 from teamformer.planning.bounds.start_windows import raise_by_windows, refuter_in_steps
-from teamformer.planning.relaxation.problem import relax
-from teamformer.policies.scripted.heuristic import Heuristic
+from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.trials.trial import run_trials
 
 

@@ -9,11 +9,12 @@ import pytest
 
 from plain_teams import slow_ends
 from random_worlds import random_world, with_precedence_and_windows
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.planning.problem.team_plan import keep_order, plan_teams, routes_of
 from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import situation_in_hindsight
-from teamformer.planning.steps.team_plan import keep_order, plan_teams, routes_of
 from teamformer.planning.steps.timed_plan import time_team_plan
 from teamformer.planning.steps.timing import (
     LATE,
@@ -24,7 +25,6 @@ from teamformer.planning.steps.timing import (
     empty_groups,
     time_plan,
 )
-from teamformer.scenarios.generate import Spec, generate
 
 
 def corridor(places: list[int], tasks: list[Task], forming_steps: int = 1) -> Scenario:

@@ -7,11 +7,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from teamformer.rules.tour import (
-    LARGEST_EXACT,
-    _nearest_first_tour,
-    shortest_tour,
-)
+from teamformer.world.rules.tour import LARGEST_EXACT, _nearest_first_tour, shortest_tour
 
 Distances = tuple[np.ndarray, np.ndarray]
 

@@ -10,12 +10,14 @@ import pytest
 import torch
 
 from spelling_views import CAPS, SPELLINGS, illegal_decisions, random_views, tensors, wild_network
-from teamformer.arrays import Array
-from teamformer.errors import TeamformerError
-from teamformer.nets.action_mask import changes, grammar_of, legal_symbols, spell
-from teamformer.nets.teamformer import Teamformer, Tokens
-from teamformer.policies.learned.action_mask import next_symbols
-from teamformer.policies.learned.autoregressive import (
+from teamformer.base.array_types import Array
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.learning.export.autoregressive import export_teamformer
+from teamformer.learning.nets.action_mask import changes, grammar_of, legal_symbols, spell
+from teamformer.learning.nets.teamformer import Teamformer, Tokens
+from teamformer.methods.learned.action_mask import next_symbols
+from teamformer.methods.learned.autoregressive import (
     ENCODER_FILE,
     ENCODER_INPUTS,
     STEP_FILE,
@@ -23,12 +25,10 @@ from teamformer.policies.learned.autoregressive import (
     Speller,
     spelled_in,
 )
-from teamformer.policies.learned.onnx_sessions import OnnxNetwork
-from teamformer.policies.learned.token_features import Spelled, SpellingCodec
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.train.export.autoregressive import export_teamformer
+from teamformer.methods.learned.onnx_sessions import OnnxNetwork
+from teamformer.methods.learned.token_features import Spelled, SpellingCodec
 from teamformer.trials.trial import run_trials
+from teamformer.world.env import Decision, TeamFormation
 
 CODEC = SpellingCodec(CAPS)
 

@@ -9,20 +9,20 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.planning.relaxation.problem import relax
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.methods.central.plan_from_play import plan_from_play
+from teamformer.methods.central.plan_player import PlanPlayer
+from teamformer.methods.central.policy import Central
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.planning.problem.relaxed_problem import relax
+from teamformer.planning.problem.team_plan import TeamPlan, routes_of
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.situation import situation_in_hindsight
-from teamformer.planning.steps.team_plan import TeamPlan, routes_of
-from teamformer.policies.central.plan_from_play import plan_from_play
-from teamformer.policies.central.plan_player import PlanPlayer
-from teamformer.policies.central.policy import Central
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import TeamFormation
 from teamformer.trials.trial import run_trials
+from teamformer.world.env import TeamFormation
 
 
 def robot(name: str, x: int, cap: str) -> Robot:

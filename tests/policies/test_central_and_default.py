@@ -12,15 +12,15 @@ import pytest
 from random_worlds import random_world, with_precedence_and_windows, with_surprises
 from small_worlds import make, robot, task
 from teamformer.bench.jobs import Clock
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.model import Scenario
-from teamformer.policies.central.plan_centrally import plan_centrally
-from teamformer.policies.central.policy import Central
-from teamformer.referee import judge
-from teamformer.scenarios.files import read_scenario
-from teamformer.sim.env import Tally
-from teamformer.trials.methods import Method, Player
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.by_name import Method, Player
+from teamformer.methods.central.plan_centrally import plan_centrally
+from teamformer.methods.central.policy import Central
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.mission.model import Scenario
+from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial, run_trials
+from teamformer.world.env import Tally
 
 BELIEFS = """
 teamformer: 1

@@ -10,16 +10,16 @@ import torch
 from torch import nn
 
 from random_worlds import random_world
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.policies.learned.combinations import CombinationCodec, Combined, combining
-from teamformer.policies.learned.policy import rows_of
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.train.architectures import ARCHITECTURES
-from teamformer.train.evaluation import torch_brain
-from teamformer.train.export.onnx_export import NETWORK_FILE
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.learning.architectures import ARCHITECTURES
+from teamformer.learning.evaluation import torch_brain
+from teamformer.learning.export.onnx_export import NETWORK_FILE
+from teamformer.methods.learned.combinations import CombinationCodec, Combined, combining
+from teamformer.methods.learned.policy import rows_of
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.env import Decision, TeamFormation
 
 JOIN_A, JOIN_B = 0b01, 0b10
 SPLIT_A, SPLIT_B = 0b101, 0b110  # over two capabilities

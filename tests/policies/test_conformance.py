@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from random_worlds import random_decision, random_world
-from teamformer.model import Scenario
-from teamformer.policies.protocol import Policy
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.view import View
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.methods.by_name import load_method
+from teamformer.methods.listings import our_method_names
+from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.model import Scenario
 from teamformer.testing import check_policy
-from teamformer.trials.listings import our_method_names
-from teamformer.trials.methods import load_method
 from teamformer.trials.trial import run_trials
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.view import View
 
 
 class Dice:

@@ -7,12 +7,12 @@ import itertools
 import pytest
 
 from small_worlds import make, robot, task
-from teamformer.grid import Grid
-from teamformer.model import Scenario
-from teamformer.policies.learned.deadlock_guard import DeadlockGuard, _hash_open_tasks
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.view import View
+from teamformer.methods.learned.deadlock_guard import DeadlockGuard, _hash_open_tasks
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.env import TeamFormation
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.view import View
 
 
 def four_tasks() -> View:

@@ -7,14 +7,14 @@ from itertools import chain
 
 import pytest
 
-from teamformer.policies.learned import feature_layout as layout
-from teamformer.policies.learned.relational_features import (
+from teamformer.methods.learned import feature_layout as layout
+from teamformer.methods.learned.relational_features import (
     OWN_FEATURES,
     TASK_FEATURES,
     TEAM_FEATURES,
 )
-from teamformer.policies.learned.token_features import TASK_FEATURES as TASK_TOKEN
-from teamformer.policies.learned.token_features import TEAM_FEATURES as TEAM_TOKEN
+from teamformer.methods.learned.token_features import TASK_FEATURES as TASK_TOKEN
+from teamformer.methods.learned.token_features import TEAM_FEATURES as TEAM_TOKEN
 
 
 @pytest.mark.parametrize(

@@ -17,11 +17,11 @@ from small_worlds import (
     two_robots_one_task,
     two_tasks_two_pairs,
 )
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.sim.env import TeamFormation
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trials
+from teamformer.world.env import TeamFormation
 
 HEURISTIC = Heuristic()
 

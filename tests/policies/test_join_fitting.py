@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trials
+from teamformer.world.env import Decision, TeamFormation
 
 CAPS = ("a", "b")
 

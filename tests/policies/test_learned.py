@@ -10,25 +10,25 @@ import pytest
 import torch
 
 from random_worlds import random_world
-from teamformer.arrays import Array
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.policies.learned.any_fleet import AnyFleetCodec, any_fleet, teamformer
-from teamformer.policies.learned.deadlock_guard import DeadlockGuard
-from teamformer.policies.learned.macro_actions import FOLLOW, MAINTAIN
-from teamformer.policies.learned.onnx_sessions import OnnxNetwork
-from teamformer.policies.learned.policy import Brain, Learned, rows_of
-from teamformer.policies.learned.relational_features import Relations, relate
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.train.evaluation import torch_brain
-from teamformer.train.export.onnx_export import NETWORK_FILE, export_any_fleet
-from teamformer.train.trainer import make_learner
-from teamformer.train.training_settings import TrainSettings
+from teamformer.base.array_types import Array
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.learning.evaluation import torch_brain
+from teamformer.learning.export.onnx_export import NETWORK_FILE, export_any_fleet
+from teamformer.learning.trainer import make_learner
+from teamformer.learning.training_settings import TrainSettings
+from teamformer.methods.learned.any_fleet import AnyFleetCodec, any_fleet, teamformer
+from teamformer.methods.learned.deadlock_guard import DeadlockGuard
+from teamformer.methods.learned.macro_actions import FOLLOW, MAINTAIN
+from teamformer.methods.learned.onnx_sessions import OnnxNetwork
+from teamformer.methods.learned.policy import Brain, Learned, rows_of
+from teamformer.methods.learned.relational_features import Relations, relate
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trials
+from teamformer.world.env import Decision, TeamFormation
 
 
 def prefer_maintain(tokens: tuple[Array, ...]) -> Array:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from blocked_worlds import blocked_worlds
-from teamformer.policies.learned.policy import Learned
-from teamformer.trials.listings import our_method_names
-from teamformer.trials.methods import load_method
+from teamformer.methods.by_name import load_method
+from teamformer.methods.learned.policy import Learned
+from teamformer.methods.listings import our_method_names
 
 LEARNED = [name for name in our_method_names() if isinstance(load_method(name).policy, Learned)]
 

@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.policies.learned.feature_layout import OwnRelation as Own
-from teamformer.policies.learned.feature_layout import TaskRelation as Ahead
-from teamformer.policies.learned.feature_layout import TeamRelation as Team
-from teamformer.policies.learned.macro_actions import (
+from teamformer.methods.learned.feature_layout import OwnRelation as Own
+from teamformer.methods.learned.feature_layout import TaskRelation as Ahead
+from teamformer.methods.learned.feature_layout import TeamRelation as Team
+from teamformer.methods.learned.macro_actions import (
     CHOICES,
     FOLLOW,
     HALVE,
@@ -25,10 +23,12 @@ from teamformer.policies.learned.macro_actions import (
     scripted_counts,
     wanted_counts,
 )
-from teamformer.policies.learned.relational_features import relate
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.view import View
+from teamformer.methods.learned.relational_features import relate
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.view import View
 
 
 def legal_in(view: View) -> np.ndarray:

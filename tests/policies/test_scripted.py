@@ -12,9 +12,9 @@ from small_worlds import (
     two_apart,
     two_robots_one_task,
 )
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.view import NEXT_TASKS
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.world.env import TeamFormation
+from teamformer.world.view import NEXT_TASKS
 
 JOIN_ALL = JoinAll()
 

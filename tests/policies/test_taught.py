@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.scenarios.generate import generate
-from teamformer.scenarios.named_settings import spec_of, world_of
-from teamformer.trials.methods import load_method
+from teamformer.files.drawn.generate import generate
+from teamformer.files.drawn.named_settings import spec_of, world_of
+from teamformer.methods.by_name import load_method
 from teamformer.trials.trial import run_trials
 
 

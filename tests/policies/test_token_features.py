@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.policies.learned.token_features import NEVER_FITS, Spelled, SpellingCodec
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.view import View
+from teamformer.methods.learned.token_features import NEVER_FITS, Spelled, SpellingCodec
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.view import View
 
 
 def on_a_line(cells: int = 30, service: int = 0) -> Scenario:

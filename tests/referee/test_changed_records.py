@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.referee import judge
-from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay.record import Replay
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.record.record import Replay
+from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))

@@ -16,21 +16,21 @@ import pytest
 
 from coordinations import RandomPlans
 from random_worlds import random_decision, random_world, with_surprises
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.errors import ScenarioError
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.referee import judge
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.replay.record import Replay, SharedPlanMade, Step, TeamAt
-from teamformer.trials.methods import Player, as_method
+from teamformer.base.errors import ScenarioError
+from teamformer.methods.by_name import Player, as_method
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.truth import draw_truth
+from teamformer.record.record import Replay, SharedPlanMade, Step, TeamAt
+from teamformer.record.referee import judge
 from teamformer.trials.recorder import Recorder
 from teamformer.trials.trial import run_trial
-from teamformer.truth import draw_truth
+from teamformer.world.env import Decision, TeamFormation
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.referee import judge
-from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.record.record import Ending, Replay, Step, TeamAt
+from teamformer.record.referee import judge
 
 ALONE = Scenario(
     name="alone",

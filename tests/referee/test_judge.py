@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from random_worlds import random_decision, random_world, with_fractions
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.referee import judge
-from teamformer.sim.env import Decision
-from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
-from teamformer.sim.view import View
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.record.record import Ending, Replay, Step, TeamAt
+from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
+from teamformer.world.env import Decision
+from teamformer.world.view import View
 
 CORRIDOR = Scenario(
     name="corridor",

@@ -9,17 +9,17 @@ import pytest
 
 from coordinations import RandomPlans
 from random_worlds import random_world, with_loads, with_surprises
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.referee import judge
-from teamformer.sim.replay.reading import replay_from_tree
-from teamformer.sim.replay.record import Replay, Step, TaskAt
-from teamformer.sim.replay.writing import replay_to_tree
-from teamformer.trials.methods import as_method
+from teamformer.methods.by_name import as_method
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.record.reading import replay_from_tree
+from teamformer.record.record import Replay, Step, TaskAt
+from teamformer.record.referee import judge
+from teamformer.record.writing import replay_to_tree
 from teamformer.trials.trial import run_trial
 
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.referee import judge
-from teamformer.sim.replay.record import Replay, TeamAt
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.plane import Plane
+from teamformer.record.record import Replay, TeamAt
+from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 
 FIELD = Scenario(

@@ -9,13 +9,13 @@ import numpy as np
 from coordinations import RandomPlans
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.coordinators.crews import Crews
-from teamformer.referee import judge
-from teamformer.referee.allocation.planned_tasks import PlannedTasks
-from teamformer.referee.completion import Tasks
-from teamformer.referee.lifecycle import start_fleet
-from teamformer.referee.verdict import Notes
-from teamformer.sim.replay.record import Ending, Replay, SharedPlanMade
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.record.record import Ending, Replay, SharedPlanMade
+from teamformer.record.referee import judge
+from teamformer.record.referee.plans.planned_tasks import PlannedTasks
+from teamformer.record.referee.rules.completion import Tasks
+from teamformer.record.referee.rules.lifecycle import start_fleet
+from teamformer.record.referee.rules.verdict import Notes
 from teamformer.trials.trial import run_trial
 from test_forged_fields import wild_record
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from teamformer.model import Absence, Breakdown, Robot, Task
-from teamformer.referee.truth import _can_be_robot, _can_be_task
+from teamformer.mission.model import Absence, Breakdown, Robot, Task
+from teamformer.record.referee.rules.truth import _can_be_robot, _can_be_task
 
 
 @pytest.mark.parametrize(

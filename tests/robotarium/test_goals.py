@@ -16,8 +16,8 @@ from teamformer.robotarium.control.goals import (
     choose_needed,
 )
 from teamformer.robotarium.control.ring_slots import SPACING, ring_radius, slots_around
+from teamformer.robotarium.control.teams import RobotTeam, distance
 from teamformer.robotarium.places import team_places
-from teamformer.robotarium.teams import RobotTeam, distance
 
 MIDDLE = np.array([1.6, 1.0])
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from teamformer.errors import ScenarioError
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.plane import Plane
+from teamformer.base.errors import ScenarioError
+from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.plane import Plane
 from teamformer.robotarium.mission_checks import apart_needed, check_mission, find_problems
 from teamformer.robotarium.random_missions import random_mission
-from teamformer.scenarios.files import read_scenario, write_scenario
 
 
 def mission(*robots: tuple[float, float], tasks: dict[tuple[float, float], int]) -> Scenario:

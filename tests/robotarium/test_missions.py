@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from teamformer.errors import TeamformerError
-from teamformer.model import Scenario
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Scenario
 from teamformer.robotarium.benchmark import ROUGH, bench_robotarium, count_missions, summarise
 from teamformer.robotarium.deployment.folder import deploy, verify
 from teamformer.robotarium.draw import Film
@@ -23,8 +25,6 @@ from teamformer.robotarium.flight import Moment
 from teamformer.robotarium.random_missions import random_mission
 from teamformer.robotarium.robots.plant import Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
-from teamformer.scenarios.files import read_scenario
-from teamformer.trials.methods import load_method
 from typed import teamformer
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -154,7 +154,7 @@ def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
     said = subprocess.run(
         [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True
     )
-    from teamformer.sim.env import TeamFormation
+    from teamformer.world.env import TeamFormation
 
     env, policy, steps = TeamFormation([scenario]), load_method("teamformer").policy, []
     policy.begin(None, np.random.default_rng(0))
@@ -225,7 +225,7 @@ def test_what_is_deployed_is_run_where_the_simulator_is(
     told = capsys.readouterr()
     ours = fly(four(), "teamformer").row()
     assert told.out.count(f"  {ours['done_at_tick']}") == 2  # there and here
-    monkeypatch.setattr("teamformer.commands.robots.robotarium.find_spec", lambda library: None)
+    monkeypatch.setattr("teamformer.cli.verbs.robots.robotarium.find_spec", lambda library: None)
     assert teamformer(*words) == 0
     told = capsys.readouterr()
     assert told.out == ""

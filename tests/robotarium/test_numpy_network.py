@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teamformer.errors import TeamformerError
-from teamformer.policies.learned.onnx_sessions import OnnxNetwork, shipped
-from teamformer.policies.learned.relational_features import Relations, relate
-from teamformer.policies.learned.shipped import ANY_FLEET
+from teamformer.base.errors import TeamformerError
+from teamformer.methods.learned.onnx_sessions import OnnxNetwork, shipped
+from teamformer.methods.learned.relational_features import Relations, relate
+from teamformer.methods.learned.shipped import ANY_FLEET
 from teamformer.robotarium.deployment.graphs import Node
 from teamformer.robotarium.deployment.numpy_network import NumpyNetwork
 from teamformer.robotarium.deployment.onnx_files import read_graph
 from teamformer.robotarium.random_missions import random_mission
-from teamformer.sim.env import TeamFormation
+from teamformer.world.env import TeamFormation
 
 
 def test_the_shipped_network_scores_alike() -> None:

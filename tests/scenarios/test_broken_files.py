@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.scenarios.files import read_scenario, scenario_from_tree
-from teamformer.scenarios.yaml import reader
+from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.files.mission_files import read_scenario, scenario_from_tree
+from teamformer.files.yaml import reader
 
 GOOD = """\
 teamformer: 1

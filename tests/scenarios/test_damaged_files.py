@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
+from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.files.mission_files import read_scenario, scenario_from_tree, scenario_to_tree
 
 GOOD = """\
 teamformer: 1

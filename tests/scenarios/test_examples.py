@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.capabilities import covers, total
-from teamformer.model import Scenario
-from teamformer.policies.protocol import Policy
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.files import read_scenario
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.capabilities import covers, total
 from teamformer.trials.trial import run_trials
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

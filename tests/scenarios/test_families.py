@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
-from teamformer.model import Scenario
-from teamformer.scenarios.families import FAMILIES
-from teamformer.scenarios.family_missions import INCIDENT_STEPS, about_half_of
-from teamformer.scenarios.named_settings import size_of, world_of
-from teamformer.scenarios.surprises import BREAKDOWN, CALLS, DELAYS, LASTS, SURPRISES, WITHIN
-from teamformer.trials.methods import load_method
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.families import FAMILIES
+from teamformer.files.drawn.family_missions import INCIDENT_STEPS, about_half_of
+from teamformer.files.drawn.named_settings import size_of, world_of
+from teamformer.files.drawn.surprises import BREAKDOWN, CALLS, DELAYS, LASTS, SURPRISES, WITHIN
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trial
 
 WORLDS = 60

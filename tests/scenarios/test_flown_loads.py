@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from teamformer.errors import ScenarioError
-from teamformer.grid import Grid
-from teamformer.mission.rules import rules_not_played
-from teamformer.model import Robot, Scenario, Task
+from teamformer.base.errors import ScenarioError
+from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 
 DRONE = Robot("drone", (0, 0), {"a": 1}, moves="air")
 BEHIND = Task("load", (0, 1), {"a": 1}, to=(2, 1))

@@ -14,9 +14,9 @@ import yaml
 
 import teamformer as tf
 from home_care import HHCRSP
-from teamformer.errors import TeamformerError
-from teamformer.roads import Roads
-from teamformer.scenarios.imports import import_missions
+from teamformer.base.errors import TeamformerError
+from teamformer.files.imports import import_missions
+from teamformer.mission.parts.roads import Roads
 
 HETERO = {
     "setup": {"robots": 2, "tasks": 1, "num_skills": 2},

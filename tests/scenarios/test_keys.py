@@ -8,16 +8,16 @@ from typing import Any
 
 import pytest
 
-from teamformer.errors import ScenarioError
+from teamformer.base.errors import ScenarioError
+from teamformer.files.mission_files import scenario_from_tree, scenario_to_tree
 from teamformer.mission.keys import robot_keys, task_keys
 from teamformer.mission.keys.key import Key
 from teamformer.mission.keys.mission_keys import ARRIVALS_KEYS, MISSION_KEYS
 from teamformer.mission.keys.robot_keys import BREAKS_KEYS, DELAYS_KEYS, ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
-from teamformer.model import Arrivals, Breakdown, Delays, Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
+from teamformer.mission.model import Arrivals, Breakdown, Delays, Robot, Scenario, Task
+from teamformer.mission.parts.plane import Plane
 
 TABLES: dict[type[Any], tuple[tuple[Key, ...], dict[str, str]]] = {
     Robot: (ROBOT_KEYS, robot_keys.NOT_ALIKE),

@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
-from teamformer.errors import ScenarioError
-from teamformer.grid import Grid
-from teamformer.mission.costs import cost_of
-from teamformer.mission.links import groups_of
-from teamformer.mission.rules import rules_not_played
-from teamformer.model import Robot, Scenario, Task
-from teamformer.scenarios.files import read_scenario, write_scenario
+from teamformer.base.errors import ScenarioError
+from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.mission.checks.costs import cost_of
+from teamformer.mission.checks.links import groups_of
+from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 
 X, Y, Z, ALONE = (Task(name, (1, 1), {"a": 1}, duration=2) for name in ("x", "y", "z", "alone"))
 MISSION = Scenario(

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from teamformer.errors import ScenarioError
-from teamformer.mission.rules import rules_not_played, rules_of_simulated_missions
+from teamformer.base.errors import ScenarioError
+from teamformer.files.mission_files import read_scenario, scenario_from_tree, scenario_to_tree
+from teamformer.mission.checks.rules import rules_not_played, rules_of_simulated_missions
 from teamformer.robotarium.mission_checks import find_problems
-from teamformer.scenarios.files import read_scenario, scenario_from_tree, scenario_to_tree
 
 MISSION = """\
 teamformer: 1

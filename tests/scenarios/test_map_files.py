@@ -11,18 +11,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.extras import how_to_install
-from teamformer.frame import Frame
-from teamformer.grid import BLOCKED, FREE, Grid
-from teamformer.scenarios.files import (
+from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.extras import how_to_install
+from teamformer.files.maps.formats import read_map, read_movingai, read_ros_map
+from teamformer.files.maps.images import read_image
+from teamformer.files.mission_files import (
     read_scenario,
     scenario_from_tree,
     scenario_to_tree,
     write_scenario,
 )
-from teamformer.scenarios.maps.formats import read_map, read_movingai, read_ros_map
-from teamformer.scenarios.maps.images import read_image
+from teamformer.mission.parts.frame import Frame
+from teamformer.mission.parts.grid import BLOCKED, FREE, Grid
 
 REAL_MAPS = Path(__file__).parents[2].parent / "shared" / "data" / "maps"
 needs_real_maps = pytest.mark.skipif(not REAL_MAPS.is_dir(), reason="the real maps are not here")

@@ -8,19 +8,19 @@ from typing import Any
 
 import pytest
 
-from teamformer.errors import ScenarioError
-from teamformer.grid import Grid
-from teamformer.mission.keys.key import CONTINUOUS
-from teamformer.mission.keys.unknown import find_unknown
-from teamformer.mission.rules import (
+from teamformer.base.errors import ScenarioError
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.mission.checks.rules import (
     rules_not_played,
     rules_of_simulated_missions,
     rules_of_sure_missions,
 )
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.scenarios.files import read_scenario, write_scenario
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.env import TeamFormation
+from teamformer.mission.keys.key import CONTINUOUS
+from teamformer.mission.keys.unknown import find_unknown
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.env import TeamFormation
 
 ROBOT = Robot("r", (0, 0), {"a": 1})
 MISSION = Scenario(

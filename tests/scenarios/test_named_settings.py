@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
-from teamformer.scenarios.generate import Spec
-from teamformer.scenarios.named_settings import new_tasks_of, spec_of, world_of
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.generate import Spec
+from teamformer.files.drawn.named_settings import new_tasks_of, spec_of, world_of
+from teamformer.mission.parts.grid import Grid
 
 
 @pytest.mark.parametrize(

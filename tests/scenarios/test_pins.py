@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.errors import ScenarioError
-from teamformer.model import Scenario
-from teamformer.referee.judge import judge
-from teamformer.scenarios.files import read_scenario, write_scenario
-from teamformer.trials.methods import load_method
+from teamformer.base.errors import ScenarioError
+from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Scenario
+from teamformer.record.referee.judge import judge
 from teamformer.trials.planned import plan_mission
 from teamformer.trials.trial import run_trial
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.errors import ScenarioError
-from teamformer.grid import Grid
-from teamformer.mission.places import possible_places
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.truth import believed_mission, draw_truth, expected_mission
+from teamformer.base.errors import ScenarioError
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.places import possible_places
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.truth import believed_mission, draw_truth, expected_mission
 
 
 def test_the_nearest_places_come_first() -> None:

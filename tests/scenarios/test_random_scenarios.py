@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from small_worlds import reachable
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
-from teamformer.model import Scenario
-from teamformer.scenarios.generate import SPAWN_RADIUS, Spec, generate
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.generate import SPAWN_RADIUS, Spec, generate
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
 
 
 def many(spec: Spec, count: int = 200, seed: int = 1) -> list[Scenario]:

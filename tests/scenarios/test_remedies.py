@@ -12,18 +12,18 @@ import pytest
 
 import teamformer as tf
 from small_worlds import make, robot, task
-from teamformer.commands.missions.draw_map import draw_map
-from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.grid import Grid
-from teamformer.mission.rules import (
+from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.cli.verbs.missions.draw_map import draw_map
+from teamformer.files.mission_files import read_scenario
+from teamformer.mission.checks.rules import (
     VERBS,
     rules_not_known_beforehand,
     rules_not_planned,
     rules_not_played,
     rules_of_simulated_missions,
 )
-from teamformer.model import Absence, Arrivals, Breakdown, Delays, Scenario
-from teamformer.scenarios.files import read_scenario
+from teamformer.mission.model import Absence, Arrivals, Breakdown, Delays, Scenario
+from teamformer.mission.parts.grid import Grid
 
 FIRST, SECOND = task("a", 9), task("a", 3)
 MISSION = make([robot("a", 0), robot("a", 5)], [FIRST, SECOND])

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from test_broken_files import CASES, GOOD, problems_of
 
-from teamformer.model import Breakdown
-from teamformer.roads import Roads
-from teamformer.scenarios.files import read_scenario
+from teamformer.files.mission_files import read_scenario
+from teamformer.mission.model import Breakdown
+from teamformer.mission.parts.roads import Roads
 
 DOCS = Path(__file__).parents[2] / "docs" / "reference" / "scenarios.md"
 MAKING = Path(__file__).parents[2] / "docs" / "making" / "keys.py"

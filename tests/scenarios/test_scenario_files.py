@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world, with_fractions
-from teamformer.errors import TeamformerError
-from teamformer.frame import Frame
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.scenarios.files import (
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.files.mission_files import (
     read_scenario,
     scenario_from_tree,
     scenario_to_tree,
     write_scenario,
 )
-from teamformer.scenarios.generate import Spec, generate
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.frame import Frame
+from teamformer.mission.parts.grid import Grid
 
 EVERY_KEY = """\
 teamformer: 1

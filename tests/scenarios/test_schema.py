@@ -8,10 +8,10 @@ import pytest
 import yaml
 from jsonschema import Draft202012Validator
 
-from teamformer.scenarios.families import FAMILIES
-from teamformer.scenarios.files import scenario_to_tree
-from teamformer.scenarios.named_settings import world_of
-from teamformer.scenarios.schema import mission_schema, schema_text
+from teamformer.files.drawn.families import FAMILIES
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.mission_files import scenario_to_tree
+from teamformer.files.schema import mission_schema, schema_text
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = mission_schema()

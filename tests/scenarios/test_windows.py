@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from small_worlds import make, robot, task
-from teamformer.mission.windows import find_hopeless_windows
-from teamformer.model import Scenario, Task
+from teamformer.mission.checks.windows import find_hopeless_windows
+from teamformer.mission.model import Scenario, Task
 
 FIRST = replace(task("a", 3, duration=4), between=(20, 30))
 

@@ -9,12 +9,12 @@ from decimal import Decimal
 from functools import cache
 from itertools import pairwise
 
-from teamformer.grid import Grid, Place
 from teamformer.mission.arrivals import with_arrivals
-from teamformer.mission.places import believed_place, possible_places
-from teamformer.mission.rules import LIKELY
-from teamformer.model import Robot, Scenario
-from teamformer.plane import Plane
+from teamformer.mission.checks.rules import LIKELY
+from teamformer.mission.model import Robot, Scenario
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.places import believed_place, possible_places
+from teamformer.mission.parts.plane import Plane
 
 NEVER = 10**9
 

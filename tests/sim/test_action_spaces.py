@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from random_worlds import random_decision, random_world
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.multi_agent.action_spaces import (
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.multi_agent.action_spaces import (
     action_from_wanted,
     count_actions,
     is_legal_action,

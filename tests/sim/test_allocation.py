@@ -17,10 +17,10 @@ from small_worlds import (
     task,
     two_tasks_two_pairs,
 )
-from teamformer.grid import Grid
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.rules.constants import NOBODY
 
 
 def test_the_first_task_in_the_order_that_one_can_contribute_to() -> None:

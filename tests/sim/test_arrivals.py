@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 from small_worlds import make, play, robot, task
-from teamformer.grid import Grid
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.mission_files import scenario_from_tree, scenario_to_tree
+from teamformer.methods.by_name import load_method
 from teamformer.mission.arrivals import most_tasks, once_appeared, without_arrivals
-from teamformer.model import Arrivals, Scenario
-from teamformer.referee import judge
-from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.writing import write_replay
-from teamformer.trials.methods import load_method
+from teamformer.mission.model import Arrivals, Scenario
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.truth import draw_truth, expected_mission
+from teamformer.record.reading import read_replay
+from teamformer.record.referee import judge
+from teamformer.record.writing import write_replay
 from teamformer.trials.trial import run_trial
-from teamformer.truth import draw_truth, expected_mission
+from teamformer.world.env import TeamFormation
 from test_surprises import is_alike, play_views
 
 
@@ -138,7 +138,7 @@ def test_the_referee_refuses_what_cannot_appear() -> None:
 
 
 def test_pettingzoo_has_room_for_all_that_may_appear() -> None:
-    parallel_env = pytest.importorskip("teamformer.sim.multi_agent.parallel_env")
+    parallel_env = pytest.importorskip("teamformer.world.multi_agent.parallel_env")
     env = parallel_env.TeamFormationParallel(corridor(0.5, 9))
     rows = set()
     for seed in range(4):

@@ -17,22 +17,22 @@ from random_worlds import (
     with_surprises,
 )
 from small_worlds import make, robot, task
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.critical_path.of_record import path_of_record
-from teamformer.errors import ScenarioError
-from teamformer.export.events import events
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.base.errors import ScenarioError
+from teamformer.methods.by_name import Player
+from teamformer.methods.central.policy import Central
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.policies.central.policy import Central
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.referee import judge
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import cancelled_steps, done_steps, opening_steps
-from teamformer.trials.methods import Player
+from teamformer.record.critical_path.of_record import path_of_record
+from teamformer.record.export.events import events
+from teamformer.record.record import Replay
+from teamformer.record.referee import judge
+from teamformer.record.task_times import cancelled_steps, done_steps, opening_steps
 from teamformer.trials.trial import run_trial
-from teamformer.truth import draw_truth
+from teamformer.world.env import TeamFormation
 from test_step import step_both
 
 

@@ -11,16 +11,16 @@ from blocked_worlds import blocked_worlds
 from coordinations import RandomPlans
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_loads, with_surprises
-from teamformer.coordination import Known, Plan
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import TeamFormation
-from teamformer.trials.methods import Player
-from teamformer.truth import draw_truth
+from teamformer.methods.by_name import Player
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.truth import draw_truth
+from teamformer.world.env import TeamFormation
+from teamformer.world.rules.constants import NOBODY
 from test_step import step_both
 
 

@@ -19,10 +19,10 @@ from small_worlds import (
     two_robots_one_task,
     walker,
 )
-from teamformer.grid import Grid
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.sim.env import TeamFormation
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trial
+from teamformer.world.env import TeamFormation
 
 
 @pytest.mark.parametrize("duration", [0, 1, 3])

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from small_worlds import make, places, play, robot, task
-from teamformer.model import Delays, Scenario
-from teamformer.referee import judge
-from teamformer.scenarios.files import scenario_from_tree, scenario_to_tree
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.record import TeamAt
-from teamformer.sim.replay.writing import write_replay
-from teamformer.trials.methods import load_method
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.mission_files import scenario_from_tree, scenario_to_tree
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Delays, Scenario
+from teamformer.mission.truth import draw_truth, expected_mission
+from teamformer.record.reading import read_replay
+from teamformer.record.record import TeamAt
+from teamformer.record.referee import judge
+from teamformer.record.writing import write_replay
 from teamformer.trials.trial import run_trial
-from teamformer.truth import draw_truth, expected_mission
+from teamformer.world.env import TeamFormation
 from test_surprises import play_views, with_step
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from small_worlds import two_robots_one_task
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.world.env import Decision, TeamFormation
 
 
 def test_a_decision_answers_the_latest_view_only() -> None:

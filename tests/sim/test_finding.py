@@ -12,19 +12,19 @@ import pytest
 from coordinations import COORDINATIONS, method_of
 from random_worlds import random_world, with_surprises
 from small_worlds import done_at, make, play, robot, task
-from teamformer.export.events import events
-from teamformer.grid import Grid, Place
-from teamformer.mission.places import possible_places
-from teamformer.model import Scenario
-from teamformer.referee import judge
-from teamformer.rules.constants import NOBODY
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.replay.record import Replay, TaskAt
-from teamformer.sim.replay.writing import write_replay
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.places import possible_places
+from teamformer.mission.truth import draw_truth
+from teamformer.record.export.events import events
+from teamformer.record.reading import read_replay
+from teamformer.record.record import Replay, TaskAt
+from teamformer.record.referee import judge
+from teamformer.record.writing import write_replay
 from teamformer.trials.trial import run_trial
-from teamformer.truth import draw_truth
+from teamformer.world.env import TeamFormation
+from teamformer.world.rules.constants import NOBODY
 from test_surprises import is_alike, play_views, with_step, with_true_task
 
 

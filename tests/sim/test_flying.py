@@ -11,17 +11,17 @@ import pytest
 from coordinations import RandomPlans
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.referee.judge import judge
-from teamformer.scenarios.files import read_scenario
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.trials.methods import load_method
+from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.by_name import load_method
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.record.referee.judge import judge
 from teamformer.trials.trial import run_trial
+from teamformer.world.env import Decision, TeamFormation
 from test_step import coalitions_of, compare, shared_order, step_both
 
 WALL = Grid(5, 3, ("..@..", "..@..", "....."))

@@ -19,7 +19,7 @@ from small_worlds import (
     two_robots_one_task,
     two_tasks_two_pairs,
 )
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.world.env import Decision, TeamFormation
 
 
 def test_joining_costs_the_step() -> None:

@@ -9,13 +9,13 @@ import pytest
 
 from random_worlds import random_world
 from small_worlds import done_at, make, places, play, robot, task, teams_of
-from teamformer.errors import ScenarioError
-from teamformer.model import Absence, Robot, Scenario
-from teamformer.referee import judge
-from teamformer.sim.env import TeamFormation
-from teamformer.trials.listings import our_method_names
-from teamformer.trials.methods import load_method
+from teamformer.base.errors import ScenarioError
+from teamformer.methods.by_name import load_method
+from teamformer.methods.listings import our_method_names
+from teamformer.mission.model import Absence, Robot, Scenario
+from teamformer.record.referee import judge
 from teamformer.trials.trial import Trial, run_trial
+from teamformer.world.env import TeamFormation
 
 
 def away(able: str, at: int, lost: int, back: int) -> Robot:

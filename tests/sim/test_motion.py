@@ -9,11 +9,11 @@ import pytest
 
 from random_worlds import random_world
 from small_worlds import done_at, make, places, play, robot, task, two_robots_one_task, walker
-from teamformer.grid import FREE, Grid
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.sim.env import TeamFormation
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.parts.grid import FREE, Grid
 from teamformer.trials.trial import run_trial
+from teamformer.world.env import TeamFormation
 
 
 @pytest.mark.parametrize(

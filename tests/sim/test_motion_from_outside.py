@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from random_worlds import random_decision, random_world
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.plane import Plane
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.rules.constants import NOBODY
 
 
 def test_a_step_in_two_parts_is_the_whole_step() -> None:

@@ -14,12 +14,12 @@ import pytest
 from pettingzoo.test import parallel_api_test
 
 from random_worlds import random_world
-from teamformer.errors import TeamformerError
-from teamformer.extras import how_to_install
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.scenarios.generate import Spec
-from teamformer.sim.multi_agent.parallel_env import TeamFormationParallel
+from teamformer.base.errors import TeamformerError
+from teamformer.base.extras import how_to_install
+from teamformer.files.drawn.generate import Spec
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.multi_agent.parallel_env import TeamFormationParallel
 
 SPEC = Spec(robots=4, tasks=3, capabilities=3, world=Grid(6, 6), step_limit=60)
 
@@ -195,9 +195,9 @@ def test_other_names_of_actions_and_too_many_capabilities_are_refused() -> None:
 
 def test_a_missing_install_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pettingzoo", None)
-    monkeypatch.delitem(sys.modules, "teamformer.sim.multi_agent.parallel_env")
+    monkeypatch.delitem(sys.modules, "teamformer.world.multi_agent.parallel_env")
     with pytest.raises(TeamformerError) as caught:
-        importlib.import_module("teamformer.sim.multi_agent.parallel_env")
+        importlib.import_module("teamformer.world.multi_agent.parallel_env")
     assert caught.value.hint == how_to_install("env")
 
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from coordinations import play_by_plan
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.steps.shared_plan import plan_mission
-from teamformer.referee.judge import judge
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import TeamFormation
+from teamformer.record.referee.judge import judge
 from teamformer.trials.trial import run_trial
+from teamformer.world.env import TeamFormation
 
 CAPS = ("lift", "weld")
 

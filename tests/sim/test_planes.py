@@ -11,14 +11,14 @@ import pytest
 
 from coordinations import coordinator, play_by_plan
 from random_worlds import random_decision, random_world
-from teamformer.coordinators.on_command import OnCommand
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.grid import Place
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.policies.central.plan_player import PlanPlayer
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.methods.central.plan_player import PlanPlayer
+from teamformer.methods.coordinators.on_command import OnCommand
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.plane import Plane
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.rules.constants import NOBODY
 
 FIELD = Plane(10.0, 10.0)  # steps of a second, places 0.05 m wide
 

@@ -10,20 +10,20 @@ import pytest
 from coordinations import RandomPlans
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_precedence_and_windows
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.export.events import events
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.methods.by_name import Player
+from teamformer.methods.central.policy import Central
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.policies.central.policy import Central
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.referee import judge
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import known_steps, lateness, opening_steps
-from teamformer.trials.methods import Player
+from teamformer.record.export.events import events
+from teamformer.record.record import Replay
+from teamformer.record.referee import judge
+from teamformer.record.task_times import known_steps, lateness, opening_steps
 from teamformer.trials.trial import run_trial
+from teamformer.world.env import TeamFormation
 from test_step import coalitions_of, compare, shared_order, wanted_by_slot
 
 CORRIDOR = Scenario(

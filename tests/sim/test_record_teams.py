@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from small_worlds import make, robot, task
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
-from teamformer.sim.replay.teams import Teams, completions
-from teamformer.trials.methods import load_method
+from teamformer.methods.by_name import load_method
+from teamformer.record.record import Ending, Replay, Step, TeamAt
+from teamformer.record.teams import Teams, completions
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
+from teamformer.world.rules.constants import NOBODY
 
 START = ((0, (0, 2, 3), 0, 0), (1, (1,), 2, 0))
 """Three robots together, and one two cells away."""

@@ -12,14 +12,14 @@ from typing import Any
 
 import pytest
 
-from teamformer.critical_path.of_record import path_of_record
-from teamformer.errors import ReplayError, TeamformerError
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.plane import Plane
-from teamformer.sim.replay.reading import read_replay, replay_from_tree
-from teamformer.sim.replay.record import Ending, Replay, Step, TeamAt
-from teamformer.sim.replay.writing import replay_to_tree, write_replay
+from teamformer.base.errors import ReplayError, TeamformerError
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.plane import Plane
+from teamformer.record.critical_path.of_record import path_of_record
+from teamformer.record.reading import read_replay, replay_from_tree
+from teamformer.record.record import Ending, Replay, Step, TeamAt
+from teamformer.record.writing import replay_to_tree, write_replay
 
 HALL = Scenario(
     name="hall",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from small_worlds import make, play, robot, task, two_robots_one_task
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.reward import Reward
+from teamformer.world.env import TeamFormation
+from teamformer.world.reward import Reward
 
 
 def test_a_step_costs_and_what_fits_pays() -> None:

@@ -9,15 +9,15 @@ from blocked_worlds import blocked_worlds
 from coordinations import RandomPlans
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_fractions
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.view import View
-from teamformer.trials.methods import Player
+from teamformer.methods.by_name import Player
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.view import View
 
 
 def compare(env: TeamFormation, twin: PlainWorld) -> None:

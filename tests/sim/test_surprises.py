@@ -16,24 +16,24 @@ from coordinations import COORDINATIONS, RandomPlans, method_of
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_fractions, with_surprises
 from small_worlds import make, play, robot, task
-from teamformer.capabilities import describe
-from teamformer.errors import ReplayError
-from teamformer.export.csv_tables import write_tables
-from teamformer.export.events import events
-from teamformer.mission.rules import FORESIGHTS, LIKELY
-from teamformer.model import Absence, Breakdown, Scenario
-from teamformer.referee import judge
-from teamformer.rules.constants import NOBODY
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.sim.replay.reading import read_replay, replay_from_tree
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import lateness
-from teamformer.sim.replay.writing import replay_to_tree, write_replay
-from teamformer.sim.view import View
-from teamformer.trials.methods import Method, load_method
+from teamformer.base.errors import ReplayError
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.methods.by_name import Method, load_method
+from teamformer.mission.checks.rules import FORESIGHTS, LIKELY
+from teamformer.mission.model import Absence, Breakdown, Scenario
+from teamformer.mission.parts.capabilities import describe
+from teamformer.mission.truth import draw_truth, truth_until
+from teamformer.record.export.csv_tables import write_tables
+from teamformer.record.export.events import events
+from teamformer.record.reading import read_replay, replay_from_tree
+from teamformer.record.record import Replay
+from teamformer.record.referee import judge
+from teamformer.record.task_times import lateness
+from teamformer.record.writing import replay_to_tree, write_replay
 from teamformer.trials.trial import decide, run_trial
-from teamformer.truth import draw_truth, truth_until
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.view import View
 from test_step import step_both
 
 RULES = [
@@ -446,7 +446,7 @@ def test_events_tell_what_turned_out(tmp_path: Path) -> None:
 
 
 def test_pettingzoo_shows_beliefs_and_draws_the_truth_anew() -> None:
-    parallel_env = pytest.importorskip("teamformer.sim.multi_agent.parallel_env")
+    parallel_env = pytest.importorskip("teamformer.world.multi_agent.parallel_env")
     env = parallel_env.TeamFormationParallel(world_of("4N4T-C4-mixed", 0))
     states = []
     for seed in (1, 1, 2, 3):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from small_worlds import done_at, late_task, make, order_of, play, robot, task
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.grid import Grid
-from teamformer.sim.env import TeamFormation
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.env import TeamFormation
 
 
 def test_tour_begins_at_the_centroid_of_the_robots() -> None:

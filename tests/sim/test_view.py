@@ -9,12 +9,12 @@ import pytest
 
 from random_worlds import random_world
 from small_worlds import make, play, robot, service, task, two_apart, two_tasks_two_pairs
-from teamformer.grid import Grid, Place
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.view import NEAREST_TEAMS, NEXT_TASKS, View
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.world.env import TeamFormation
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.view import NEAREST_TEAMS, NEXT_TASKS, View
 
 
 def snapshot(view: View) -> dict[str, list[object]]:

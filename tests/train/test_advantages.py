@@ -9,16 +9,16 @@ import pytest
 import torch
 
 from small_worlds import pair_with_a_task_each_side
-from teamformer.arrays import Array
-from teamformer.model import Absence
-from teamformer.nets.critic import Critic, CriticSettings
-from teamformer.policies.learned.any_fleet import AnyFleetCodec
-from teamformer.policies.learned.macro_actions import HALVE, JOIN, MAINTAIN
-from teamformer.sim.env import TeamFormation
-from teamformer.train.learning import global_state
-from teamformer.train.learning.advantages import advantages, credit, stream_values
-from teamformer.train.learning.reward_streams import MissionReward, TeamReward
-from teamformer.train.learning.rollout import Rollout, play
+from teamformer.base.array_types import Array
+from teamformer.learning.algorithms import global_state
+from teamformer.learning.algorithms.advantages import advantages, credit, stream_values
+from teamformer.learning.algorithms.reward_streams import MissionReward, TeamReward
+from teamformer.learning.algorithms.rollout import Rollout, play
+from teamformer.learning.nets.critic import Critic, CriticSettings
+from teamformer.methods.learned.any_fleet import AnyFleetCodec
+from teamformer.methods.learned.macro_actions import HALVE, JOIN, MAINTAIN
+from teamformer.mission.model import Absence
+from teamformer.world.env import TeamFormation
 
 
 def streams(*rows: list[float]) -> Array:

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from teamformer.train.budget import GUESSES, Budget
+from teamformer.learning.budget import GUESSES, Budget
 
 
 class Clock:

@@ -8,16 +8,16 @@ import torch
 
 from random_worlds import random_world
 from small_worlds import pair_with_a_task_each_side
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
-from teamformer.policies.learned.any_fleet import AnyFleetCodec
-from teamformer.policies.learned.macro_actions import FOLLOW, HALVE
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.sim.env import TeamFormation
-from teamformer.train.learning.counterfactual import Trials, try_others
-from teamformer.train.learning.rollout_improvement import RolloutImprovementSettings, fit
-from teamformer.train.trainer import make_learner
-from teamformer.train.training_settings import TrainSettings
+from teamformer.learning.algorithms.counterfactual import Trials, try_others
+from teamformer.learning.algorithms.rollout_improvement import RolloutImprovementSettings, fit
+from teamformer.learning.trainer import make_learner
+from teamformer.learning.training_settings import TrainSettings
+from teamformer.methods.learned.any_fleet import AnyFleetCodec
+from teamformer.methods.learned.macro_actions import FOLLOW, HALVE
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.env import TeamFormation
 
 
 def test_a_fork_goes_its_own_way() -> None:

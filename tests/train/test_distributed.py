@@ -13,8 +13,8 @@ import torch.distributed as dist
 from safetensors.torch import load_file
 from torch import multiprocessing, nn
 
-from teamformer.train import distributed
-from teamformer.train.checkpoint import WEIGHTS
+from teamformer.learning.algorithms import distributed
+from teamformer.learning.checkpoint import WEIGHTS
 
 
 def two_layers() -> nn.Sequential:

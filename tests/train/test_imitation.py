@@ -12,18 +12,18 @@ from torch import Tensor, nn
 
 from random_worlds import random_world
 from small_worlds import two_robots_one_task
-from teamformer.arrays import Array
-from teamformer.nets.actor import OneChoice
-from teamformer.policies.learned.combinations import CombinationCodec
-from teamformer.policies.learned.token_features import SpellingCodec
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.sim.env import Decision, TeamFormation
-from teamformer.train.learning.demonstrations import Demonstrations, demonstrate
-from teamformer.train.learning.imitation import ImitationSettings, fit
-from teamformer.train.learning.iteration import learn_by_imitation
-from teamformer.train.trainer import make_learner
-from teamformer.train.training_settings import TrainSettings
-from teamformer.train.training_worlds import Mixture
+from teamformer.base.array_types import Array
+from teamformer.learning.algorithms.demonstrations import Demonstrations, demonstrate
+from teamformer.learning.algorithms.imitation import ImitationSettings, fit
+from teamformer.learning.iteration import learn_by_imitation
+from teamformer.learning.nets.actor import OneChoice
+from teamformer.learning.trainer import make_learner
+from teamformer.learning.training_settings import TrainSettings
+from teamformer.learning.training_worlds import Mixture
+from teamformer.methods.learned.combinations import CombinationCodec
+from teamformer.methods.learned.token_features import SpellingCodec
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.world.env import Decision, TeamFormation
 
 
 def never_act(tokens: tuple[Array, ...]) -> tuple[Array, Array]:

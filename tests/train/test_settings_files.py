@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.errors import TeamformerError
-from teamformer.policies.learned.shipped import shipped_cards
-from teamformer.train.learning.ppo import PpoSettings
-from teamformer.train.learning.reward_streams import MissionReward, TeamReward
-from teamformer.train.settings_files import load_settings, names_of_settings, settings_of
-from teamformer.train.training_settings import TrainSettings
-from teamformer.train.training_worlds import Mixture, training_worlds
+from teamformer.base.errors import TeamformerError
+from teamformer.learning.algorithms.ppo import PpoSettings
+from teamformer.learning.algorithms.reward_streams import MissionReward, TeamReward
+from teamformer.learning.settings_files import load_settings, names_of_settings, settings_of
+from teamformer.learning.training_settings import TrainSettings
+from teamformer.learning.training_worlds import Mixture, training_worlds
+from teamformer.methods.learned.shipped import shipped_cards
 
 
 def read(folder: Path, text: str) -> TrainSettings:

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.commands.policies.train import TrainOptions, _begun, train
-from teamformer.errors import TeamformerError
-from teamformer.train.checkpoint import ABOUT, WEIGHTS, TrainingProgress, load, read_about, save
-from teamformer.train.trainer import _described, make_learner
-from teamformer.train.trainer import train as train_on
-from teamformer.train.training_settings import TrainSettings
+from teamformer.base.errors import TeamformerError
+from teamformer.cli.verbs.policies.train import TrainOptions, _begun, train
+from teamformer.learning.checkpoint import ABOUT, WEIGHTS, TrainingProgress, load, read_about, save
+from teamformer.learning.trainer import _described, make_learner
+from teamformer.learning.trainer import train as train_on
+from teamformer.learning.training_settings import TrainSettings
 from typed import teamformer
 
 

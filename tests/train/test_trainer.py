@@ -12,28 +12,28 @@ import pytest
 import torch
 from torch import Tensor
 
-from teamformer.errors import TeamformerError
-from teamformer.model import Scenario
-from teamformer.nets.actor import Actor
-from teamformer.policies.learned.policy import Learned
-from teamformer.sim.env import TeamFormation
-from teamformer.train.checkpoint import ABOUT, WEIGHTS, load_weights, read_about
-from teamformer.train.evaluation import torch_brain
-from teamformer.train.learning.optimiser import Learner
-from teamformer.train.learning.ppo import clipped_loss
-from teamformer.train.learning.reward_streams import MissionReward, TeamReward
-from teamformer.train.learning.rollout import play, sampler
-from teamformer.train.trainer import make_learner
-from teamformer.train.trainer import train as train_and_export
-from teamformer.train.training_settings import TrainSettings
-from teamformer.train.training_worlds import (
+from teamformer.base.errors import TeamformerError
+from teamformer.learning.algorithms.optimiser import Learner
+from teamformer.learning.algorithms.ppo import clipped_loss
+from teamformer.learning.algorithms.reward_streams import MissionReward, TeamReward
+from teamformer.learning.algorithms.rollout import play, sampler
+from teamformer.learning.checkpoint import ABOUT, WEIGHTS, load_weights, read_about
+from teamformer.learning.evaluation import torch_brain
+from teamformer.learning.nets.actor import Actor
+from teamformer.learning.trainer import make_learner
+from teamformer.learning.trainer import train as train_and_export
+from teamformer.learning.training_settings import TrainSettings
+from teamformer.learning.training_worlds import (
     Mixture,
     paper_mixture,
     selection_worlds,
     training_worlds,
 )
-from teamformer.trials.methods import load_method
+from teamformer.methods.by_name import load_method
+from teamformer.methods.learned.policy import Learned
+from teamformer.mission.model import Scenario
 from teamformer.trials.trial import run_trials
+from teamformer.world.env import TeamFormation
 
 SHORT = TrainSettings(
     method="ppo",

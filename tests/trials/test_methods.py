@@ -9,22 +9,22 @@ import numpy as np
 import pytest
 
 from small_worlds import make, robot, task
-from teamformer.coordinators.crews import Crews
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.errors import TeamformerError
-from teamformer.policies.central.policy import Central
-from teamformer.policies.learned.policy import Learned
-from teamformer.policies.protocol import Planner
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.smallest import smallest_scenario
-from teamformer.sim.env import TeamFormation
-from teamformer.trials.listings import method_listings, method_names
-from teamformer.trials.methods import Method, as_method, default_for, load_method, with_settings
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.smallest import smallest_scenario
+from teamformer.methods.by_name import Method, as_method, default_for, load_method, with_settings
+from teamformer.methods.central.policy import Central
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.learned.policy import Learned
+from teamformer.methods.listings import method_listings, method_names
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.methods.seam.protocol import Planner
+from teamformer.world.env import TeamFormation
 
 OWN = """
-from teamformer.sim.env import Decision
+from teamformer.world.env import Decision
 
 class Patient:
     needs_everything = False

@@ -6,10 +6,10 @@ import numpy as np
 
 from random_worlds import random_decision, random_world
 from small_worlds import late_task, make, play, robot, task, two_robots_one_task
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.replay.record import Replay, Step, TeamAt
+from teamformer.record.record import Replay, Step, TeamAt
 from teamformer.trials.recorder import Recorder, _splits
+from teamformer.world.env import TeamFormation
+from teamformer.world.rules.constants import NOBODY
 
 State = dict[int, tuple[tuple[int, ...], TeamAt]]
 """The robots of each team, and how it stands, by slot."""

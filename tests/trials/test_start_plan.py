@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.coordination import Plan
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.mission.coordination import Plan
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.problem import CoalitionProblem
 from teamformer.planning.continuous.solve import plan_together, solve
-from teamformer.scenarios.files import read_scenario, write_scenario
-from teamformer.scenarios.named_settings import world_of
+from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.trials.planned import plan_mission
 from teamformer.trials.start_plan import read_start_plan
 from typed import teamformer

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.errors import TeamformerError
-from teamformer.policies.learned.onnx_sessions import shipped
-from teamformer.policies.learned.policy import Learned
-from teamformer.trials.trained_folder import ABOUT, NETWORK, load_trained
+from teamformer.base.errors import TeamformerError
+from teamformer.methods.learned.onnx_sessions import shipped
+from teamformer.methods.learned.policy import Learned
+from teamformer.methods.trained_folder import ABOUT, NETWORK, load_trained
 
 GOOD = {"format": 1, "network": "gnn", "capabilities": 4}
 

@@ -15,13 +15,13 @@ import pytest
 from coordinations import method_of
 from random_worlds import random_decision, random_world
 from small_worlds import two_robots_one_task, two_tasks_two_pairs, walker
-from teamformer.model import Scenario
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.referee import judge
-from teamformer.sim.env import Decision, Tally
-from teamformer.sim.view import View
-from teamformer.trials.methods import Method, load_method
+from teamformer.methods.by_name import Method, load_method
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Scenario
+from teamformer.record.referee import judge
 from teamformer.trials.trial import Trial, run_trial, run_trials
+from teamformer.world.env import Decision, Tally
+from teamformer.world.view import View
 
 
 class Dice:

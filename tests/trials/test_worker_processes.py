@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.trials.worker_processes import WorkerDiedError, work_in_processes
+from teamformer.base.worker_processes import WorkerDiedError, work_in_processes
 
 
 def square_in_turn(job: tuple[int, Path]) -> int:

@@ -10,11 +10,11 @@ import pytest
 
 from browsers import Opened
 from live_server import Served, serving_editor
-from teamformer.model import Absence
-from teamformer.referee import judge
-from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay.reading import read_replay
-from teamformer.trials.methods import load_method
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Absence
+from teamformer.record.reading import read_replay
+from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")

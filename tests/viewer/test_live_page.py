@@ -15,22 +15,22 @@ from toy_replays import Tree
 from browsers import Opened
 from live_server import Served, serving, serving_session, small_mission
 from small_worlds import late_pair, make, robot, task
-from teamformer.coordination import Known, Plan
-from teamformer.errors import TeamformerError
-from teamformer.live.autosave import Autosave, Identity
-from teamformer.live.drafts import Draft
-from teamformer.live.incidents import Incident
-from teamformer.live.mission_with_past import Mission
+from teamformer.base.errors import TeamformerError
+from teamformer.live.drawing.drafts import Draft
+from teamformer.live.keeping.autosave import Autosave, Identity
+from teamformer.live.running.incidents import Incident
+from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.what_if import IsOver, WhatIf, what_if
 from teamformer.live.session import Session
-from teamformer.live.what_if import IsOver, WhatIf, what_if
 from teamformer.live.workshop import Workshop
-from teamformer.model import Absence
-from teamformer.policies.scripted.join_fitting import JoinFitting
-from teamformer.referee import judge
-from teamformer.sim.env import Decision
-from teamformer.sim.replay.reading import read_replay
-from teamformer.sim.view import View
-from teamformer.trials.methods import Method, load_method
+from teamformer.methods.by_name import Method, load_method
+from teamformer.methods.scripted.join_fitting import JoinFitting
+from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.model import Absence
+from teamformer.record.reading import read_replay
+from teamformer.record.referee import judge
+from teamformer.world.env import Decision
+from teamformer.world.view import View
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
 

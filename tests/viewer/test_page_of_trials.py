@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from teamformer.policies.scripted.heuristic import Heuristic
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.files import read_scenario
-from teamformer.sim.env import TeamFormation
-from teamformer.sim.replay.writing import replay_to_tree
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.record.writing import replay_to_tree
 from teamformer.trials.recorder import Recorder
+from teamformer.world.env import TeamFormation
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 READING = (

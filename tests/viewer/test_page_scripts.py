@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_states
 
-from teamformer.export.moments import moments
-from teamformer.mission.rules import LIKELY
-from teamformer.sim.replay import phases
-from teamformer.sim.replay.reading import read_replay
+from teamformer.mission.checks.rules import LIKELY
+from teamformer.record import phases
+from teamformer.record.export.moments import moments
+from teamformer.record.reading import read_replay
 
 PURE = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),

@@ -12,8 +12,8 @@ import pytest
 from toy_replays import Tree, random_scenario, toy_replay
 
 from browsers import Opened, Opener
-from teamformer.scenarios.files import read_scenario
-from teamformer.sim.replay.reading import read_replay
+from teamformer.files.mission_files import read_scenario
+from teamformer.record.reading import read_replay
 
 TABLE = "[...document.querySelectorAll('#stage-{} .rows [role=row]')]"
 ROWS = TABLE + ".map((row) => [...row.children].map((cell) => cell.textContent))"

@@ -10,8 +10,8 @@ import pytest
 from toy_replays import Tree, random_scenario, small_scenario, toy_replay
 
 from browsers import Opened, Opener
-from teamformer.errors import TeamformerError
-from teamformer.sim.replay.reading import replay_from_tree
+from teamformer.base.errors import TeamformerError
+from teamformer.record.reading import replay_from_tree
 
 
 def three_in_one_cell() -> Tree:

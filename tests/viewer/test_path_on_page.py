@@ -13,9 +13,9 @@ import pytest
 from browsers import Opener
 from random_worlds import random_world, with_precedence_and_windows, with_surprises
 from small_worlds import make, robot, task
-from teamformer.critical_path.of_record import path_of_record
-from teamformer.sim.replay.writing import replay_to_tree
-from teamformer.trials.methods import load_method
+from teamformer.methods.by_name import load_method
+from teamformer.record.critical_path.of_record import path_of_record
+from teamformer.record.writing import replay_to_tree
 from teamformer.trials.trial import run_trial
 
 READING = (

@@ -9,11 +9,11 @@ from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from typing import Any, Protocol
 
+from teamformer.base.errors import TeamformerError
+from teamformer.base.extras import how_to_install
+from teamformer.base.worker_processes import work_in_processes
 from teamformer.bench.jobs import Job, run_job
 from teamformer.bench.rows import Row
-from teamformer.errors import TeamformerError
-from teamformer.extras import how_to_install
-from teamformer.trials.worker_processes import work_in_processes
 
 AT_HAND = 4
 """Jobs that wait for each worker on a cluster."""

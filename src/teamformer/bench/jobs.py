@@ -12,22 +12,22 @@ from pathlib import Path
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import player_of
-from teamformer.coordination import Coordinator, Known, Plan, heeded_by
-from teamformer.model import Scenario
+from teamformer.files.drawn.named_settings import new_tasks_of, world_of
+from teamformer.files.imports.authors import read_world
+from teamformer.methods.by_name import Method, load_method, with_settings
+from teamformer.methods.central.plays import CentralPlan
+from teamformer.methods.seam.protocol import Planner, Policy
+from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by
+from teamformer.mission.model import Scenario
+from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.policies.central.plays import CentralPlan
-from teamformer.policies.protocol import Planner, Policy
-from teamformer.scenarios.authors import read_world
-from teamformer.scenarios.named_settings import new_tasks_of, world_of
-from teamformer.sim.env import Decision, Tally
-from teamformer.sim.view import View
 from teamformer.trials.list_schedule import list_schedule
-from teamformer.trials.methods import Method, load_method, with_settings
 from teamformer.trials.trial import run_trials
-from teamformer.truth import draw_truth
+from teamformer.world.env import Decision, Tally
+from teamformer.world.view import View
 
 
 @dataclass(frozen=True)

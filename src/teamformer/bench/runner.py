@@ -11,16 +11,16 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
+from teamformer.base.errors import TeamformerError
 from teamformer.bench.executors import Engine
 from teamformer.bench.jobs import Job, known_row, ready_method
 from teamformer.bench.rows import Row
 from teamformer.bench.store import BenchmarkDescription, Store
 from teamformer.bench.suites import Suite, cells, player_of
-from teamformer.errors import TeamformerError
-from teamformer.scenarios.authors import read_worlds
-from teamformer.scenarios.named_settings import size_of
-from teamformer.trials.listings import method_names, our_method_names
-from teamformer.trials.methods import BARE, files_of_own
+from teamformer.files.drawn.named_settings import size_of
+from teamformer.files.imports.authors import read_worlds
+from teamformer.methods.by_name import BARE, files_of_own
+from teamformer.methods.listings import method_names, our_method_names
 
 TIMED = 50
 """The first so many trials of each method in each setting run one by one, for their time."""

@@ -11,9 +11,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from teamformer.base.errors import TeamformerError
+from teamformer.base.file_access import read_text
 from teamformer.bench.rows import Key, Row, row_of, with_bars
-from teamformer.errors import TeamformerError
-from teamformer.scenarios.file_access import read_text
 
 ROWS, BROKEN, ABOUT, LOCK = "rows.jsonl", "broken-rows.txt", "bench.json", ".lock"
 FORMAT = 2

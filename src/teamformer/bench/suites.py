@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from teamformer.errors import TeamformerError
-from teamformer.mission.rules import FORESIGHTS, NEW_TASKS
-from teamformer.scenarios.file_access import names_of_shipped, read_shipped_or_own
-from teamformer.scenarios.files import error_of
-from teamformer.scenarios.named_settings import size_of
-from teamformer.scenarios.trees.reader import Reader
-from teamformer.scenarios.yaml.reader import parse
+from teamformer.base.errors import TeamformerError
+from teamformer.base.file_access import names_of_shipped, read_shipped_or_own
+from teamformer.files.drawn.named_settings import size_of
+from teamformer.files.mission_files import error_of
+from teamformer.files.yaml.reader import parse
+from teamformer.files.yaml.tree_reader import Reader
+from teamformer.mission.checks.rules import FORESIGHTS, NEW_TASKS
 
 KEYS = (
     "about",

@@ -8,9 +8,9 @@ import signal
 import sys
 from types import FrameType
 
+from teamformer.base.errors import ReaderGoneError, TeamformerError, UndoableError
 from teamformer.cli import fleet, missions, policies, records, robotarium  # noqa: F401  (registers verbs)
 from teamformer.cli.app import app
-from teamformer.errors import ReaderGoneError, TeamformerError, UndoableError
 
 INTERRUPTED = 130
 """The exit status that Typer gives a verb that Ctrl-C has ended."""

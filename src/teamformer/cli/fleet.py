@@ -42,8 +42,8 @@ def start(
     as_json: AsJson = False,
 ) -> None:
     """Run every robot as a process of its own on this machine, with simulated bodies."""
-    from teamformer.commands.robots.start import Options
-    from teamformer.commands.robots.start import start as command
+    from teamformer.cli.verbs.robots.start import Options
+    from teamformer.cli.verbs.robots.start import start as command
 
     raise typer.Exit(command(mission, Options(time_limit, method, keys), as_json))
 
@@ -59,9 +59,9 @@ def add(
     keys: Keys = None,
 ) -> None:
     """Add a task to a running fleet."""
-    from teamformer.commands.robots.add import NewTask
-    from teamformer.commands.robots.add import add as command
-    from teamformer.commands.robots.mesh import FleetAt
+    from teamformer.cli.verbs.robots.add import NewTask
+    from teamformer.cli.verbs.robots.add import add as command
+    from teamformer.cli.verbs.robots.mesh import FleetAt
 
     new = NewTask(name, at, needs, duration)
     raise typer.Exit(command(mission, new, FleetAt(connect, keys)))
@@ -81,8 +81,8 @@ def agent(
     method: FleetMethod = "plan",
 ) -> None:
     """Run the mind of one robot, over Zenoh from peer to peer."""
-    from teamformer.commands.robots.agent import Options
-    from teamformer.commands.robots.agent import agent as command
+    from teamformer.cli.verbs.robots.agent import Options
+    from teamformer.cli.verbs.robots.agent import agent as command
 
     options = Options(robot, body, listen, tuple(connect or ()), keys, facts, method)
     raise typer.Exit(command(mission, options))
@@ -100,8 +100,8 @@ def rehearse(
     as_json: AsJson = False,
 ) -> None:
     """Try the fleet's own agents under random faults, faster than real time."""
-    from teamformer.commands.robots.rehearse import Options
-    from teamformer.commands.robots.rehearse import rehearse as command
+    from teamformer.cli.verbs.robots.rehearse import Options
+    from teamformer.cli.verbs.robots.rehearse import rehearse as command
 
     options = Options(schedules, seed, schedule, out, method, foxglove)
     raise typer.Exit(command(mission, options, as_json))
@@ -118,9 +118,9 @@ def watch(
     foxglove: Foxglove = None,
 ) -> None:
     """Watch a running fleet in the browser, and add tasks; needs the extra `live` too."""
-    from teamformer.commands.addresses import address_of
-    from teamformer.commands.robots.mesh import FleetAt
-    from teamformer.commands.robots.watch import watch as command
+    from teamformer.cli.terminal.addresses import address_of
+    from teamformer.cli.verbs.robots.mesh import FleetAt
+    from teamformer.cli.verbs.robots.watch import watch as command
 
     raise typer.Exit(
         command(mission, FleetAt(connect, keys), address_of(port, split_names(host)), out, foxglove)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from teamformer.base.errors import TeamformerError
 from teamformer.cli.app import (
     AsJson,
     Folder,
@@ -21,7 +22,6 @@ from teamformer.cli.app import (
     is_given,
     split_names,
 )
-from teamformer.errors import TeamformerError
 
 
 @app.command()
@@ -40,7 +40,7 @@ def run(
     as_json: AsJson = False,
 ) -> None:
     """Run one trial of a mission."""
-    from teamformer.commands.missions.run import run as command
+    from teamformer.cli.verbs.missions.run import run as command
 
     raise typer.Exit(command(mission, method, seed, time_limit, out, as_json, explain, foxglove))
 
@@ -59,7 +59,7 @@ def compare(
     as_json: AsJson = False,
 ) -> None:
     """Run a mission by several methods, side by side."""
-    from teamformer.commands.missions.compare import compare as command
+    from teamformer.cli.verbs.missions.compare import compare as command
 
     names = [name.strip() for name in methods.split(",")]
     raise typer.Exit(command(mission, names, seeds, time_limit, out, as_json))
@@ -85,14 +85,14 @@ def generate(
     if out.exists():
         raise TeamformerError(f"{out}: there is such a file", "remove it, or name another")
     if setting is not None:
-        from teamformer.commands.missions.generate import generate_setting
+        from teamformer.cli.verbs.missions.generate import generate_setting
 
         given = [name for name in context.params if is_given(context, name)]
         if not set(given) <= {"out", "setting", "seed"}:
             raise TeamformerError("--setting says it all; leave out what else describes the world")
         raise typer.Exit(generate_setting(setting, seed, out))
-    from teamformer.commands.missions.generate import generate as command
-    from teamformer.scenarios.generate import Spec
+    from teamformer.cli.verbs.missions.generate import generate as command
+    from teamformer.files.drawn.generate import Spec
 
     spec = Spec(robots, tasks, capabilities, requirements)
     raise typer.Exit(command(spec, grid, plane, map_path, seed, out))
@@ -109,7 +109,7 @@ def import_(
     ],
 ) -> None:
     """Write somebody else's instance as a mission file."""
-    from teamformer.commands.missions.import_ import import_ as command
+    from teamformer.cli.verbs.missions.import_ import import_ as command
 
     raise typer.Exit(command(form, path, out))
 
@@ -129,7 +129,7 @@ def plan(
     as_json: AsJson = False,
 ) -> None:
     """Plan a mission without playing it: who goes where, and when."""
-    from teamformer.commands.missions.plan import plan as command
+    from teamformer.cli.verbs.missions.plan import plan as command
 
     raise typer.Exit(command(mission, method, time_limit, start, out, as_json))
 
@@ -146,7 +146,7 @@ def advise(
     as_json: AsJson = False,
 ) -> None:
     """Say what would help most and who could be spared, by planning again."""
-    from teamformer.commands.missions.advise import advise as command
+    from teamformer.cli.verbs.missions.advise import advise as command
 
     raise typer.Exit(command(mission, page, time_limit, as_json))
 
@@ -154,7 +154,7 @@ def advise(
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of mission files, by which editors complete and check them."""
-    from teamformer.commands.missions.schema import schema as command
+    from teamformer.cli.verbs.missions.schema import schema as command
 
     raise typer.Exit(command())
 
@@ -178,9 +178,9 @@ def live(
 
     Needs the extra `live`.
     """
-    from teamformer.commands.addresses import address_of
-    from teamformer.commands.missions.live import Options
-    from teamformer.commands.missions.live import live as command
+    from teamformer.cli.terminal.addresses import address_of
+    from teamformer.cli.verbs.missions.live import Options
+    from teamformer.cli.verbs.missions.live import live as command
 
     at = address_of(port, split_names(host))
     raise typer.Exit(command(mission, Options(method, seed, at, out, resume)))

@@ -14,7 +14,7 @@ from teamformer.cli.app import AsJson, app, split_names
 @app.command()
 def methods() -> None:
     """List what can be named with --method."""
-    from teamformer.commands.policies.listing import methods as command
+    from teamformer.cli.verbs.policies.listing import methods as command
 
     raise typer.Exit(command())
 
@@ -49,8 +49,8 @@ def bench(
 
     Run it again with the same folder to go on after an interruption, or for more trials.
     """
-    from teamformer.commands.policies.bench import BenchOptions
-    from teamformer.commands.policies.bench import bench as command
+    from teamformer.cli.verbs.policies.bench import BenchOptions
+    from teamformer.cli.verbs.policies.bench import bench as command
 
     options = BenchOptions(
         trials=trials,
@@ -86,7 +86,7 @@ def train(
 
     Settings are named as the networks that learned by them: teamformer, teamformer-c4, gnn-c8-ppo.
     """
-    from teamformer.commands.policies.train import TrainOptions
-    from teamformer.commands.policies.train import train as command
+    from teamformer.cli.verbs.policies.train import TrainOptions
+    from teamformer.cli.verbs.policies.train import train as command
 
     raise typer.Exit(command(TrainOptions(settings, out, minutes, seed)))

@@ -19,7 +19,7 @@ def check(
     as_json: AsJson = False,
 ) -> None:
     """Judge the record of a trial by the rules alone."""
-    from teamformer.commands.records.check import check as command
+    from teamformer.cli.verbs.records.check import check as command
 
     raise typer.Exit(command(replay, scenario, as_json))
 
@@ -39,10 +39,10 @@ def view(
     A mission (.yaml) or a map (.map, or a ROS map's .yaml) is drawn in the terminal.
     """
     if len(files) == 1 and files[0].suffix.lower() in (".yaml", ".yml", ".map"):
-        from teamformer.commands.missions.draw_map import draw_map
+        from teamformer.cli.verbs.missions.draw_map import draw_map
 
         raise typer.Exit(draw_map(files[0]))
-    from teamformer.commands.records.view import view as command
+    from teamformer.cli.verbs.records.view import view as command
 
     raise typer.Exit(command(files))
 
@@ -56,7 +56,7 @@ def learn(
     learned: Annotated[Path, typer.Argument(metavar="LEARNED", help="the .yaml to write")],
 ) -> None:
     """Write a mission whose uncertain durations and needs are as records of its site show them."""
-    from teamformer.commands.records.learn import learn_from
+    from teamformer.cli.verbs.records.learn import learn_from
 
     raise typer.Exit(learn_from(mission, records, learned))
 
@@ -74,6 +74,6 @@ def export(
     .mcap is for Foxglove; .yaml is the mission with all that happened to it; a folder gets CSV
     tables of robots, tasks, events and the Gantt chart.
     """
-    from teamformer.commands.records.export import export as command
+    from teamformer.cli.verbs.records.export import export as command
 
     raise typer.Exit(command(replay, wanted))

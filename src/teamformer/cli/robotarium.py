@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from teamformer.base.extras import require
 from teamformer.cli.app import AsJson, Method, MissionPath, Seed, app
-from teamformer.extras import require
 
 robotarium = typer.Typer(
     no_args_is_help=True,
@@ -32,8 +32,8 @@ def fly(
 ) -> None:
     """Fly a mission in a simulated arena."""
     require("robotarium")
-    from teamformer.commands.robots.robotarium import FlightOptions
-    from teamformer.commands.robots.robotarium import fly as command
+    from teamformer.cli.verbs.robots.robotarium import FlightOptions
+    from teamformer.cli.verbs.robots.robotarium import fly as command
 
     options = FlightOptions(method, seed, simulator, out)
     raise typer.Exit(command(mission, options, as_json))
@@ -49,6 +49,6 @@ def deploy(
 ) -> None:
     """Write the folder that the testbed takes; run it on the official simulator, if it is there."""
     require("robotarium")
-    from teamformer.commands.robots.robotarium import deploy as command
+    from teamformer.cli.verbs.robots.robotarium import deploy as command
 
     raise typer.Exit(command(mission, folder, method))

@@ -7,13 +7,13 @@ import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from teamformer.capabilities import Counts, exact
+from teamformer.files.mission_files import scenario_to_tree
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.ways import Ways
-from teamformer.grid import Grid, Place
-from teamformer.model import Scenario
-from teamformer.plane import Plane
-from teamformer.scenarios.files import scenario_to_tree
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.capabilities import Counts, exact
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.plane import Plane
 
 Row = tuple[float, ...]
 """How much there is of each capability, in the scenario's order."""

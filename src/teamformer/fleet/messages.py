@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Annotated
 from msgspec import DecodeError, Meta, Struct, ValidationError, field
 from msgspec.msgpack import Decoder, Encoder
 
-from teamformer.capabilities import is_exact
-from teamformer.rules.constants import NOBODY
+from teamformer.mission.parts.capabilities import is_exact
+from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.fleet.signatures import Signatures

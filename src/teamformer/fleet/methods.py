@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.planner import CoordinatedPlanner
 
 if TYPE_CHECKING:
-    from teamformer.policies.protocol import Policy
-    from teamformer.trials.methods import Method
+    from teamformer.methods.by_name import Method
+    from teamformer.methods.seam.protocol import Policy
 
 PLAN = "plan"
 """The shared plan: the default, and what robots fall back to whose policy gets nowhere."""
@@ -37,7 +37,7 @@ def policy_of(method: str, robot: int) -> Policy | None:
 
 
 def _load(method: str) -> Method:
-    from teamformer.trials.methods import load_method
+    from teamformer.methods.by_name import load_method
 
     loaded = load_method(method)
     if loaded.needs_everything:

@@ -7,12 +7,12 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import NamedTuple, Protocol
 
-from teamformer.coordination import UNFORESEEN, Coordinator, Known, Plan
-from teamformer.errors import ScenarioError
+from teamformer.base.errors import ScenarioError
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
-from teamformer.grid import Grid, Place
-from teamformer.model import Scenario, Task
+from teamformer.mission.coordination import UNFORESEEN, Coordinator, Known, Plan
+from teamformer.mission.model import Scenario, Task
+from teamformer.mission.parts.grid import Grid, Place
 
 Stop = tuple[int, tuple[int, ...]]
 """A task and its coalition."""
@@ -72,7 +72,7 @@ class CoordinatedPlanner:
             free_at=(0,) * len(places),
             news=UNFORESEEN[1:] if situation.old else ("start",),  # nobody tells which it was
         )
-        from teamformer.sim.guidance.guide import refuse_unfit  # brings numba: most never plan
+        from teamformer.world.guidance.guide import refuse_unfit  # brings numba: most never plan
 
         plan = self._chosen().update(known, old)
         refuse_unfit(known, plan)
@@ -90,7 +90,7 @@ class CoordinatedPlanner:
     def _chosen(self) -> Coordinator:
         """Return the coordinator; the shared plan is loaded when it is first asked for."""
         if self._coordinator is None:
-            from teamformer.coordinators.shared_plan import SharedPlan
+            from teamformer.methods.coordinators.shared_plan import SharedPlan
 
             self._coordinator = SharedPlan(scouts=False, is_brief=True)
         return self._coordinator

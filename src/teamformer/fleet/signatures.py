@@ -16,9 +16,9 @@ from msgspec import DecodeError, Struct, ValidationError
 from msgspec.msgpack import Decoder, Encoder
 from msgspec.structs import replace
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.messages import LOST, MOST_RELAYED, OPERATOR, Beat, Message, Word
-from teamformer.model import Scenario
+from teamformer.mission.model import Scenario
 
 OPERATORS_NAME = "operator"
 """Whose keys sign what operators say."""

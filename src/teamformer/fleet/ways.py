@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from teamformer.arrays import Int32s
-from teamformer.grid import Grid, Place
-from teamformer.plane import Plane
-from teamformer.roads import Roads
-from teamformer.rules.distances import distance_fields
+from teamformer.base.array_types import Int32s
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.roads import Roads
+from teamformer.world.rules.distances import distance_fields
 
 BLOCKED = 2**29
 """From this distance on there is no way."""

@@ -14,26 +14,26 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from teamformer.errors import TeamformerError
-from teamformer.live.autosave import Autosave
-from teamformer.live.errands import Errands, apart
-from teamformer.live.forecasts import forecast
-from teamformer.live.incidents import (
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import write_scenario
+from teamformer.live.keeping.autosave import Autosave
+from teamformer.live.running.forecasts import forecast
+from teamformer.live.running.incidents import (
     Happening,
     LostRobot,
     PlanTakenOver,
     note_of_plans,
     search_plan,
 )
-from teamformer.live.messages import (
+from teamformer.live.running.messages import (
     Message,
     read_incident,
     read_message,
     read_search,
     read_speed,
 )
-from teamformer.live.mission_with_past import Mission
-from teamformer.live.page_trees import (
+from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.page_trees import (
     Tree,
     done_at_to_tree,
     forecast_to_tree,
@@ -41,12 +41,12 @@ from teamformer.live.page_trees import (
     record_so_far,
     what_happened,
 )
-from teamformer.live.refusals import or_refuse, refusal
-from teamformer.live.watchers import Watcher
-from teamformer.live.what_if import luck_of, what_if
-from teamformer.scenarios.files import write_scenario
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.writing import write_replay
+from teamformer.live.running.what_if import luck_of, what_if
+from teamformer.live.serving.errands import Errands, apart
+from teamformer.live.serving.refusals import or_refuse, refusal
+from teamformer.live.serving.watchers import Watcher
+from teamformer.record.record import Replay
+from teamformer.record.writing import write_replay
 
 AT_ONCE = 0.3
 """Seconds within which a step is made without a word; what takes longer is told to be planned."""

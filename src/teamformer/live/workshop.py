@@ -14,9 +14,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from teamformer.errors import TeamformerError
-from teamformer.live.autosave import NAME, Autosave, Identity
-from teamformer.live.drafts import (
+from teamformer.base.errors import TeamformerError
+from teamformer.live.drawing.drafts import (
     EMPTY,
     EXAMPLE,
     Draft,
@@ -26,13 +25,14 @@ from teamformer.live.drafts import (
     read_draft,
     write_draft,
 )
-from teamformer.live.messages import Message, read_files, read_message
-from teamformer.live.mission_with_past import Mission
-from teamformer.live.resuming import Kept, StartMission, play_again
+from teamformer.live.keeping.autosave import NAME, Autosave, Identity
+from teamformer.live.keeping.resuming import Kept, StartMission, play_again
+from teamformer.live.running.messages import Message, read_files, read_message
+from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.serving.watchers import Watcher
 from teamformer.live.session import AT_ONCE, Session
-from teamformer.live.watchers import Watcher
-from teamformer.model import Scenario
-from teamformer.sim.replay.record import Replay
+from teamformer.mission.model import Scenario
+from teamformer.record.record import Replay
 
 FIRST_PLAN = "making the first plan"
 PLAYED_AGAIN = "playing the mission again up to where it was"

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from teamformer.grid import Grid, Place
-from teamformer.mission.places import busiest_part
-from teamformer.mission.reach import totals_by_region
-from teamformer.model import Scenario, Task
-from teamformer.plane import Plane
+from teamformer.mission.model import Scenario, Task
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.places import busiest_part
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.reach import totals_by_region
 
 MILLIMETRES = 1000
 """In a metre: places on a plane are drawn to one of them, as random missions have them."""

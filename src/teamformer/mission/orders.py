@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.model import Scenario
+from teamformer.mission.model import Scenario
 
 
 class Order(NamedTuple):

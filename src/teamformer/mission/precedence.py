@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from teamformer.model import Task
+    from teamformer.mission.model import Task
 
 
 def tasks_before(tasks: Sequence[Task]) -> dict[int, list[int]]:

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.model import Scenario
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Scenario
 from teamformer.robotarium.experiment import Experiment, Simulator, run_experiment
 from teamformer.robotarium.random_missions import random_mission
 from teamformer.robotarium.robots.plant import Weather
-from teamformer.trials.methods import load_method
 
 SIZES = {"20 robots, 5 tasks": (20, 5, 10), "4 robots, 3 tasks": (4, 3, 4)}
 """Robots, tasks and capabilities of each setting."""

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.errors import TeamformerError
-from teamformer.extras import how_to_install
-from teamformer.model import Scenario
+from teamformer.base.errors import TeamformerError
+from teamformer.base.extras import how_to_install
+from teamformer.mission.model import Scenario
 from teamformer.robotarium.flight import Moment
 from teamformer.robotarium.robots.arena import DIAMETER, HEIGHT, MIDDLE, TICK, WIDTH
 

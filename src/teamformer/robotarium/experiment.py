@@ -8,15 +8,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.model import Scenario
+from teamformer.base.array_types import Array
+from teamformer.methods.by_name import Player, as_method
+from teamformer.mission.model import Scenario
 from teamformer.robotarium.control.qp_solvers import with_daqp
 from teamformer.robotarium.flight import Outcome, Watch, fly
 from teamformer.robotarium.mission_checks import check_mission
 from teamformer.robotarium.robots.arena import MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Faults, Plant, Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
-from teamformer.trials.methods import Player, as_method
 
 Simulator = Literal["plant", "rps"]
 

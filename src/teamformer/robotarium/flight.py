@@ -12,21 +12,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.coordination import Coordinator
-from teamformer.model import Scenario
-from teamformer.plane import Plane
-from teamformer.policies.protocol import Policy
+from teamformer.base.array_types import Array
+from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.coordination import Coordinator
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.plane import Plane
 from teamformer.robotarium.control.barrier import Solver
 from teamformer.robotarium.control.controller import Controller, Steering
 from teamformer.robotarium.control.goals import Goals, Work, choose_goals
+from teamformer.robotarium.control.teams import RobotTeam, teams_of
 from teamformer.robotarium.places import team_places
 from teamformer.robotarium.robots.arena import LONGEST, MIDDLE, TICK
 from teamformer.robotarium.robots.plant import Robots
-from teamformer.robotarium.teams import RobotTeam, teams_of
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import Decision, Tally, TeamFormation
-from teamformer.sim.view import View
+from teamformer.world.env import Decision, Tally, TeamFormation
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.view import View
 
 
 @dataclass(frozen=True)

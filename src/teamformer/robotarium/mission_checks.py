@@ -7,12 +7,12 @@ from itertools import combinations
 
 import numpy as np
 
-from teamformer.capabilities import describe
-from teamformer.errors import Problem, ScenarioError
-from teamformer.mission.loads import rules_without_loads
-from teamformer.mission.rules import rules_of_simulated_missions
-from teamformer.model import Scenario, Task
-from teamformer.plane import Plane
+from teamformer.base.errors import Problem, ScenarioError
+from teamformer.mission.checks.loads import rules_without_loads
+from teamformer.mission.checks.rules import rules_of_simulated_missions
+from teamformer.mission.model import Scenario, Task
+from teamformer.mission.parts.capabilities import describe
+from teamformer.mission.parts.plane import Plane
 from teamformer.robotarium.control.ring_slots import FROM_WALLS, SPACING, ring_radius
 from teamformer.robotarium.robots.arena import HEIGHT, MIDDLE, MOST_ROBOTS, TICK, WIDTH
 

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 from teamformer.robotarium.control.goals import Goals
+from teamformer.robotarium.control.teams import RobotTeam, distance
 from teamformer.robotarium.robots.arena import MIDDLE
-from teamformer.robotarium.teams import RobotTeam, distance
 
 IN_SLOT = 0.05  # metres: so near to its slot a robot is in it
 CONTACT = 0.40  # metres between the nearest robots of two teams that can join

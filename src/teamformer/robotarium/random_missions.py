@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.plane import Plane
 from teamformer.robotarium.control.ring_slots import FROM_WALLS, ring_radius
 from teamformer.robotarium.mission_checks import LEAST_APART, apart_needed
 from teamformer.robotarium.robots.arena import HEIGHT, TICK, WIDTH

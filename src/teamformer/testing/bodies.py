@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from teamformer.grid import Grid, Place
-from teamformer.model import Robot, Scenario, Task
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid, Place
 
 if TYPE_CHECKING:
     from teamformer.fleet.bodies.body import Body, Report

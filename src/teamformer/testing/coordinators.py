@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from teamformer.coordination import NEWS, Coordinator, Known, Plan, heeded_by
-from teamformer.errors import TeamformerError
-from teamformer.model import Scenario
-from teamformer.referee import judge
-from teamformer.sim.replay.record import Replay
+from teamformer.base.errors import TeamformerError
+from teamformer.methods.by_name import Method
+from teamformer.mission.coordination import NEWS, Coordinator, Known, Plan, heeded_by
+from teamformer.mission.model import Scenario
+from teamformer.record.record import Replay
+from teamformer.record.referee import judge
 from teamformer.testing.missions import usual_missions
-from teamformer.trials.methods import Method
 from teamformer.trials.trial import run_trial
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from teamformer.model import Scenario
-from teamformer.scenarios.named_settings import world_of
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.mission.model import Scenario
 
 SETTINGS = ("4N4T-C4", "4N9T-C4", "warehouse-lost", "sparse-needs", "sparse-places")
 """Few tasks and many, walls, lost robots, and needs and places that nobody knows."""

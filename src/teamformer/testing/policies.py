@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from teamformer.coordination import Coordinator
-from teamformer.model import Scenario
-from teamformer.policies.protocol import Planner, Policy
-from teamformer.sim.env import Decision, TeamFormation, read_decision
-from teamformer.sim.view import View
+from teamformer.methods.seam.protocol import Planner, Policy
+from teamformer.mission.coordination import Coordinator
+from teamformer.mission.model import Scenario
 from teamformer.testing.missions import usual_missions
 from teamformer.trials.trial import run_trial
+from teamformer.world.env import Decision, TeamFormation, read_decision
+from teamformer.world.view import View
 
 STEPS = 60
 """How long decisions are looked at in each batch of missions."""

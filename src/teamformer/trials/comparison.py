@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from teamformer.errors import TeamformerError
-from teamformer.model import Scenario
-from teamformer.trials.methods import Method
+from teamformer.base.errors import TeamformerError
+from teamformer.methods.by_name import Method
+from teamformer.mission.model import Scenario
 from teamformer.trials.rows import Bars, bars_of, result_row
 from teamformer.trials.trial import Trial
 

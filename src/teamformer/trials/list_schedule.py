@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from teamformer.mission.windows import may_begin_at_once
-from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import relax
+from teamformer.mission.checks.windows import may_begin_at_once
+from teamformer.mission.model import Scenario
+from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.schedule import schedule_tasks
-from teamformer.sim.env import TeamFormation
+from teamformer.world.env import TeamFormation
 
 
 def list_schedule(scenario: Scenario) -> int | None:

@@ -8,14 +8,14 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from teamformer.coordinators.shared_plan import SharedPlan
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
-from teamformer.model import Scenario
-from teamformer.planning.relaxation.ways import are_ways_straight
-from teamformer.policies.protocol import Planner
-from teamformer.trials.listings import STAND_IN
-from teamformer.trials.methods import Method
+from teamformer.base.errors import TeamformerError
+from teamformer.methods.by_name import Method
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.listings import STAND_IN
+from teamformer.methods.seam.protocol import Planner
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
+from teamformer.planning.problem.ways import are_ways_straight
 
 PLANNED, TABLED, PLAYED = 24, 10, 3
 """Bytes for the square of how many robots and tasks there are: with a shared plan; without one, but

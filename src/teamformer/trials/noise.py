@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from teamformer.arrays import Floats
+from teamformer.base.array_types import Floats
 
 RESAMPLES = 20_000
 """Differences of medians that noise is worked out from."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.writing import replay_to_tree, write_replay
+from teamformer.record.record import Replay
+from teamformer.record.writing import replay_to_tree, write_replay
 from teamformer.viewer.html import write_page
 
 

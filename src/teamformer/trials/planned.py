@@ -5,27 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from teamformer.coordination import Plan
-from teamformer.critical_path.of_plan import path_of_plan
-from teamformer.critical_path.of_record import path_of_record
-from teamformer.critical_path.stretches import Stretch, path_rows
-from teamformer.critical_path.words import why_so_late
-from teamformer.errors import ScenarioError, TeamformerError, UndoableError
-from teamformer.mission.costs import judged_by
-from teamformer.mission.links import is_linked
-from teamformer.mission.rules import rules_not_planned
-from teamformer.model import Scenario
+from teamformer.base.errors import ScenarioError, TeamformerError, UndoableError
+from teamformer.methods.by_name import load_method
+from teamformer.methods.central.policy import Central
+from teamformer.methods.listings import DEFAULT as SHARED
+from teamformer.mission.checks.costs import judged_by
+from teamformer.mission.checks.links import is_linked
+from teamformer.mission.checks.rules import rules_not_planned
+from teamformer.mission.coordination import Plan
+from teamformer.mission.model import Scenario
+from teamformer.mission.truth import expected_mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
-from teamformer.policies.central.policy import Central
-from teamformer.sim.replay.task_times import cost_of_record, lateness
-from teamformer.trials.listings import DEFAULT as SHARED
+from teamformer.planning.problem.routes import MissionPlan
+from teamformer.record.critical_path.of_plan import path_of_plan
+from teamformer.record.critical_path.of_record import path_of_record
+from teamformer.record.critical_path.stretches import Stretch, path_rows
+from teamformer.record.critical_path.words import why_so_late
+from teamformer.record.task_times import cost_of_record, lateness
 from teamformer.trials.memory import refuse_too_large
-from teamformer.trials.methods import load_method
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
-from teamformer.truth import expected_mission
 from teamformer.viewer.gantt import gantt_page
 from teamformer.viewer.notebook_page import Page
 

@@ -7,22 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.capabilities import covers
-from teamformer.mission.reach import totals_by_region
-from teamformer.mission.rules import FORESIGHTS
-from teamformer.plane import Plane
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.env import Tally, TeamFormation
-from teamformer.sim.replay.record import (
-    Ending,
-    Replay,
-    SharedPlanMade,
-    Step,
-    TaskAt,
-    TeamAt,
-)
-from teamformer.truth import truth_until
+from teamformer.base.array_types import Array
+from teamformer.mission.checks.rules import FORESIGHTS
+from teamformer.mission.parts.capabilities import covers
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.reach import totals_by_region
+from teamformer.mission.truth import truth_until
+from teamformer.record.record import Ending, Replay, SharedPlanMade, Step, TaskAt, TeamAt
+from teamformer.world.env import Tally, TeamFormation
+from teamformer.world.rules.constants import NOBODY
 
 Groups = dict[int, tuple[int, ...]]
 """The robots of each team, by slot."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from teamformer.planning.continuous.routes import Route, Stop
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.teams import Teams
+from teamformer.planning.problem.routes import Route, Stop
+from teamformer.record.record import Replay
+from teamformer.record.teams import Teams
 
 
 def routes_of(replay: Replay) -> tuple[Route, ...]:

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from teamformer.mission.costs import judged_by
-from teamformer.model import Scenario
-from teamformer.plane import Plane
-from teamformer.policies.central.plays import CentralPlan
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.task_times import cost_of_record, judged_value, lateness
+from teamformer.methods.central.plays import CentralPlan
+from teamformer.mission.checks.costs import judged_by
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.plane import Plane
+from teamformer.record.record import Replay
+from teamformer.record.task_times import cost_of_record, judged_value, lateness
 from teamformer.trials.trial import Trial
 
 

@@ -9,14 +9,14 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from teamformer.capabilities import covers, describe, missing, total
-from teamformer.coordination import Plan
-from teamformer.errors import TeamformerError
-from teamformer.mission.links import linked_with
+from teamformer.base.errors import TeamformerError
+from teamformer.base.file_access import read_text
+from teamformer.mission.checks.links import linked_with
+from teamformer.mission.coordination import Plan
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.capabilities import covers, describe, missing, total
+from teamformer.mission.parts.reach import can_reach
 from teamformer.mission.precedence import keep_precedence, tasks_before
-from teamformer.mission.reach import can_reach
-from teamformer.model import Scenario
-from teamformer.scenarios.file_access import read_text
 
 LARGEST = 100_000_000
 """Bytes that a file with a plan may have."""

@@ -8,18 +8,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.coordination import Coordinator
-from teamformer.kernels.clock import compiling_seconds, working_seconds
-from teamformer.model import Scenario
-from teamformer.policies.central.plays import CentralPlan
-from teamformer.policies.protocol import Planner
-from teamformer.sim.env import Decision, Tally, TeamFormation
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.view import View
+from teamformer.base.kernels.clock import compiling_seconds, working_seconds
+from teamformer.methods.by_name import Method, Player, as_method
+from teamformer.methods.central.plays import CentralPlan
+from teamformer.methods.seam.protocol import Planner
+from teamformer.mission.coordination import Coordinator
+from teamformer.mission.model import Scenario
+from teamformer.mission.truth import draw_truth
+from teamformer.record.record import Replay
 from teamformer.trials.memory import refuse_too_large
-from teamformer.trials.methods import Method, Player, as_method
 from teamformer.trials.recorder import Recorder
-from teamformer.truth import draw_truth
+from teamformer.world.env import Decision, Tally, TeamFormation
+from teamformer.world.view import View
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from teamformer.base.whole_files import write_whole
 from teamformer.viewer.gantt import tick_step
 from teamformer.viewer.html import plain_page
-from teamformer.whole_files import write_whole
 
 ROW, BAR = 24, 14
 """Heights in pixels: of a row and of a bar. Along a row all is in percent, whatever fits there."""

@@ -10,9 +10,9 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
+from teamformer.base.whole_files import write_whole
 from teamformer.viewer.html import plan_page
 from teamformer.viewer.plan_table import STYLE_OF_TABLE, table_of_tasks
-from teamformer.whole_files import write_whole
 
 ROW, BAR, LABEL, WIDTH, TOP = 26, 16, 110, 1100, 34
 """Sizes in pixels: of a row, a bar, the robots' names, the time, the axis."""

@@ -12,8 +12,8 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
+from teamformer.base.whole_files import own_number, write_whole
 from teamformer.viewer.page_keys import keys_script
-from teamformer.whole_files import own_number, write_whole
 
 SCRIPTS = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),

@@ -12,12 +12,17 @@ import pytest
 
 from random_coalitions import is_able, least_coalitions, plain_times, random_problem
 from teamformer.planning.arcs.annealing import ArcSearch
-from teamformer.planning.arcs.arc_problem import different_needs, pose_arcs
-from teamformer.planning.arcs.graph import AIM, BACK_SUM, COST, MAKESPAN, read_off
-from teamformer.planning.continuous import schedule as by_schedule
-from teamformer.planning.continuous.first_plan import draw_plan
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem, pose_problem
-from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan, schedule_of
+from teamformer.planning.dispatch.first_plan import draw_plan
+from teamformer.planning.graph.arc_problem import different_needs, pose_arcs
+from teamformer.planning.graph.graph import AIM, BACK_SUM, COST, MAKESPAN, read_off
+from teamformer.planning.problem import schedule as by_schedule
+from teamformer.planning.problem.coalition_problem import (
+    NEVER,
+    NOBODY,
+    CoalitionProblem,
+    pose_problem,
+)
+from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan, schedule_of
 
 SEEDS = range(12)
 
@@ -183,9 +188,9 @@ import numpy as np
 from test_arcs import any_plan, assert_consistent, lasting
 from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.arcs.draws import draw_task
-from teamformer.planning.arcs.arc_problem import most_seats
-from teamformer.planning.arcs.graph import COST
-from teamformer.planning.arcs.judging import accept, sum_up_trial, undo
+from teamformer.planning.graph.arc_problem import most_seats
+from teamformer.planning.graph.graph import COST
+from teamformer.planning.graph.judging import accept, sum_up_trial, undo
 from teamformer.planning.arcs.swaps import swap_heads
 from teamformer.planning.arcs.task_moves import move_task, take_back
 
@@ -228,7 +233,7 @@ assert changed["move"] > 100, changed
 SEARCHING = """
 from random_coalitions import random_problem
 from teamformer.planning.arcs.annealing import ArcSearch
-from teamformer.planning.continuous.first_plan import draw_plan
+from teamformer.planning.dispatch.first_plan import draw_plan
 for seed in range(3):
     problem = random_problem(seed, 20)
     print(draw_plan(problem, seed).order.tolist())

@@ -11,17 +11,17 @@ from test_arcs import run_script
 
 from plain_teams import slow_ends
 from random_worlds import random_world, with_precedence_and_windows
-from teamformer.grid import Grid
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.planning.arcs.graph import COST, END_SUM, MAKESPAN, Graph
-from teamformer.planning.arcs.in_steps.meeting import TICKS
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.planning.graph.graph import COST, END_SUM, MAKESPAN, Graph
+from teamformer.planning.graph.meeting import TICKS
+from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
 from teamformer.planning.steps.solve import begin_race, from_best, improve
-from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
-from teamformer.rules.constants import FAR
-from teamformer.scenarios.generate import Spec, generate
+from teamformer.world.rules.constants import FAR
 
 SEEDS = range(12)
 

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from random_coalitions import all_plans, is_able, random_problem
-from teamformer.planning.arcs.graph import read_off
-from teamformer.planning.arcs.linked.judging import NOW
-from teamformer.planning.arcs.linked.search import LinkedSearch
-from teamformer.planning.arcs.linked.solve import plan_linked, solve_linked
-from teamformer.planning.continuous.links import (
+from teamformer.planning.graph.graph import read_off
+from teamformer.planning.linked.judging import NOW
+from teamformer.planning.linked.search import LinkedSearch
+from teamformer.planning.linked.solve import plan_linked, solve_linked
+from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.links import (
     COMPLETION,
     FREE,
     HOME,
@@ -26,8 +27,7 @@ from teamformer.planning.continuous.links import (
     LinkedProblem,
     link_problem,
 )
-from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
-from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan
 
 SEEDS = range(4)
 WEIGHTS = {MAKESPAN: 3, TRAVEL: 2, TARDINESS: 4, MAX_TARDINESS: 5, COMPLETION: 1}
@@ -254,13 +254,13 @@ def test_linked_tasks_are_not_done_by_one_robot() -> None:
 UNDOING = """
 import numpy as np
 from test_linked import assert_consistent, random_linked
-from teamformer.planning.arcs.judging import undo
-from teamformer.planning.arcs.linked.exchanges import exchange_rests
-from teamformer.planning.arcs.linked.judging import (
+from teamformer.planning.graph.judging import undo
+from teamformer.planning.linked.exchanges import exchange_rests
+from teamformer.planning.linked.judging import (
     accept_change, begin_change, propagate, sum_up_change
 )
-from teamformer.planning.arcs.linked.moves import move
-from teamformer.planning.arcs.linked.search import LinkedSearch
+from teamformer.planning.linked.moves import move
+from teamformer.planning.linked.search import LinkedSearch
 
 undone = {"exchange": 0, "move": 0}
 for seed in range(4):
@@ -294,7 +294,7 @@ assert undone["exchange"] > 2 and undone["move"] > 30, undone
 
 SCRIPT = """
 from test_linked import random_linked
-from teamformer.planning.arcs.linked.search import LinkedSearch
+from teamformer.planning.linked.search import LinkedSearch
 search = LinkedSearch(random_linked(1), 1)
 search.begin_anew()
 search.anneal(4000, 200)

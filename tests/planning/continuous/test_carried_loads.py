@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.plane import Plane
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from random_coalitions import all_plans, plain_times, random_problem
-from teamformer.arrays import Ints
+from teamformer.base.array_types import Ints
 from teamformer.planning.bounds.tours import empty_tables, narrow_starts
-from teamformer.planning.continuous.bounds.makespan import improving_bounds, refuter_of
-from teamformer.planning.continuous.bounds.relaxations import bound_by_chains_and_work, relax
 from teamformer.planning.continuous.cp_sat import solve_exactly
-from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.solve import plan_together, solve
+from teamformer.planning.continuous_bounds.makespan import improving_bounds, refuter_of
+from teamformer.planning.continuous_bounds.relaxations import bound_by_chains_and_work, relax
+from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 
 TINY = [random_problem(seed, tasks=4, robots=3, caps=2, is_plain=True) for seed in range(10)]
 

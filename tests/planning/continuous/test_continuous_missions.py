@@ -11,20 +11,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from teamformer.errors import ScenarioError, TeamformerError
-from teamformer.grid import Grid, Place
-from teamformer.mission.costs import cost_of
-from teamformer.model import Robot, Scenario, Task
+from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.mission.checks.costs import cost_of
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.roads import Roads
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.cp_sat import solve_exactly
-from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
-from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
-from teamformer.planning.continuous.schedule import COST, MAKESPAN, empty_plan, schedule_of
 from teamformer.planning.continuous.solve import judge, plan_together
+from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.routes import MissionPlan
+from teamformer.planning.problem.schedule import COST, MAKESPAN, empty_plan, schedule_of
 from teamformer.planning.race import Race
-from teamformer.roads import Roads
-from teamformer.scenarios.files import read_scenario, write_scenario
 
 POLICIES = pytest.mark.parametrize("policy", PLANNERS)
 WITH_COST = pytest.mark.parametrize("policy", ["central", "plan"])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.trials.planned import plan_mission
 

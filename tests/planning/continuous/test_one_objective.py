@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import pytest
 
-from teamformer.coordination import Plan
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid
-from teamformer.mission.links import is_linked
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import scenario_from_tree
+from teamformer.mission.checks.links import is_linked
+from teamformer.mission.coordination import Plan
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.plane import Plane
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.links import LinkedProblem
-from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import plan_continuous
-from teamformer.scenarios.files import scenario_from_tree
+from teamformer.planning.problem.links import LinkedProblem
+from teamformer.planning.problem.routes import MissionPlan
 
 DEFAULT = {"makespan": 1.0, "tardiness": 2.0}
 

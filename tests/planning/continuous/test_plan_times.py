@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from random_coalitions import is_able, plain_times, random_problem
-from teamformer.planning.continuous.first_plan import draw_plan
-from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.reactive import react
-from teamformer.planning.continuous.schedule import (
+from teamformer.planning.continuous.solve import plan_together
+from teamformer.planning.dispatch.first_plan import draw_plan
+from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.schedule import (
     BACK_SUM,
     COST,
     LATE,
@@ -20,7 +21,6 @@ from teamformer.planning.continuous.schedule import (
     empty_plan,
     schedule_of,
 )
-from teamformer.planning.continuous.solve import plan_together
 
 SEEDS = range(12)
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from teamformer.files.mission_files import scenario_from_tree
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.problem import pose_problem
 from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.rules import plan_continuous
-from teamformer.scenarios.files import scenario_from_tree
+from teamformer.planning.problem.coalition_problem import pose_problem
 
 ISLANDS = {
     "teamformer": 1,

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from teamformer.coordination import Plan
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.mission.coordination import Plan
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.roads import Roads
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.problem import SPARES
-from teamformer.planning.continuous.routes import MissionPlan
 from teamformer.planning.continuous.rules import plan_continuous
-from teamformer.roads import Roads
+from teamformer.planning.problem.coalition_problem import SPARES
+from teamformer.planning.problem.routes import MissionPlan
 
 LIFT = {"lift": 1}
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.grid import Grid
-from teamformer.policies.learned.autoregressive import Speller, shipped_speller
-from teamformer.policies.learned.token_features import SpellingCodec
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.sim.env import TeamFormation
+from teamformer.base.array_types import Array
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.methods.learned.autoregressive import Speller, shipped_speller
+from teamformer.methods.learned.token_features import SpellingCodec
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.parts.grid import Grid
+from teamformer.world.env import TeamFormation
 
 NETWORK = "teamformer-c100-full"
 ROBOTS, TASKS, NEEDS, SIDE = 100, 20, 50, 20  # 100N20T-C100-R50

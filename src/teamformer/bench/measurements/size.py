@@ -12,9 +12,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from teamformer.grid import Grid
-from teamformer.scenarios.files import write_scenario
-from teamformer.scenarios.generate import Spec, generate
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.files.mission_files import write_scenario
+from teamformer.mission.parts.grid import Grid
 
 SIDES = {20: 14, 100: 30, 300: 52, 1000: 95, 3000: 164, 10_000: 300}
 """How many robots and as many tasks, and the side of their grid: nine cells for each task."""

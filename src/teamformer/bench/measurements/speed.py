@@ -14,15 +14,15 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from teamformer.bench.measurements.caching import measure_caching
-from teamformer.grid import Grid
-from teamformer.model import Scenario
-from teamformer.policies.learned.any_fleet import teamformer
-from teamformer.policies.scripted.joining import JoinAll
-from teamformer.scenarios.files import write_scenario
-from teamformer.scenarios.generate import Spec, generate
-from teamformer.scenarios.named_settings import world_of
-from teamformer.sim.env import Decision, TeamFormation
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.files.drawn.named_settings import world_of
+from teamformer.files.mission_files import write_scenario
+from teamformer.methods.learned.any_fleet import teamformer
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trial, run_trials
+from teamformer.world.env import Decision, TeamFormation
 
 BATCH = 1024  # worlds
 MEASURED_SECONDS = 2.0

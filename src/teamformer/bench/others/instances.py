@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from teamformer.base.errors import TeamformerError
+from teamformer.base.file_access import read_text
 from teamformer.bench.others.published import BEST, NUMBER, Published, read_published
-from teamformer.errors import TeamformerError
-from teamformer.model import Scenario
-from teamformer.scenarios.file_access import read_text
-from teamformer.scenarios.imports import import_missions
-from teamformer.scenarios.imports.trees import read_json
+from teamformer.files.imports import import_missions
+from teamformer.files.imports.trees import read_json
+from teamformer.mission.model import Scenario
 
 HINT = "name folders of them: teamformer bench others FOLDER"
 LARGEST_TABLE = 1_000_000  # bytes

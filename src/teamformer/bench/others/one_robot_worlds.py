@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from teamformer.base.errors import TeamformerError
 from teamformer.bench.others.instances import Instance
-from teamformer.errors import TeamformerError
-from teamformer.grid import Place
-from teamformer.model import Robot, Scenario, Task
-from teamformer.plane import Plane
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.plane import Plane
 
 SKILLS, SPEED, LONGEST = 3, 0.2, 5.0
 

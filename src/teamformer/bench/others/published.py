@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 
 Published = dict[str, float]
 """Makespans by method, or costs."""

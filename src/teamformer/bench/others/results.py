@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
 
+from teamformer.base.errors import TeamformerError
 from teamformer.bench.others.instances import Instance
 from teamformer.bench.others.published import Published
 from teamformer.bench.peers.names import PEERS, plan_by_peer
-from teamformer.errors import TeamformerError
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 

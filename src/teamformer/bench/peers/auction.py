@@ -11,9 +11,9 @@ import time
 
 import numpy as np
 
-from teamformer.arrays import Ints
+from teamformer.base.array_types import Ints
 from teamformer.bench.peers.peer_plan import PeerPlan, plan_of
-from teamformer.planning.continuous.problem import NEVER, CoalitionProblem, without_spares
+from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem, without_spares
 
 Timetable = list[tuple[int, int]]
 """The tasks that a robot has signed up for, with when each starts, in their order."""

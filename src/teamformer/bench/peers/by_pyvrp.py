@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.base.extras import require
 from teamformer.bench.peers.lone_robots import Routes, able_robots, horizon_of, lower_limits
 from teamformer.bench.peers.peer_plan import PeerPlan
-from teamformer.extras import require
-from teamformer.planning.continuous.problem import CoalitionProblem
+from teamformer.planning.problem.coalition_problem import CoalitionProblem
 
 
 def plan_by_pyvrp(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:

@@ -6,10 +6,10 @@ from datetime import timedelta
 
 import numpy as np
 
+from teamformer.base.extras import require
 from teamformer.bench.peers.lone_robots import Routes, able_robots, lower_limits
 from teamformer.bench.peers.peer_plan import PeerPlan
-from teamformer.extras import require
-from teamformer.planning.continuous.problem import CoalitionProblem
+from teamformer.planning.problem.coalition_problem import CoalitionProblem
 
 EXPLORATION = 5
 """How thoroughly it searches: the most that it offers."""

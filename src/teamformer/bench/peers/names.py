@@ -13,10 +13,10 @@ from teamformer.bench.peers.peer_plan import OutOfReachError, Peer, PeerPlan, ma
 from teamformer.bench.peers.routing import route_copies
 from teamformer.planning.continuous.continuous_mission import ContinuousMission
 from teamformer.planning.continuous.cp_sat import solve_exactly
-from teamformer.planning.continuous.problem import CoalitionProblem
-from teamformer.planning.continuous.routes import MissionPlan
-from teamformer.planning.continuous.schedule import schedule_of
 from teamformer.planning.continuous.solve import Solution
+from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.planning.problem.routes import MissionPlan
+from teamformer.planning.problem.schedule import schedule_of
 
 MOST_ARCS = 400_000
 """Robots times pairs of tasks from which on CP-SAT's model is not built: it takes gigabytes."""

@@ -5,15 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from teamformer.errors import TeamformerError
-from teamformer.planning.continuous.links import LinkedProblem
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.continuous.schedule import (
-    MAKESPAN,
-    CoalitionPlan,
-    empty_plan,
-    schedule_of,
-)
+from teamformer.base.errors import TeamformerError
+from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.problem.links import LinkedProblem
+from teamformer.planning.problem.schedule import MAKESPAN, CoalitionPlan, empty_plan, schedule_of
 
 
 @dataclass(frozen=True)

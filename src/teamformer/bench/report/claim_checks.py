@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from teamformer.bench.report.evidence import Evidence
 from teamformer.bench.report.tables import interval, number, seconds
 from teamformer.bench.statistics import Mean, wilson
-from teamformer.scenarios.named_settings import spec_of
-from teamformer.trials.listings import CARDS
-from teamformer.trials.methods import BARE
+from teamformer.files.drawn.named_settings import spec_of
+from teamformer.methods.by_name import BARE
+from teamformer.methods.listings import CARDS
 
 BY_PPO = "-ppo"
 ANY_FLEET = "any-fleet"

@@ -19,7 +19,7 @@ from teamformer.bench.rows import Row
 from teamformer.bench.statistics import growth_exponent
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import Summary
-from teamformer.scenarios.named_settings import spec_of
+from teamformer.files.drawn.named_settings import spec_of
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 FAMILIES = {

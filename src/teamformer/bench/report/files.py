@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from teamformer.base.extras import how_to_install
+from teamformer.base.whole_files import write_whole
 from teamformer.bench.report.tables import EXPLANATION, summary_csv, summary_table
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import on_shared_worlds, summarise
-from teamformer.extras import how_to_install
-from teamformer.trials.methods import BARE
-from teamformer.whole_files import write_whole
+from teamformer.methods.by_name import BARE
 
 
 def write_report(

@@ -11,6 +11,7 @@ from pathlib import Path
 from string import Template
 from typing import TypeVar
 
+from teamformer.base.whole_files import write_whole
 from teamformer.bench.report.claim_checks import ANY_FLEET, TABLE_1, Judgement, method_for
 from teamformer.bench.report.claims import FAILURES, INFERENCE, Claim, claims
 from teamformer.bench.report.evidence import Evidence
@@ -27,8 +28,7 @@ from teamformer.bench.runner import AUTHORS
 from teamformer.bench.statistics import Mean, wilson
 from teamformer.bench.store import read_folder
 from teamformer.bench.summary import Summary
-from teamformer.trials.methods import BARE
-from teamformer.whole_files import write_whole
+from teamformer.methods.by_name import BARE
 
 FAMILIES = {
     "teamformer": "the paper's network, trained here",

@@ -33,12 +33,12 @@ from teamformer.fleet.messages import (
     Receipt,
 )
 from teamformer.fleet.planner import Planner
-from teamformer.grid import Place
-from teamformer.rules.constants import NOBODY
+from teamformer.mission.parts.grid import Place
+from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.fleet.agent.leading import Leading
-    from teamformer.policies.protocol import Policy
+    from teamformer.methods.seam.protocol import Policy
 
 LOOK = 1.0
 """Seconds between two looks at who is lost and whether this robot gets on."""

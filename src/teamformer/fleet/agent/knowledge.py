@@ -25,8 +25,8 @@ from teamformer.fleet.messages import (
     TaskFact,
     Word,
 )
-from teamformer.grid import Place
-from teamformer.rules.constants import NOBODY
+from teamformer.mission.parts.grid import Place
+from teamformer.world.rules.constants import NOBODY
 
 NEWS_LAST = 4.0
 """Seconds for which a heartbeat tells of a task that it is done."""

@@ -23,9 +23,9 @@ from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.sight import Company, companies, nearest_first, view_of
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import EVERYBODY, READY, LeadNote, Notice, Word
-from teamformer.grid import Place
-from teamformer.policies.protocol import Policy
-from teamformer.rules.constants import NOBODY
+from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.parts.grid import Place
+from teamformer.world.rules.constants import NOBODY
 
 PATIENCE = 30.0
 """Seconds, besides a walk across the map, in which something must get done under a policy."""

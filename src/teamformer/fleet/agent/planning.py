@@ -11,7 +11,7 @@ from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import SERVE, PlanNote
 from teamformer.fleet.planner import Planner, Situation
-from teamformer.rules.constants import NOBODY
+from teamformer.world.rules.constants import NOBODY
 
 
 @dataclass(frozen=True)

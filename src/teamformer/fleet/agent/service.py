@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from teamformer.fleet.agent.knowledge import Knowledge
 from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.messages import HERE, MOST_RELAYED, READY, SERVE, WALK, Word
-from teamformer.rules.constants import NOBODY
+from teamformer.world.rules.constants import NOBODY
 
 SURE = 0.75
 """The part of a promise that is relied on: clocks drift."""

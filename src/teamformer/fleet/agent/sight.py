@@ -15,10 +15,10 @@ import numpy as np
 
 from teamformer.fleet.agent.knowledge import Knowledge
 from teamformer.fleet.messages import SERVE, Word
-from teamformer.grid import Place
-from teamformer.plane import Plane
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.view import NEAREST_TEAMS, NEXT_TASKS, View, make_view
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.plane import Plane
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.view import NEAREST_TEAMS, NEXT_TASKS, View, make_view
 
 
 class Company(NamedTuple):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-from teamformer.grid import Place
-from teamformer.rules.constants import NOBODY
+from teamformer.mission.parts.grid import Place
+from teamformer.world.rules.constants import NOBODY
 
 
 class Command(NamedTuple):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
+from teamformer.base.own_code import telling_where
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.own_code import telling_where
 
 HINT = "see docs/how-to/robots.md for what a body offers"
 

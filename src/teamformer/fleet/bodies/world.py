@@ -16,8 +16,8 @@ from typing import NamedTuple
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
-from teamformer.grid import Grid, Place
-from teamformer.rules.constants import NOBODY
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.world.rules.constants import NOBODY
 
 NEVER = float("inf")
 

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.fleet_mission import row_of
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Beat, Notice, Offer, Post, TaskFact
 from teamformer.fleet.observer.alerts import Alerts
@@ -24,13 +24,13 @@ from teamformer.fleet.observer.troubles import troubles
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.transports.transport import Transport
-from teamformer.live.incidents import NewTask
-from teamformer.live.messages import read_incident, read_message
-from teamformer.live.page_trees import Tree, record_so_far
-from teamformer.live.refusals import or_refuse
-from teamformer.live.watchers import Watcher
-from teamformer.sim.replay.record import Replay
-from teamformer.sim.replay.writing import step_to_tree, write_replay
+from teamformer.live.running.incidents import NewTask
+from teamformer.live.running.messages import read_incident, read_message
+from teamformer.live.running.page_trees import Tree, record_so_far
+from teamformer.live.serving.refusals import or_refuse
+from teamformer.live.serving.watchers import Watcher
+from teamformer.record.record import Replay
+from teamformer.record.writing import step_to_tree, write_replay
 
 LISTENS = 3.0
 """Seconds that agents have to tell what was done before."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from teamformer.capabilities import describe, missing, total
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.observer.alerts import END, Alert, robot_key
 from teamformer.fleet.observer.watch import Watch
+from teamformer.mission.parts.capabilities import describe, missing, total
 
 SLACK = 10.0
 """Seconds by which a service may take longer than its task says."""

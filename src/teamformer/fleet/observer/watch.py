@@ -33,11 +33,11 @@ from teamformer.fleet.rehearsal.record import (
     who_did,
 )
 from teamformer.fleet.rehearsal.trace import Finished
-from teamformer.grid import Grid, Place
-from teamformer.model import Task
-from teamformer.plane import DECIMALS
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.replay.record import FLEET, Ending, Replay, Step, TaskAt, TeamAt
+from teamformer.mission.model import Task
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.plane import DECIMALS
+from teamformer.record.record import FLEET, Ending, Replay, Step, TaskAt, TeamAt
+from teamformer.world.rules.constants import NOBODY
 
 STAYS = 3
 """Steps for which a robot's word that it is at work holds on, if it says something else since."""

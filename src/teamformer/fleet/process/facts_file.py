@@ -10,7 +10,7 @@ from msgspec import DecodeError, Struct, ValidationError
 from msgspec.msgpack import decode, encode
 from msgspec.structs import replace
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.agent.knowledge import Remembered
 from teamformer.fleet.messages import PROTOCOL
 

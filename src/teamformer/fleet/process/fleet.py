@@ -21,7 +21,7 @@ from teamformer.fleet.process.local_agent import MODULE, Start, write_start
 from teamformer.fleet.process.world_server import WorldServer
 from teamformer.fleet.transports.keys import read_keys
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
-from teamformer.rules.constants import NOBODY
+from teamformer.world.rules.constants import NOBODY
 
 LAST_WORDS = 2.0
 """Seconds that a fleet goes on after its last task: two heartbeats."""

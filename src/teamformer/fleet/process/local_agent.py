@@ -12,7 +12,8 @@ from pathlib import Path
 from msgspec import Struct
 from msgspec.msgpack import decode, encode
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import read_scenario, write_scenario
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.remote import RemoteBody
 from teamformer.fleet.fleet_mission import Mission
@@ -21,8 +22,7 @@ from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.loop import AgentProcess
 from teamformer.fleet.transports.keys import read_keys
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
-from teamformer.model import Scenario
-from teamformer.scenarios.files import read_scenario, write_scenario
+from teamformer.mission.model import Scenario
 
 MODULE = "teamformer.fleet.process.local_agent"
 MISSION, START = "mission.json", "start"

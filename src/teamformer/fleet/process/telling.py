@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.messages import HERE, READY, SERVE
-from teamformer.rules.constants import NOBODY
+from teamformer.world.rules.constants import NOBODY
 
 
 class Telling:

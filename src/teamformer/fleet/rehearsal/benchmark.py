@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.coordinators.shared_plan import SharedPlan
+from teamformer.files.drawn.named_settings import world_of
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.rehearsal.faults import Faults, losses_of
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
-from teamformer.scenarios.named_settings import world_of
+from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.trials.trial import run_trials
 
 SETTINGS = (

@@ -25,16 +25,9 @@ from dataclasses import dataclass, field
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import HERE, READY, TaskFact
-from teamformer.fleet.rehearsal.trace import (
-    Accepted,
-    Broke,
-    Event,
-    Finished,
-    Said,
-    Worked,
-)
-from teamformer.grid import Grid, Place
-from teamformer.rules.constants import NOBODY
+from teamformer.fleet.rehearsal.trace import Accepted, Broke, Event, Finished, Said, Worked
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.world.rules.constants import NOBODY
 
 DRIFT = 0.06
 """The part of a promise by which clocks may differ."""

@@ -5,15 +5,9 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterable
 
-from teamformer.fleet.messages import (
-    EVERYBODY,
-    OPERATOR,
-    Message,
-    Notice,
-    Post,
-)
+from teamformer.fleet.messages import EVERYBODY, OPERATOR, Message, Notice, Post
 from teamformer.fleet.rehearsal.faults import Faults
-from teamformer.grid import Place
+from teamformer.mission.parts.grid import Place
 
 FASTEST, SLOWEST = 0.002, 0.02
 """Seconds that a message takes on a good network."""

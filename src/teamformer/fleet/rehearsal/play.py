@@ -24,16 +24,8 @@ from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.late_reports import EVERY, LateReports
 from teamformer.fleet.rehearsal.network import RehearsedNetwork
 from teamformer.fleet.rehearsal.outcome import Outcome
-from teamformer.fleet.rehearsal.trace import (
-    Accepted,
-    Broke,
-    Finished,
-    Said,
-    Sent,
-    Trace,
-    Worked,
-)
-from teamformer.rules.constants import NOBODY
+from teamformer.fleet.rehearsal.trace import Accepted, Broke, Finished, Said, Sent, Trace, Worked
+from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.fleet.agent.leading import MakePolicy

@@ -18,11 +18,11 @@ from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent
-from teamformer.grid import Grid, Place
-from teamformer.model import Absence, Robot, Scenario, Task
-from teamformer.plane import DECIMALS
-from teamformer.rules.constants import NOBODY
-from teamformer.sim.replay.record import FLEET, HEARD, Ending, Replay, Step, TaskAt, TeamAt
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.plane import DECIMALS
+from teamformer.record.record import FLEET, HEARD, Ending, Replay, Step, TaskAt, TeamAt
+from teamformer.world.rules.constants import NOBODY
 
 Teams = dict[int, tuple[int, ...]]
 """The robots of each team, by its lowest."""

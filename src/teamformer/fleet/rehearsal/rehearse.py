@@ -7,6 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 
+from teamformer.base.worker_processes import work_in_processes
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
@@ -15,7 +16,6 @@ from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Trace
-from teamformer.trials.worker_processes import work_in_processes
 
 SLACK = 300.0
 """Seconds beyond the time that the slowest robot takes alone for every task, one by one."""

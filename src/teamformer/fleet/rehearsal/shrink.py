@@ -8,7 +8,7 @@ from typing import Any
 
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.rehearsal.faults import Faults
-from teamformer.model import Scenario
+from teamformer.mission.model import Scenario
 
 Fails = Callable[[Mission, Faults], bool]
 """Says whether a mission still fails under a schedule."""

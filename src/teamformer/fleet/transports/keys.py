@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from teamformer.errors import TeamformerError
-from teamformer.extras import require
+from teamformer.base.errors import TeamformerError
+from teamformer.base.extras import require
 
 if TYPE_CHECKING:
     from teamformer.fleet.fleet_mission import Mission

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import zenoh
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.messages import EVERYBODY, LARGEST, OPERATOR
 from teamformer.fleet.transports.keys import Certificates
 

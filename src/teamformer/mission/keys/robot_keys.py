@@ -16,7 +16,7 @@ from teamformer.mission.keys.kinds import (
     Text,
     Whole,
 )
-from teamformer.roads import AIR, GROUND
+from teamformer.mission.parts.roads import AIR, GROUND
 
 SLOWEST, FASTEST = 0.001, 1000
 """Cells a step, on a plane metres a second: others would overflow the step counts."""

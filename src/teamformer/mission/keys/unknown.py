@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from teamformer.errors import Problem
+from teamformer.base.errors import Problem
 from teamformer.mission.keys.key import Key, Unknown
 from teamformer.mission.keys.mission_keys import MISSION_KEYS
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 
 if TYPE_CHECKING:
-    from teamformer.model import Scenario
+    from teamformer.mission.model import Scenario
 
 Found = tuple[tuple[str | int, ...], str]
 """Where a robot or a task has something, and what in words."""

@@ -14,7 +14,7 @@ from teamformer.mission.keys.kinds import (
     Whole,
     Word,
 )
-from teamformer.plane import LONGEST_SIDE, LONGEST_STEP, SHORTEST_STEP, SHORTEST_UNIT
+from teamformer.mission.parts.plane import LONGEST_SIDE, LONGEST_STEP, SHORTEST_STEP, SHORTEST_UNIT
 
 FRAME_KEYS = (
     Key("cell", Number(0, is_above=True), "the side of a cell in metres"),

@@ -8,9 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import entry, kernel
-from teamformer.planning.arcs.arc_problem import (
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.arcs.coalition_choice import Choice, empty_choice
+from teamformer.planning.arcs.draws import draw_task
+from teamformer.planning.arcs.members import replace_member
+from teamformer.planning.arcs.riders import ride
+from teamformer.planning.arcs.start import first_plan
+from teamformer.planning.arcs.stretches import move_stretch
+from teamformer.planning.arcs.swaps import swap_heads
+from teamformer.planning.arcs.task_moves import Moved, empty_moved, move_task, take_back
+from teamformer.planning.graph.arc_problem import (
     REPLACE,
     RIDE,
     SLACK,
@@ -22,9 +30,7 @@ from teamformer.planning.arcs.arc_problem import (
     near_of,
     pose_arcs,
 )
-from teamformer.planning.arcs.coalition_choice import Choice, empty_choice
-from teamformer.planning.arcs.draws import draw_task
-from teamformer.planning.arcs.graph import (
+from teamformer.planning.graph.graph import (
     AIM,
     COST,
     MAKESPAN,
@@ -35,9 +41,7 @@ from teamformer.planning.arcs.graph import (
     plan_of,
     time_anew,
 )
-from teamformer.planning.arcs.in_steps.members import replace_member
-from teamformer.planning.arcs.in_steps.stretches import move_stretch
-from teamformer.planning.arcs.judging import (
+from teamformer.planning.graph.judging import (
     AIMED,
     CHAINED,
     Trial,
@@ -46,14 +50,10 @@ from teamformer.planning.arcs.judging import (
     sum_up_trial,
     undo,
 )
-from teamformer.planning.arcs.riders import ride
-from teamformer.planning.arcs.start import first_plan
-from teamformer.planning.arcs.swaps import swap_heads
-from teamformer.planning.arcs.task_moves import Moved, empty_moved, move_task, take_back
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.continuous.schedule import CoalitionPlan, with_seats
+from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.problem.schedule import CoalitionPlan, with_seats
 from teamformer.planning.race import Race, search_by_clock
-from teamformer.rules.chance import SLACKS, STEPS, draw_below
+from teamformer.world.rules.chance import SLACKS, STEPS, draw_below
 
 HOT, COLD = 20, 800
 """An annealing begins and ends at what a task takes a robot on average, divided by these."""

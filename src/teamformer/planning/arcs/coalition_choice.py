@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array, Int32s, Ints
-from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem, Records, takes_with
-from teamformer.planning.arcs.graph import Graph, leave
-from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.continuous.problem import NEVER, NOBODY
-from teamformer.rules.chance import draw_below
-from teamformer.rules.coverage import helps
+from teamformer.base.array_types import Array, Int32s, Ints
+from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
+from teamformer.planning.graph.graph import Graph, leave
+from teamformer.planning.graph.meeting import TICKS
+from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
+from teamformer.world.rules.chance import draw_below
+from teamformer.world.rules.coverage import helps
 
 BLINK = 16
 """Every so many arcs one is overlooked, so that the search does not always see the same."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from teamformer.arrays import Array
-from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem, takes_with
-from teamformer.planning.arcs.graph import LAST, LATEST, Graph, is_in_steps, leave
-from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.arcs.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
-from teamformer.planning.continuous.problem import NOBODY
-from teamformer.rules.chance import draw_below
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.arc_problem import ArcProblem, takes_with
+from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
+from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
+from teamformer.planning.graph.meeting import TICKS
+from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.world.rules.chance import draw_below
 
 ON_CHAIN = 65  # percent
 """How often a change begins with a task that the makespan hangs on."""

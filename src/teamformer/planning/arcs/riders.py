@@ -8,19 +8,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from teamformer.jit import kernel
+from teamformer.base.kernels.jit import kernel
 from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import is_in_steps
-from teamformer.planning.arcs.judging import begin_trial, connect, follow, propagate
 from teamformer.planning.arcs.task_moves import MOST_MOVED, Moved, remember
-from teamformer.planning.continuous.problem import NOBODY
-from teamformer.rules.chance import draw_below
+from teamformer.planning.graph.graph import is_in_steps
+from teamformer.planning.graph.judging import begin_trial, connect, follow, propagate
+from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.arrays import Array
-    from teamformer.planning.arcs.arc_problem import ArcProblem
-    from teamformer.planning.arcs.graph import Graph
-    from teamformer.planning.arcs.judging import Trial
+    from teamformer.base.array_types import Array
+    from teamformer.planning.graph.arc_problem import ArcProblem
+    from teamformer.planning.graph.graph import Graph
+    from teamformer.planning.graph.judging import Trial
 
 SKIPS, JOINS = 20, 20  # percent
 """How many changes of riders skip tasks and, in steps, join at one task; the others follow a

@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Int32s, Ints
-from teamformer.jit import entry, kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem, Records, takes_with
-from teamformer.planning.arcs.graph import Graph
-from teamformer.planning.continuous.first_plan import draw_plan
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
+from teamformer.base.array_types import Int32s, Ints
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.dispatch.first_plan import draw_plan
+from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
+from teamformer.planning.graph.graph import Graph
+from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan
 
 PRICES = (0, 100, 200, 350, 500, 800)
 """What a tick that a robot waits costs if its type has most to do, in thousandths of a tick."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from teamformer.arrays import Array
-from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ArcProblem
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import kernel
 from teamformer.planning.arcs.coalition_choice import THIS_ONE
 from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.graph import Graph, leave
-from teamformer.planning.arcs.judging import (
+from teamformer.planning.graph.arc_problem import ArcProblem
+from teamformer.planning.graph.graph import Graph, leave
+from teamformer.planning.graph.judging import (
     COMES_BY,
     LEAVES_BY,
     Trial,
@@ -16,8 +16,8 @@ from teamformer.planning.arcs.judging import (
     connect,
     propagate,
 )
-from teamformer.planning.continuous.problem import NOBODY
-from teamformer.rules.chance import draw_below
+from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.world.rules.chance import draw_below
 
 
 @kernel

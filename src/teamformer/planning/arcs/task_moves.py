@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array, Ints
-from teamformer.jit import kernel
-from teamformer.planning.arcs.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
+from teamformer.base.array_types import Array, Ints
+from teamformer.base.kernels.jit import kernel
+from teamformer.planning.arcs.bundles import draw_group, pick_group
 from teamformer.planning.arcs.coalition_choice import (
     COMES,
     FELLOWS_FROM,
@@ -20,11 +20,11 @@ from teamformer.planning.arcs.coalition_choice import (
     sum_up_picks,
 )
 from teamformer.planning.arcs.draws import cut_beside_near, keeps_order
-from teamformer.planning.arcs.graph import MAKESPAN, Graph
-from teamformer.planning.arcs.in_steps.bundles import draw_group, pick_group
-from teamformer.planning.arcs.judging import COMES_BY, Trial, begin_trial, connect, propagate
-from teamformer.planning.continuous.problem import NOBODY
-from teamformer.rules.chance import draw_below
+from teamformer.planning.graph.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
+from teamformer.planning.graph.graph import MAKESPAN, Graph
+from teamformer.planning.graph.judging import COMES_BY, Trial, begin_trial, connect, propagate
+from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.world.rules.chance import draw_below
 
 NEAR_ITS_START = 20  # percent
 """How many tasks are moved near to their start; the others beside a near task or to any moment."""

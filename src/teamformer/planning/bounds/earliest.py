@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.model import Scenario
+from teamformer.base.array_types import Array
+from teamformer.mission.model import Scenario
 from teamformer.planning.bounds.forming import raise_for_forming
-from teamformer.planning.relaxation.problem import Relaxed, in_blocks, steps_from_starts
-from teamformer.planning.steps.team_plan import keep_order
-from teamformer.rules.constants import FAR, NOBODY
+from teamformer.planning.problem.relaxed_problem import Relaxed, in_blocks, steps_from_starts
+from teamformer.planning.problem.team_plan import keep_order
+from teamformer.world.rules.constants import FAR, NOBODY
 
 
 def earliest_in_order(scenario: Scenario, problem: Relaxed) -> Array:

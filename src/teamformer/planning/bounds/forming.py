@@ -11,11 +11,11 @@ import math
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.grid import Grid
-from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import Relaxed, in_blocks, steps_from_starts
-from teamformer.rules.constants import FAR
+from teamformer.base.array_types import Array
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
+from teamformer.planning.problem.relaxed_problem import Relaxed, in_blocks, steps_from_starts
+from teamformer.world.rules.constants import FAR
 
 
 def raise_for_forming(scenario: Scenario, problem: Relaxed, walked: Array) -> Array:

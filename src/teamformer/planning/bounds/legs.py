@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.arrays import Array, Floats
-from teamformer.planning.relaxation.problem import Relaxed, cells_between
-from teamformer.rules.constants import FAR
+from teamformer.base.array_types import Array, Floats
+from teamformer.planning.problem.relaxed_problem import Relaxed, cells_between
+from teamformer.world.rules.constants import FAR
 
 
 def one_for_each_place(problem: Relaxed, tasks: Array, start: Array) -> Array:

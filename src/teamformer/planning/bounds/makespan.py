@@ -14,19 +14,19 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.arrays import Array, Floats
-from teamformer.model import Scenario
+from teamformer.base.array_types import Array, Floats
+from teamformer.mission.model import Scenario
 from teamformer.planning.bounds.earliest import earliest_in_order, earliest_starts
 from teamformer.planning.bounds.legs import least_legs, one_for_each_place
 from teamformer.planning.bounds.open_paths import LARGEST_EXACT, bound_paths, shortest_path, span
 from teamformer.planning.bounds.start_windows import refuter_in_steps
-from teamformer.planning.relaxation.problem import (
+from teamformer.planning.problem.relaxed_problem import (
     Relaxed,
     may_set_down,
     relax,
     without_directions,
 )
-from teamformer.rules.constants import FAR, NOBODY
+from teamformer.world.rules.constants import FAR, NOBODY
 
 EFFORT = 4e7
 """Legs looked at in all; about a tenth of a second."""

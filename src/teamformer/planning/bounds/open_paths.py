@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.arrays import Array, Floats
-from teamformer.jit import entry, kernel
-from teamformer.rules.sorting import sort_indices
+from teamformer.base.array_types import Array, Floats
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.world.rules.sorting import sort_indices
 
 LARGEST_EXACT = 12
 """Up to so many places the shortest single path is worked out exactly."""

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import allocating_kernel, entry
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import allocating_kernel, entry
 
 NOTHING = -1
 """The worth of what cannot be done in time."""

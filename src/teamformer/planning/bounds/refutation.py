@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Int32s, Ints
+from teamformer.base.array_types import Int32s, Ints
 from teamformer.planning.bounds.tours import empty_tables, narrow_starts
-from teamformer.rules.constants import NOBODY
+from teamformer.world.rules.constants import NOBODY
 
 MOST_TASKS_A_TOUR = 17
 """Sets of more tasks are too many; the tours of those that need most time are looked at instead."""

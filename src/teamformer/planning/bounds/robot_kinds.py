@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.grid import Grid
-from teamformer.model import Scenario
+from teamformer.base.array_types import Array
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.prize_routes import Stops, make_stops
-from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.rules.constants import FAR, ROUNDING
+from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.world.rules.constants import FAR, ROUNDING
 
 
 class Kind(NamedTuple):

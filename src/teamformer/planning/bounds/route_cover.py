@@ -15,16 +15,16 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.grid import Grid
-from teamformer.model import Scenario
+from teamformer.base.array_types import Array
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.earliest import earliest_formed
 from teamformer.planning.bounds.legs import one_for_each_place
 from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look_ahead
 from teamformer.planning.bounds.robot_kinds import robot_kinds, size_of_kinds
 from teamformer.planning.bounds.route_mix import RouteMix
-from teamformer.planning.relaxation.problem import Relaxed
-from teamformer.rules.constants import FAR
+from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.world.rules.constants import FAR
 
 MEMORIES = (1, 3, 5, 7)
 """How many places a stop remembers: the more, the fewer routes come back, and the slower."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.import_apart import import_apart
+from teamformer.base.array_types import Array
+from teamformer.base.import_apart import import_apart
 
 MOST = 4.0
 """The share is bounded, so that there is a best mix before any route is known."""

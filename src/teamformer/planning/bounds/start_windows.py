@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.model import Scenario
+from teamformer.base.array_types import Array
+from teamformer.mission.model import Scenario
 from teamformer.planning.bounds.earliest import earliest_in_order
 from teamformer.planning.bounds.legs import least_legs, one_for_each_place
 from teamformer.planning.bounds.refutation import (
@@ -22,8 +22,8 @@ from teamformer.planning.bounds.refutation import (
     Tours,
     tours_through,
 )
-from teamformer.planning.relaxation.problem import Relaxed, may_set_down, without_directions
-from teamformer.rules.constants import FAR, NOBODY
+from teamformer.planning.problem.relaxed_problem import Relaxed, may_set_down, without_directions
+from teamformer.world.rules.constants import FAR, NOBODY
 
 IN_ONE_PLACE = 4
 """So many times the tasks of a tour are looked at to find enough that are not in one place."""

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.arrays import Ints
-from teamformer.jit import entry, kernel
-from teamformer.planning.continuous.problem import NEVER
+from teamformer.base.array_types import Ints
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.problem.coalition_problem import NEVER
 
 MANY = 127
 """Tours of a set that no number of robots can do."""

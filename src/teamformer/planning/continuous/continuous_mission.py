@@ -9,38 +9,33 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.arrays import Floats, Ints
-from teamformer.coordination import Plan
-from teamformer.errors import TeamformerError
-from teamformer.grid import Grid, Place
-from teamformer.mission.costs import judged_by, weighed
+from teamformer.base.array_types import Floats, Ints
+from teamformer.base.errors import TeamformerError
+from teamformer.mission.checks.costs import judged_by, weighed
+from teamformer.mission.checks.links import is_linked
+from teamformer.mission.checks.windows import release_of
+from teamformer.mission.coordination import Plan
 from teamformer.mission.keys.mission_keys import HOME as ENDS_HOME
-from teamformer.mission.links import is_linked
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.roads import AIR, Roads
 from teamformer.mission.precedence import tasks_before
-from teamformer.mission.windows import release_of
-from teamformer.model import Scenario
-from teamformer.planning.arcs.linked.solve import LinkedSolution
-from teamformer.planning.continuous.links import (
-    PART_OF,
-    Link,
-    LinkedProblem,
-    link_problem,
-)
-from teamformer.planning.continuous.problem import (
+from teamformer.planning.continuous.solve import Solution
+from teamformer.planning.continuous.times import Clock
+from teamformer.planning.linked.solve import LinkedSolution
+from teamformer.planning.problem.coalition_problem import (
     NEVER,
     SPARES,
     CoalitionProblem,
     pose_problem,
     without_spares,
 )
-from teamformer.planning.continuous.routes import MissionPlan
-from teamformer.planning.continuous.schedule import CoalitionPlan, empty_plan
-from teamformer.planning.continuous.solve import Solution
-from teamformer.planning.continuous.times import Clock
-from teamformer.planning.relaxation.problem import count_table, least_carried
-from teamformer.planning.relaxation.ways import ends_of
-from teamformer.roads import AIR, Roads
-from teamformer.rules.distances import UNREACHABLE, straight_ways, travel_matrix
+from teamformer.planning.problem.links import PART_OF, Link, LinkedProblem, link_problem
+from teamformer.planning.problem.relaxed_problem import count_table, least_carried
+from teamformer.planning.problem.routes import MissionPlan
+from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan
+from teamformer.planning.problem.ways import ends_of
+from teamformer.world.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
 MOST_TICKS, MOST_WITH_WAITS = 2 * 10**9, 10**12
 """About how many ticks everything takes at most, one task after the other: all that is done, and

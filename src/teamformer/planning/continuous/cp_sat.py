@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from teamformer.arrays import Ints
-from teamformer.import_apart import import_apart
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.continuous.schedule import MAKESPAN, CoalitionPlan, empty_plan, schedule_of
+from teamformer.base.array_types import Ints
+from teamformer.base.import_apart import import_apart
+from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.problem.schedule import MAKESPAN, CoalitionPlan, empty_plan, schedule_of
 from teamformer.planning.relaxation.cp_sat import make_solver
 
 if TYPE_CHECKING:

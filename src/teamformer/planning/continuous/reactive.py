@@ -12,16 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from teamformer.jit import entry, kernel
-from teamformer.planning.continuous.coalition_choice import (
-    arrival,
-    cover,
-    empty_workspace,
-    give_way,
-)
-from teamformer.planning.continuous.first_plan import is_ready
-from teamformer.planning.continuous.problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.continuous.schedule import (
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.continuous.solve import Solution
+from teamformer.planning.dispatch.coalition_choice import arrival, cover, empty_workspace, give_way
+from teamformer.planning.dispatch.first_plan import is_ready
+from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.problem.schedule import (
     COST,
     copy_plan,
     empty_plan,
@@ -30,13 +26,12 @@ from teamformer.planning.continuous.schedule import (
     sum_up,
     time_one,
 )
-from teamformer.planning.continuous.solve import Solution
-from teamformer.rules.chance import draw_below
-from teamformer.rules.coverage import helps
+from teamformer.world.rules.chance import draw_below
+from teamformer.world.rules.coverage import helps
 
 if TYPE_CHECKING:
-    from teamformer.planning.continuous.coalition_choice import Workspace
-    from teamformer.planning.continuous.schedule import CoalitionPlan, Schedule
+    from teamformer.planning.dispatch.coalition_choice import Workspace
+    from teamformer.planning.problem.schedule import CoalitionPlan, Schedule
 
 FUTURES = 20
 """How often the rest is played out for each task that a robot may take."""

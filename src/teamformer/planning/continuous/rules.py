@@ -8,20 +8,20 @@ from dataclasses import replace
 from functools import cache
 from itertools import islice
 
-from teamformer.coordination import Plan
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
+from teamformer.mission.coordination import Plan
 from teamformer.planning.arcs.annealing import ArcSearch
-from teamformer.planning.arcs.linked.search import LinkedSearch
-from teamformer.planning.arcs.linked.solve import LinkedSolution, plan_linked, solve_linked
-from teamformer.planning.continuous.bounds.makespan import improving_bounds
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, refuse_no_way
-from teamformer.planning.continuous.first_plan import draw_plan
-from teamformer.planning.continuous.links import MAKESPAN, LinkedProblem, link_problem
-from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
 from teamformer.planning.continuous.reactive import react
-from teamformer.planning.continuous.routes import MissionPlan
-from teamformer.planning.continuous.schedule import CoalitionPlan, schedule_of
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
+from teamformer.planning.continuous_bounds.makespan import improving_bounds
+from teamformer.planning.dispatch.first_plan import draw_plan
+from teamformer.planning.linked.search import LinkedSearch
+from teamformer.planning.linked.solve import LinkedSolution, plan_linked, solve_linked
+from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.links import MAKESPAN, LinkedProblem, link_problem
+from teamformer.planning.problem.routes import MissionPlan
+from teamformer.planning.problem.schedule import CoalitionPlan, schedule_of
 
 Planner = Callable[[CoalitionProblem, float, CoalitionPlan | None], Solution | None]
 LinkedPlanner = Callable[[LinkedProblem, float, CoalitionPlan | None], LinkedSolution | None]

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from functools import partial
 
 from teamformer.planning.arcs.annealing import ArcSearch, has_few_tasks, shared_annealings
-from teamformer.planning.continuous.bounds.raising import MANY_TASKS, proof_share, raise_bound
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
-from teamformer.planning.continuous.problem import CoalitionProblem
-from teamformer.planning.continuous.schedule import (
+from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
+from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.planning.problem.schedule import (
     COST,
     MAKESPAN,
     CoalitionPlan,

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import allocating_kernel, entry
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import allocating_kernel, entry
 from teamformer.planning.crews.evaluation import empty_room, walk_list
 from teamformer.planning.crews.local_search import improve_lists
 from teamformer.planning.crews.membership import deal_robots, merge_where_needed
@@ -25,9 +25,9 @@ from teamformer.planning.crews.routes import (
     gather_parties,
     way,
 )
-from teamformer.rules.constants import NOBODY
-from teamformer.rules.sorting import sort_indices
-from teamformer.rules.tour import plan_tour
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.rules.sorting import sort_indices
+from teamformer.world.rules.tour import plan_tour
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.evaluation import Room

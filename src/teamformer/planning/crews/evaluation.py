@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import allocating_kernel, kernel
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import allocating_kernel, kernel
 from teamformer.planning.crews.routes import way
-from teamformer.rules.constants import ROUNDING
-from teamformer.rules.pairing import pair_off
+from teamformer.world.rules.constants import ROUNDING
+from teamformer.world.rules.pairing import pair_off
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.routes import Parties, Shared

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import allocating_kernel, kernel
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import allocating_kernel, kernel
 from teamformer.planning.crews.evaluation import walk_list
 from teamformer.planning.crews.moves import change_lists
 from teamformer.planning.crews.routes import (
@@ -22,8 +22,8 @@ from teamformer.planning.crews.routes import (
     slowest_of,
     way,
 )
-from teamformer.rules.chance import draw_below
-from teamformer.rules.constants import NOBODY
+from teamformer.world.rules.chance import draw_below
+from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.evaluation import Room

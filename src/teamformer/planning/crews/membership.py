@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import allocating_kernel, kernel
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import allocating_kernel, kernel
 from teamformer.planning.crews.routes import count_crews
-from teamformer.rules.constants import NOBODY
-from teamformer.rules.coverage import covers
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.rules.coverage import covers
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.routes import Shared

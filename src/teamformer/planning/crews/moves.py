@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from teamformer.arrays import Array
-from teamformer.jit import kernel
-from teamformer.rules.chance import draw_below
-from teamformer.rules.constants import NOBODY
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import kernel
+from teamformer.world.rules.chance import draw_below
+from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.planning.crews.evaluation import Room

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import allocating_kernel, entry, kernel
-from teamformer.rules.constants import NOBODY
-from teamformer.rules.distances import way_between
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.rules.distances import way_between
 
 WORD = 64
 """Capabilities are kept as bits of words so long."""

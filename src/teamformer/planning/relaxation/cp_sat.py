@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.arrays import Int32s
-from teamformer.import_apart import import_apart
+from teamformer.base.array_types import Int32s
+from teamformer.base.import_apart import import_apart
 from teamformer.planning.bounds.earliest import earliest_starts
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
-from teamformer.rules.constants import FAR
+from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:
     from ortools.sat.python import cp_model

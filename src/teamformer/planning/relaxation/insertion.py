@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import allocating_kernel, entry, kernel
-from teamformer.planning.relaxation.problem import Relaxed, least_brought
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
+from teamformer.planning.problem.relaxed_problem import Relaxed, least_brought
 from teamformer.planning.relaxation.relaxed_plan import (
     arrival_at,
     leg_from,
@@ -21,8 +21,8 @@ from teamformer.planning.relaxation.relaxed_plan import (
     recall_visit,
     serve,
 )
-from teamformer.rules.chance import draw, draw_below, first_state
-from teamformer.rules.constants import FAR, NOBODY
+from teamformer.world.rules.chance import draw, draw_below, first_state
+from teamformer.world.rules.constants import FAR, NOBODY
 
 if TYPE_CHECKING:
     from teamformer.planning.relaxation.relaxed_plan import Plan, Timing

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import entry, kernel
-from teamformer.planning.relaxation.problem import Relaxed, most_in_coalitions
-from teamformer.rules.constants import NOBODY
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.problem.relaxed_problem import Relaxed, most_in_coalitions
+from teamformer.world.rules.constants import NOBODY
 
 ROBOT = np.dtype(
     [

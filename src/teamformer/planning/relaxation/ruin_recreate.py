@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from teamformer.arrays import Array
-from teamformer.jit import allocating_kernel, kernel
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import allocating_kernel, kernel
+from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.relaxation.insertion import insert_task
-from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.relaxed_plan import hang_tasks, start_tasks
-from teamformer.rules.chance import draw, draw_below
+from teamformer.world.rules.chance import draw, draw_below
 
 if TYPE_CHECKING:
     from teamformer.planning.relaxation.insertion import Workspace

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import allocating_kernel, entry, kernel
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
+from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.relaxation.insertion import drop_spares
-from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.relaxed_plan import (
     Plan,
     arrival_at,
@@ -22,9 +22,9 @@ from teamformer.planning.relaxation.relaxed_plan import (
     set_free,
     start_tasks,
 )
-from teamformer.rules.constants import FAR
-from teamformer.rules.coverage import helps
-from teamformer.rules.sorting import sort_indices
+from teamformer.world.rules.constants import FAR
+from teamformer.world.rules.coverage import helps
+from teamformer.world.rules.sorting import sort_indices
 
 if TYPE_CHECKING:
     from teamformer.planning.relaxation.relaxed_plan import Timing

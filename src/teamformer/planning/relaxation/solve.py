@@ -11,10 +11,16 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Literal
 
-from teamformer.grid import Grid
-from teamformer.model import Robot, Scenario, Task
+from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.earliest import earliest_starts
 from teamformer.planning.bounds.makespan import bound_makespan
+from teamformer.planning.problem.relaxed_problem import (
+    Relaxed,
+    is_true_relaxation,
+    may_set_down,
+    relax,
+)
 from teamformer.planning.relaxation.cp_sat import (
     build_circuits,
     count_arcs,
@@ -22,15 +28,9 @@ from teamformer.planning.relaxation.cp_sat import (
     make_solver,
     minimise,
 )
-from teamformer.planning.relaxation.problem import (
-    Relaxed,
-    is_true_relaxation,
-    may_set_down,
-    relax,
-)
 from teamformer.planning.relaxation.schedule import Schedule
 from teamformer.planning.relaxation.threshold import HOT, Search
-from teamformer.rules.constants import FAR
+from teamformer.world.rules.constants import FAR
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import entry, needs_compiling
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import entry, needs_compiling
+from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.relaxation.insertion import empty_workspace
-from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.relaxation.relaxed_plan import (
     copy_plan,
     empty_plan,

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.arrays import Int32s, Ints
+from teamformer.base.array_types import Int32s, Ints
 from teamformer.planning.arcs.annealing import ArcSearch
-from teamformer.planning.arcs.arc_problem import StepRules
-from teamformer.planning.arcs.graph import MAKESPAN
-from teamformer.planning.arcs.in_steps.meeting import TICKS
-from teamformer.planning.continuous.problem import CoalitionProblem, pose_problem
-from teamformer.planning.continuous.schedule import empty_plan
-from teamformer.planning.relaxation.problem import Relaxed
+from teamformer.planning.graph.arc_problem import StepRules
+from teamformer.planning.graph.graph import MAKESPAN
+from teamformer.planning.graph.meeting import TICKS
+from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.planning.problem.schedule import empty_plan
+from teamformer.planning.problem.team_plan import TeamPlan, keep_order, pairs_before, plan_teams
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
-from teamformer.planning.steps.team_plan import TeamPlan, keep_order, pairs_before, plan_teams
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
-from teamformer.rules.constants import FAR
+from teamformer.world.rules.constants import FAR
 
 RIDERS, RIDERS_IF_LARGE = 4, 2
 """How many robots more than it needs come to a task at most."""

@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.grid import Grid, Place
-from teamformer.jit import entry, kernel
-from teamformer.model import World
-from teamformer.rules.constants import NOBODY
-from teamformer.rules.distances import UNREACHABLE, distance_fields
-from teamformer.rules.steps import next_cell
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.mission.model import World
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.rules.distances import UNREACHABLE, distance_fields
+from teamformer.world.rules.steps import next_cell
 
 MOST_WAYS = 300_000
 """Of more ways than this between places and tasks, what lies on them is not looked at."""

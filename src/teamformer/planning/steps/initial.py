@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.planning.relaxation.problem import Relaxed, walked_cells
-from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
-from teamformer.rules.constants import FAR
-from teamformer.rules.tour import shortest_tour
+from teamformer.base.array_types import Array
+from teamformer.planning.problem.relaxed_problem import Relaxed, walked_cells
+from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
+from teamformer.world.rules.constants import FAR
+from teamformer.world.rules.tour import shortest_tour
 
 
 def crew_plans(problem: Relaxed) -> list[TeamPlan]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-from teamformer.coordination import Known, Plan
+from teamformer.mission.coordination import Known, Plan
 from teamformer.planning.steps.initial import crew_plans
 from teamformer.planning.steps.shared_plan import kept_plan, shared_plan_of
 from teamformer.planning.steps.situation import situation_of

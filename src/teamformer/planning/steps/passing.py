@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from teamformer.jit import entry, kernel
+from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.steps.timing import is_settled, time_plan
-from teamformer.rules.constants import NOBODY
+from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
-    from teamformer.planning.relaxation.problem import Relaxed
+    from teamformer.planning.problem.relaxed_problem import Relaxed
+    from teamformer.planning.problem.team_plan import TeamPlan
     from teamformer.planning.steps.crossings import Crossings
-    from teamformer.planning.steps.team_plan import TeamPlan
     from teamformer.planning.steps.timing import Groups
 
 ROUNDS = 20

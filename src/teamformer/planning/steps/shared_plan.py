@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.coordination import Known, Plan
-from teamformer.model import Scenario
-from teamformer.planning.relaxation.problem import Relaxed, has_prices, most_in_coalitions
+from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.model import Scenario
+from teamformer.planning.problem.relaxed_problem import Relaxed, has_prices, most_in_coalitions
+from teamformer.planning.problem.team_plan import TeamPlan
 from teamformer.planning.steps.arc_search import LARGE, TeamArcs
 from teamformer.planning.steps.situation import Situation, plan_of, situation_of
 from teamformer.planning.steps.starts import complete_plan, plan_from_coalitions, plan_from_crews
-from teamformer.planning.steps.team_plan import TeamPlan
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan, without_riders
 
 CREWS, COALITIONS, ANEW = "crews", "coalitions", "arcs"

@@ -6,17 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.coordination import Known, Plan
-from teamformer.grid import Grid, Place
-from teamformer.mission.windows import opening_step
-from teamformer.model import Scenario, Task
-from teamformer.planning.relaxation.problem import Future, Relaxed, future_of, relax_ways
-from teamformer.planning.relaxation.ways import are_ways_straight, ends_of
+from teamformer.base.array_types import Array
+from teamformer.mission.checks.windows import opening_step
+from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.model import Scenario, Task
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.planning.problem.relaxed_problem import Future, Relaxed, future_of, relax_ways
+from teamformer.planning.problem.team_plan import TeamPlan
+from teamformer.planning.problem.ways import are_ways_straight, ends_of
 from teamformer.planning.steps.crossings import Crossings, find_crossings, without_loads
-from teamformer.planning.steps.team_plan import TeamPlan
-from teamformer.rules.constants import FAR
-from teamformer.rules.distances import straight_ways, travel_matrix
+from teamformer.world.rules.constants import FAR
+from teamformer.world.rules.distances import straight_ways, travel_matrix
 
 MOST_CELLS = 20_000
 """Of a plane: how many cells the longest way is counted in."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.planning.problem.team_plan import TeamPlan
 from teamformer.planning.race import Judgement, Race
-from teamformer.planning.relaxation.problem import Relaxed
 from teamformer.planning.steps.arc_search import COLD, COOL, LARGE, LESS_HOT, TeamArcs, rank_of
 from teamformer.planning.steps.initial import crew_plans
 from teamformer.planning.steps.shared_plan import relaxed_rounds, rounds_for
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.starts import plan_from_coalitions
-from teamformer.planning.steps.team_plan import TeamPlan
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
 Starts = Iterator[TeamPlan]

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 from teamformer.planning.crews.deal import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
-from teamformer.planning.relaxation.problem import Relaxed, steps_from_starts, walked_cells
+from teamformer.planning.problem.relaxed_problem import Relaxed, steps_from_starts, walked_cells
+from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
 from teamformer.planning.relaxation.threshold import Search
-from teamformer.planning.steps.team_plan import TeamPlan, plan_teams
-from teamformer.rules.constants import FAR, NOBODY
+from teamformer.world.rules.constants import FAR, NOBODY
 
 
 def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> TeamPlan:

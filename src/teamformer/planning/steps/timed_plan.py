@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from teamformer.arrays import Array
-from teamformer.planning.relaxation.problem import has_prices
+from teamformer.base.array_types import Array
+from teamformer.planning.problem.relaxed_problem import has_prices
+from teamformer.planning.problem.team_plan import TeamPlan, keep_order
 from teamformer.planning.steps.passing import settle
 from teamformer.planning.steps.situation import Situation
-from teamformer.planning.steps.team_plan import TeamPlan, keep_order
 from teamformer.planning.steps.timing import empty_groups
 
 

@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.jit import entry, kernel
-from teamformer.planning.prices import SHARES, SMOOTH
-from teamformer.planning.relaxation.problem import Relaxed, pace_together, way_number
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.problem.prices import SHARES, SMOOTH
+from teamformer.planning.problem.relaxed_problem import Relaxed, pace_together, way_number
+from teamformer.planning.problem.team_plan import TeamPlan
 from teamformer.planning.steps.crossings import Crossings
-from teamformer.planning.steps.team_plan import TeamPlan
-from teamformer.rules.constants import FAR, NOBODY, ROUNDING
-from teamformer.rules.pairing import pair_off
+from teamformer.world.rules.constants import FAR, NOBODY, ROUNDING
+from teamformer.world.rules.pairing import pair_off
 
 STEP = 200
 """What a step of makespan costs, for each task."""

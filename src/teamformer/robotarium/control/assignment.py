@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from scipy.optimize import linear_sum_assignment
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 
 
 def match(places: Array, slots: Array) -> Array:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 from teamformer.robotarium.robots.arena import HEIGHT, WIDTH, points_ahead
 
 POINT = 0.03  # metres: the point ahead of the wheels that is steered

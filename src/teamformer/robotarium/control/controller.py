@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 from teamformer.robotarium.control.barrier import POINT, Barrier, Solver
 from teamformer.robotarium.robots.arena import points_ahead
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 from teamformer.robotarium.control.ring_slots import fits
 
 BERTH = 0.24  # metres outside a ring that passing robots keep

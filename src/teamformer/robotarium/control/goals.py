@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 from teamformer.robotarium.control.assignment import match
 from teamformer.robotarium.control.detours import way_point
 from teamformer.robotarium.control.ring_slots import SPACING, fits, ring_radius, slots_around
+from teamformer.robotarium.control.teams import RobotTeam
 from teamformer.robotarium.robots.arena import HEIGHT, WIDTH
-from teamformer.robotarium.teams import RobotTeam
 
 CLEARANCE = 0.30  # metres outside a ring where robots that it does not need keep
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.errors import TeamformerError
-from teamformer.extras import how_to_install
+from teamformer.base.array_types import Array
+from teamformer.base.errors import TeamformerError
+from teamformer.base.extras import how_to_install
 from teamformer.robotarium.control.barrier import Solver
 
 OPTIMAL = 1  # daqp's exit flag

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 from teamformer.robotarium.robots.arena import HEIGHT, WIDTH
 
 SPACING = 0.23  # metres between neighbours

@@ -16,15 +16,15 @@ from pathlib import Path
 
 import numpy as np
 
-from teamformer.errors import TeamformerError
-from teamformer.model import Scenario
-from teamformer.policies.learned.onnx_sessions import shipped
+from teamformer.base.errors import TeamformerError
+from teamformer.base.whole_files import write_all
+from teamformer.methods.learned.onnx_sessions import shipped
+from teamformer.methods.listings import DEFAULT, STAND_IN
+from teamformer.mission.model import Scenario
 from teamformer.robotarium.deployment.graphs import Graph
 from teamformer.robotarium.deployment.onnx_files import read_graph
 from teamformer.robotarium.experiment import start_poses
 from teamformer.robotarium.mission_checks import check_mission
-from teamformer.trials.listings import DEFAULT, STAND_IN
-from teamformer.whole_files import write_all
 
 ROOT = Path(__file__).parents[2]
 SHIMS = Path(__file__).parent / "testbed"
@@ -36,23 +36,23 @@ FOR_TYPES = re.compile(TYPES_ONLY, re.MULTILINE)
 MAIN, WEIGHTS = "main.py", "weights.npy"
 OURS = re.compile(r"tf_\w+\.py")
 """What all other files that are written match."""
-REPLACED = {"jit": "jit.txt", "policies.learned.onnx_sessions": "sessions.txt"}
+REPLACED = {"base.kernels.jit": "jit.txt", "methods.learned.onnx_sessions": "sessions.txt"}
 """Modules that are something else on the testbed, and the files that hold that."""
 
 FOR_MISSIONS = (
-    "model",
-    "plane",
+    "mission.model",
+    "mission.parts.plane",
     "robotarium.flight",
     "robotarium.robots.rps_robots",
     "robotarium.control.qp_solvers",
-    "sim.env",
+    "world.env",
 )
 NETWORK = "teamformer"
 DEPLOYED = {
     NETWORK: "policies.learned.any_fleet:teamformer",
-    "heuristic": "policies.scripted.heuristic:Heuristic",
-    "join-all": "policies.scripted.joining:JoinAll",
-    "join-fitting": "policies.scripted.join_fitting:JoinFitting",
+    "heuristic": "methods.scripted.heuristic:Heuristic",
+    "join-all": "methods.scripted.joining:JoinAll",
+    "join-fitting": "methods.scripted.join_fitting:JoinFitting",
 }
 """Methods that the testbed can run, and what makes their policies there."""
 
@@ -146,8 +146,8 @@ def _source(name: str) -> str:
 def _text(name: str) -> str:
     """Return a module's text with flat imports."""
     flat = IMPORT.sub(lambda match: f"from {_flat(match[1])} import {match[2]}", _source(name))
-    text = flat.replace("import numba as nb\n", "import tf_jit as nb\n")
-    return text + _shim("packing.txt") if name == "sim.packing" else text
+    text = flat.replace("import numba as nb\n", "import tf_base_kernels_jit as nb\n")
+    return text + _shim("packing.txt") if name == "world.state.packing" else text
 
 
 def _flat(name: str) -> str:
@@ -162,8 +162,8 @@ def _scenario_text(scenario: Scenario, poses: np.ndarray, seed: int) -> str:
     return (
         '"""The scenario, where its robots start, and the seed."""\n\n'
         "from math import inf\n\n"  # which a radius may be
-        "from tf_grid import Grid\nfrom tf_model import Robot, Scenario, Task\n"
-        "from tf_plane import Plane\n\n"
+        "from tf_mission_parts_grid import Grid\nfrom tf_mission_model import Robot, Scenario, Task\n"
+        "from tf_mission_parts_plane import Plane\n\n"
         f"SCENARIO = {scenario!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 
 
 @dataclass(frozen=True)

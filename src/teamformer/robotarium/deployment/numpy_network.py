@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.errors import TeamformerError
+from teamformer.base.array_types import Array
+from teamformer.base.errors import TeamformerError
 from teamformer.robotarium.deployment.graphs import Graph
 
 DTYPES = {1: np.float32, 6: np.int32, 7: np.int64, 9: np.bool_, 11: np.float64}

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.errors import TeamformerError
+from teamformer.base.array_types import Array
+from teamformer.base.errors import TeamformerError
 from teamformer.robotarium.deployment.graphs import Graph, Node
 from teamformer.robotarium.deployment.numpy_network import DTYPES
 

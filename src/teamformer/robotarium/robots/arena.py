@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 
 WIDTH, HEIGHT = 3.2, 2.0  # metres
 MOST_ROBOTS = 20

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from teamformer.arrays import Array
+from teamformer.base.array_types import Array
 from teamformer.robotarium.robots.arena import (
     COLLISION,
     DIAMETER,

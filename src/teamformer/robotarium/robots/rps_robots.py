@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.arrays import Array
-from teamformer.errors import TeamformerError
-from teamformer.extras import how_to_install
+from teamformer.base.array_types import Array
+from teamformer.base.errors import TeamformerError
+from teamformer.base.extras import how_to_install
 from teamformer.robotarium.robots.plant import Faults
 
 

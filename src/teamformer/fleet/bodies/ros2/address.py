@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 from urllib.parse import parse_qsl
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 
 NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 HINT = "write nav2:NAMESPACE?frame=map&odom=TOPIC&radius=METRES; all of it may be left out"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import String
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.ros2.address import Address
 from teamformer.fleet.bodies.ros2.coordinates import metres_of, place_of
@@ -27,7 +27,7 @@ from teamformer.fleet.bodies.ros2.goals import (
 from teamformer.fleet.bodies.ros2.graph import Graph, Whereabouts
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.saying import say
-from teamformer.grid import Place
+from teamformer.mission.parts.grid import Place
 
 if TYPE_CHECKING:
     from teamformer.fleet.bodies.ros2.markers import Markers

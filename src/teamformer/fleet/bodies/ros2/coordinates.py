@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from itertools import product
 
-from teamformer.grid import Grid, Place
-from teamformer.plane import Plane
-from teamformer.roads import Roads
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.roads import Roads
 
 
 def metres_of(world: Grid | Plane | Roads, place: Place) -> tuple[float, float]:

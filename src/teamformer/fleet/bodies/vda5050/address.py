@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import SplitResult, parse_qsl, unquote, urlsplit
 
-from teamformer.errors import TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.fleet.bodies.vda5050.dialect import DIALECTS, VERSIONS, Dialect
 
 HINT = "write vda5050:mqtt://USER:PASSWORD@HOST:PORT/INTERFACE/MANUFACTURER/SERIAL?map=ID"

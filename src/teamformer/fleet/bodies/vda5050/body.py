@@ -32,7 +32,7 @@ from teamformer.fleet.bodies.vda5050.watch import Watch
 from teamformer.fleet.fleet_mission import Mission
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.saying import say
-from teamformer.grid import Place
+from teamformer.mission.parts.grid import Place
 
 CANCEL = "cancel its order"
 

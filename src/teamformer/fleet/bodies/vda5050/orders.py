@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from teamformer.grid import Place
+from teamformer.mission.parts.grid import Place
 
 Action = Mapping[str, Any]
 

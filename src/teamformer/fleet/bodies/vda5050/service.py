@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from teamformer.fleet.bodies.vda5050.orders import Action, Stop, action_of
 from teamformer.fleet.messages import TaskFact
-from teamformer.grid import Place
+from teamformer.mission.parts.grid import Place
 
 SERVE = "serve"
 """The action that a vehicle must know; its parameters are `task`, `team` and `duration`."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from teamformer.fleet.bodies.vda5050.dialect import Dialect
-from teamformer.grid import Place
+from teamformer.mission.parts.grid import Place
 
 FINISHED = "FINISHED"
 FAILED = ("FAILED", "RETRIABLE")

@@ -8,7 +8,7 @@ from typing import Any
 
 from teamformer.fleet.bodies.vda5050.address import Address
 from teamformer.fleet.bodies.vda5050.state import State
-from teamformer.grid import Place
+from teamformer.mission.parts.grid import Place
 
 AWAY = 40.0
 """Seconds for which a vehicle may be silent, or somewhere else; the standard wants a state every

@@ -1,0 +1,16 @@
+"""What verbs write of a trial, and what they say of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from teamformer.cli.terminal.console import say
+from teamformer.record.record import Replay
+from teamformer.trials.outputs import write_record
+
+
+def write_and_say(replay: Replay, folder: Path) -> None:
+    """Write a record and its page into a folder, and say where they are."""
+    record, page = write_record(replay, folder)
+    say(f"record: {record}")
+    say(f"page:   {page}")

@@ -1,0 +1,27 @@
+"""`teamformer import`: other people's instances as mission files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from teamformer.cli.terminal.console import prepare_file, prepare_folder, say
+from teamformer.files.imports import import_missions
+from teamformer.files.mission_files import write_scenario
+
+
+def import_(form: str, path: Path, out: Path) -> int:
+    """Write what a file of others holds; return the exit status.
+
+    One mission becomes the file `out`; several become files in the folder `out`, numbered from 0.
+    """
+    missions = import_missions(form, path)
+    if len(missions) == 1:
+        prepare_file(out)
+    else:
+        prepare_folder(out)
+    for number, mission in enumerate(missions):
+        file = out if len(missions) == 1 else out / f"{path.stem}-{number}.yaml"
+        write_scenario(mission, file)
+        robots, tasks = len(mission.robots), len(mission.tasks)
+        say(f"{file}: {mission.name} with {robots} robots and {tasks} tasks")
+    return 0

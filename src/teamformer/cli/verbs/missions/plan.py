@@ -1,0 +1,95 @@
+"""`teamformer plan`: who goes where when, without playing the mission."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+from rich.text import Text
+
+from teamformer.cli.terminal.compiling import compile_ahead
+from teamformer.cli.terminal.console import out, prepare_folder, print_json, say
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.by_name import load_method
+from teamformer.mission.checks.rules import rules_not_planned
+from teamformer.mission.model import Scenario
+from teamformer.trials.planned import PlannedMission, plan_mission, refuse_unplannable
+from teamformer.trials.start_plan import read_start_plan
+from teamformer.viewer.gantt import write_gantt
+
+LONGEST_TABLE = 40  # robots
+
+
+def plan(
+    path: Path,
+    method: str,
+    time_limit: float,
+    start: Path | None,
+    folder: Path | None,
+    as_json: bool,
+) -> int:
+    """Plan a mission and show the plan, in a folder as a page too; return the exit status.
+
+    `start` is a file with a plan to begin with.
+    """
+    scenario = read_scenario(path, rules_not_planned)
+    refuse_unplannable(scenario, method)
+    begin = None if start is None else read_start_plan(start, scenario)
+    if folder is not None:
+        prepare_folder(folder)
+    if scenario.time != "continuous":
+        _prepare(scenario, method)
+    made = plan_mission(scenario, method, time_limit, begin)
+    if made is None:
+        say(f"no plan was found for {scenario.name}; a longer --time-limit may find one")
+        return 1
+    row = made.row
+    if folder is not None:
+        write_gantt(row, folder / "plan.html")
+        say(f"page: {folder / 'plan.html'}")
+    if as_json:
+        print_json(row)
+    else:
+        _show(made, row)
+    return 0
+
+
+def _prepare(scenario: Scenario, method: str) -> None:
+    """Compile what planning in steps needs, and say what is planned."""
+    compile_ahead([load_method(method)])
+    if scenario.has_surprises:
+        say("not everything is known: this is planned for what is to be expected")
+
+
+def _show(made: PlannedMission, row: Mapping[str, Any]) -> None:
+    """Print a plan, given as `--json` prints it: every output rounds the same way."""
+    cost = f", at a cost of {row['cost']:g}" if "cost" in row else ""
+    over = f"{row['scenario']}: over at {row['makespan']:g}{_known(row)}{cost}"
+    out.print(over, markup=False)
+    for task, by in row["late"].items():
+        out.print(f"late: {task} by {by:g}", markup=False)
+    ends_home = made.mission.ends is not None
+    table = Table("robot", "tasks: start to end", *(["back"] if ends_home else []), box=None)
+    routes = row["routes"]
+    for route in routes[:LONGEST_TABLE]:
+        stops = (f"{stop['task']} {stop['start']:g}-{stop['end']:g}" for stop in route["stops"])
+        words = (route["robot"], ", ".join(stops) or "-")
+        table.add_row(*map(Text, words), *([f"{route['back']:g}"] if ends_home else []))
+    out.print(table)
+    if len(routes) > LONGEST_TABLE:
+        say(f"and {len(routes) - LONGEST_TABLE} robots more; --json tells all")
+    for line in made.why_so_late:
+        out.print(line, markup=False)
+
+
+def _known(row: Mapping[str, Any]) -> str:
+    """Say what no makespan is below; that of a plan with a cost is not meant to come near it."""
+    if row["bound"] <= 0:
+        return ""
+    if "cost" in row:
+        return f" (no plan is over before {row['bound']:g})"
+    gap = 100 * (row["makespan"] / row["bound"] - 1)
+    known = "proven" if row["proven"] else f"{gap:.1f}% above what no plan beats"
+    return f" ({known}: {row['bound']:g})"

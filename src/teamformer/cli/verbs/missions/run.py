@@ -1,0 +1,254 @@
+"""`teamformer run`: one mission, one method, one trial."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from rich.table import Table
+from rich.text import Text
+
+from teamformer.base.errors import ReaderGoneError, TeamformerError
+from teamformer.cli.terminal.compiling import compile_ahead
+from teamformer.cli.terminal.console import StepProgress, out, prepare_folder, print_json, say
+from teamformer.cli.terminal.foxglove import check_foxglove, play_in_foxglove
+from teamformer.cli.terminal.interruption import Interruption
+from teamformer.cli.terminal.recorded import write_and_say
+from teamformer.files.mission_files import read_scenario
+from teamformer.methods.by_name import Method, default_for, load_method
+from teamformer.methods.central.plays import CentralPlan
+from teamformer.methods.listings import DEFAULT
+from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.model import Scenario
+from teamformer.mission.parts.capabilities import describe
+from teamformer.mission.truth import draw_truth
+from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.record.critical_path.of_record import path_of_record
+from teamformer.record.critical_path.stretches import path_rows
+from teamformer.record.critical_path.words import why_so_late
+from teamformer.record.export.reasons import story_lines
+from teamformer.record.record import Replay
+from teamformer.record.task_times import cancelled_steps, cost_of_record, lateness
+from teamformer.record.teams import completions
+from teamformer.trials.memory import refuse_too_large
+from teamformer.trials.rows import bars_of, result_row, seconds_of
+from teamformer.trials.trial import Trial, run_trial
+from teamformer.world.env import Tally
+
+LONGEST_TABLE = 40  # tasks
+MOST_NAMES = 12
+
+
+def chosen_method(name: str | None, mission: Scenario, time_limit: float) -> Method:
+    """Return the method of a name; without one the plan, or crews for a mission too large for it.
+
+    That it is crews is said. Raises `TeamformerError` for a name that is unknown, and for a mission
+    that is too large for the memory.
+    """
+    if name is None:
+        name = default_for(mission)
+        if name != DEFAULT:
+            size = f"{len(mission.robots)} robots and {len(mission.tasks)} tasks"
+            say(f"{size} are too many to share a plan soon: {name} instead; or --method {DEFAULT}")
+    method = load_method(name, time_limit)
+    refuse_too_large(mission, method)
+    return method
+
+
+def run(
+    path: Path,
+    method_name: str | None,
+    seed: int,
+    time_limit: float,
+    folder: Path | None,
+    as_json: bool,
+    explained: str | None = None,
+    foxglove: int | None = None,
+) -> int:
+    """Run a trial, write its record and show what came of it; return the exit status.
+
+    `explained` is the name of a robot whose story is told too. `foxglove` is a port on which the
+    record is played for Foxglove in the end.
+    """
+    mission = read_scenario(path, rules_not_played)
+    robot = None if explained is None else _robot_number(mission, explained)
+    method = chosen_method(method_name, mission, time_limit)
+    if foxglove is not None:
+        check_foxglove(foxglove)
+    if folder is not None:
+        prepare_folder(folder)
+    compile_ahead([method], mission)
+    with Interruption() as interruption:
+        trial = watch_trial(mission, method, seed, interruption)
+        interruption.hold()  # what was played is told and written first
+        try:
+            with suppress(ReaderGoneError):
+                _tell(trial, robot, as_json)
+        finally:
+            if folder is not None:
+                write_and_say(trial.replay, folder)
+    if foxglove is not None and trial.replay.end.status != "interrupted":
+        play_in_foxglove(trial.replay, foxglove)
+    return 0 if trial.replay.end.status == "completed" else 1
+
+
+def _tell(trial: Trial, robot: int | None, as_json: bool) -> None:
+    """Print what came of a trial, and a robot's story if one is asked for."""
+    story = [] if robot is None else list(story_lines(trial.replay, robot))
+    if as_json:
+        row = result_row(trial, bars_of([trial]))
+        chain = path_rows(trial.replay.mission, path_of_record(trial.replay))
+        told = {"critical_path": chain} | ({} if robot is None else {"story": story})
+        print_json(row | told)
+    else:
+        _show(trial)
+        if robot is not None:
+            out.print(_story_table(story))
+
+
+def _robot_number(scenario: Scenario, name: str) -> int:
+    """Return a robot's number; TeamformerError if there is none of this name."""
+    names = [robot.name for robot in scenario.robots]
+    if name not in names:
+        near = difflib.get_close_matches(name, names, 1)
+        hint = f"did you mean '{near[0]}'?" if near else f"the first is {names[0]}"
+        raise TeamformerError(f"there is no robot '{name}' to explain", hint)
+    return names.index(name)
+
+
+def _story_table(story: Sequence[tuple[str, str, str]]) -> Table:
+    table = Table(box=None, header_style="dim")
+    for header in ("steps", "what it does", "why"):
+        table.add_column(header, overflow="fold")
+    for row in story:
+        table.add_row(*(Text(part) for part in row))
+    return table
+
+
+def watch_trial(
+    mission: Scenario, method: Method, seed: int, interruption: Interruption | None = None
+) -> Trial:
+    """Run a trial with its lower bound, and a display of progress if it takes long.
+
+    `interruption` is held from the moment in which the trial has ended.
+    """
+    bound = lower_bound(draw_truth(mission, seed))
+    with StepProgress(len(mission.tasks)) as progress:
+
+        def on_step(tally: Tally) -> None:
+            if interruption is not None and tally.status != "running":
+                interruption.hold()
+            progress.update(tally.steps, tally.tasks_done)
+
+        return run_trial(mission, method, seed, bound, on_step, keeps_interrupted=True)
+
+
+def plan_line(plan: CentralPlan) -> str:
+    """Return what is shown of the central planner's work."""
+    solution = plan.solution
+    return (
+        f"schedule with free joining: {solution.value or 'none'} ({solution.status}, "
+        f"bound {solution.bound}); played: {plan.played_by}"
+    )
+
+
+def _improvements(plan: CentralPlan) -> str:
+    """Return what the planner found, and when."""
+    found = ", ".join(f"{steps} ({seconds:.2f} s)" for seconds, steps in plan.curve) or "none"
+    first = "; a first plan, which a longer --time-limit improves" if plan.is_first else ""
+    return f"plans found: {found}{first}"
+
+
+def _show(trial: Trial) -> None:
+    replay, end = trial.replay, trial.replay.end
+    scenario = replay.scenario
+    out.print(Text(f"{scenario.name}: {replay.method}, seed {replay.seed}", style="bold"))
+    if len(scenario.tasks) <= LONGEST_TABLE:
+        out.print(_task_table(replay))
+    style = "green" if end.status == "completed" else "red"
+    out.print(_verdict(replay), markup=False, style=style)
+    if (cost := cost_of_record(replay)) is not None:
+        out.print(f"at a cost of {cost:g}", markup=False)
+    for task, steps in lateness(replay).items():
+        out.print(f"late: {task} by {steps:g} steps", markup=False, style="red")
+    if lost := _losses(replay):
+        out.print(f"lost: {lost}", markup=False, style="red")
+    for line in why_so_late(replay.mission, path_of_record(replay)):
+        out.print(line, markup=False)
+    if trial.plan is not None:
+        out.print(_improvements(trial.plan))
+        out.print(plan_line(trial.plan))
+    called_off = len(cancelled_steps(replay))
+    gone = f", {called_off} called off" if called_off else ""
+    out.print(
+        f"{end.tasks_done} of {len(scenario.tasks)} tasks{gone}, {end.joins} joins, "
+        f"{end.splits} splits, {end.illegal_decisions} illegal decisions"
+    )
+    compiled = trial.compiling_seconds
+    compiling = f", compiling {compiled:.2f} s" if compiled else ""
+    out.print(
+        f"planning {trial.planning_seconds:.2f} s, deciding {trial.decision_seconds:.2f} s, "
+        f"simulating {trial.simulating_seconds:.2f} s{compiling}"
+    )
+
+
+def _verdict(replay: Replay) -> str:
+    end = replay.end
+    if end.makespan is not None:
+        bound, seconds = replay.lower_bound, seconds_of(replay.scenario, end.makespan)
+        what = "all done or called off" if cancelled_steps(replay) else "all done"
+        done = f"{what} after {end.makespan} steps"
+        if seconds is not None:
+            done = f"{done}, {seconds:g} s"
+        if not bound:
+            return done
+        ratio = 100 * (end.makespan / bound - 1)
+        return f"{done}; no plan can take less than {bound} (+{ratio:.0f}%)"
+    if end.status == "infeasible":
+        return f"given up at step {end.steps}: {', '.join(end.blocked_tasks)} can never be done"
+    if end.status == "interrupted":
+        return f"interrupted at step {end.steps}"
+    return f"not done within the limit of {end.steps} steps"
+
+
+def _task_table(replay: Replay) -> Table:
+    """Return who did what when, in the order it was done."""
+    scenario = replay.mission
+    table = Table(box=None, header_style="dim")
+    for header in ("step", "task", "needs", "done by"):
+        table.add_column(header, overflow="fold")
+    undone = set(range(len(scenario.tasks)))
+    for step, task, robots in completions(replay):
+        undone.discard(task)
+        needs = describe(scenario.tasks[task].needs)
+        names = _names(scenario, robots)
+        table.add_row(str(step), Text(scenario.tasks[task].name), Text(needs), Text(names))
+    cancelled = cancelled_steps(replay)
+    for task in sorted(undone):
+        needs = describe(scenario.tasks[task].needs)
+        why = f"called off in step {cancelled[task]}" if task in cancelled else ""
+        table.add_row("-", Text(scenario.tasks[task].name), Text(needs), why)
+    return table
+
+
+def _losses(replay: Replay) -> str:
+    """Name the robots that were lost, with their steps; the first ones of many."""
+    lost: list[str] = []
+    latest: dict[int, int] = {}  # the entry in the list of each robot that is lost
+    for number, step in enumerate(replay.steps, start=1):
+        for robot in step.back:
+            lost[latest[robot]] += f" (back in {number})"
+        for robot in step.lost:
+            latest[robot] = len(lost)
+            lost.append(f"{replay.scenario.robots[robot].name} in step {number}")
+    more = [f"{len(lost) - MOST_NAMES} more"] if len(lost) > MOST_NAMES else []
+    return ", ".join(lost[:MOST_NAMES] + more)
+
+
+def _names(scenario: Scenario, robots: Sequence[int]) -> str:
+    """Return the robots' names, the first ones of many."""
+    shown = robots if len(robots) <= MOST_NAMES else robots[: MOST_NAMES - 1]
+    names = ", ".join(scenario.robots[robot].name for robot in shown)
+    return names if shown is robots else f"{names} and {len(robots) - len(shown)} more"

@@ -1,0 +1,109 @@
+"""`teamformer check`: judge the record of a trial by the rules alone."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from teamformer.base.errors import TeamformerError
+from teamformer.cli.terminal.console import out, print_json
+from teamformer.files.mission_files import read_scenario
+from teamformer.mission.arrivals import without_arrivals
+from teamformer.mission.model import Scenario
+from teamformer.record.critical_path.of_record import path_of_record
+from teamformer.record.critical_path.stretches import path_rows
+from teamformer.record.critical_path.words import why_so_late
+from teamformer.record.reading import read_replay
+from teamformer.record.record import FLEET, Replay
+from teamformer.record.referee import judge
+
+GUARANTEE = "by the rules: every robot's way, every team that formed, every task that was done"
+
+
+def check(path: Path, scenario: Path | None, as_json: bool) -> int:
+    """Judge a record; return 0 if every step was legal and every task really done.
+
+    With a scenario's file, the record must be one of that scenario, too.
+    """
+    replay = read_replay(path)
+    _refuse_fleets(replay, path)
+    verdict = judge(replay)
+    findings = [{"step": f.step, "message": f.message} for f in verdict.findings]
+    if scenario is not None:
+        findings += [
+            {"step": 0, "message": f"the record is of another scenario than {scenario}: {how}"}
+            for how in _differences(without_arrivals(replay.scenario), read_scenario(scenario))
+        ]
+    claimed = _claims(replay)
+    chain = () if verdict.findings else path_of_record(replay)  # of what really happened
+    if as_json:
+        print_json(
+            {
+                "legal": not findings,
+                "status": replay.end.status,
+                "findings": findings,
+                **({} if verdict.cost is None else {"cost": round(verdict.cost, 6)}),
+                "late": verdict.late,
+                "scenario_compared": scenario is not None,
+                "claimed": claimed,
+                "critical_path": path_rows(replay.mission, chain),
+            }
+        )
+        return 1 if findings else 0
+    for finding in findings:
+        out.print(finding["message"], markup=False)
+    if verdict.cost is not None:
+        out.print(f"at a cost of {verdict.cost:g}", markup=False)
+    for task, by in verdict.late.items():
+        out.print(f"late: {task} by {by:g} steps, which is allowed", markup=False)
+    steps, tasks = len(replay.steps), replay.end.tasks_done
+    if findings:
+        out.print(f"not legal: {len(findings)} findings in {steps} steps", style="red")
+    else:
+        ending = f"{tasks} tasks done, {replay.end.status}"
+        out.print(f"legal: {steps} steps, {ending}", markup=False, style="green")
+    for line in why_so_late(replay.mission, chain):
+        out.print(line, markup=False)
+    against = "" if scenario is None else f"; the scenario is that of {scenario}"
+    out.print(f"checked {GUARANTEE}{against}", markup=False, style="dim")
+    words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in claimed.items())
+    out.print(f"only claimed by the record: {words}", markup=False, style="dim")
+    return 1 if findings else 0
+
+
+def _refuse_fleets(replay: Replay, path: Path) -> None:
+    """Refuse what was seen of a fleet: the rules of steps do not hold between them."""
+    if replay.method == FLEET:
+        raise TeamformerError(
+            f"{path}: this was seen of a fleet, once a step; check judges the steps of `run`, "
+            "and a fleet's robots walk and join in between",
+            "`teamformer fleet rehearse MISSION --seed S --schedule K` plays a rehearsal again "
+            "and judges its promises",
+        )
+
+
+def _claims(replay: Replay) -> dict[str, Any]:
+    """Return what a record says of itself that its steps cannot show."""
+    return {
+        "method": replay.method,
+        "seed": replay.seed,
+        "illegal_decisions": replay.end.illegal_decisions,
+        "lower_bound": replay.lower_bound,
+    }
+
+
+def _differences(recorded: Scenario, given: Scenario) -> list[str]:
+    """Say where two missions differ, but for their names, which mean nothing."""
+    names = [field.name for field in fields(Scenario) if field.name != "name"]
+    pairs = {name: (getattr(recorded, name), getattr(given, name)) for name in names}
+    return [_difference(name, *pair) for name, pair in pairs.items() if pair[0] != pair[1]]
+
+
+def _difference(name: str, recorded: Any, given: Any) -> str:
+    if isinstance(recorded, str | int | float):
+        return f"{name} is {recorded}, there {given}"
+    if name in ("robots", "tasks") and len(recorded) == len(given):
+        one = next(a.name for a, b in zip(recorded, given, strict=True) if a != b)
+        return f"{name} differ, {one} for example"
+    return f"{name} differ" if name.endswith("s") else f"the {name} differs"

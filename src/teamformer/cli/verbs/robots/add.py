@@ -1,0 +1,139 @@
+"""`teamformer fleet add`: a new task for a running fleet."""
+
+from __future__ import annotations
+
+import math
+import secrets
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from teamformer.base.errors import TeamformerError
+from teamformer.cli.terminal.console import out, say
+from teamformer.cli.verbs.robots.mesh import FleetAt, dial_as_operator, read_fleet_mission
+from teamformer.mission.parts.capabilities import exact, is_exact
+
+if TYPE_CHECKING:
+    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.messages import TaskFact
+    from teamformer.fleet.operator import Operator
+
+MOST_NEEDED = 1000
+"""Of one capability, by a task that an operator adds."""
+
+PATIENCE = 20.0
+"""Seconds until the operator gives up."""
+
+SILENCE = 2.0
+"""Seconds without an answer after which that is said."""
+
+
+@dataclass(frozen=True)
+class NewTask:
+    """A task to add, as the command line has it; `duration` is in steps."""
+
+    name: str
+    at: str
+    needs: str
+    duration: float
+
+
+def add(path: Path, new: NewTask, fleet: FleetAt) -> int:
+    """Add a task to a running fleet; return 0 once it is accepted."""
+    mission = read_fleet_mission(path, "zenoh")
+    from teamformer.fleet.operator import Operator
+
+    operator = Operator(_task(new, mission), mission.robots)
+    _offer(operator, mission, fleet)
+    robots = mission.scenario.robots
+    holders = ", ".join(robots[robot].name for robot in sorted(operator.holders))
+    if operator.is_accepted:
+        out.print(f"{operator.task.name}: accepted, held by {holders}", markup=False)
+        return 0
+    have = f"only {holders} hold it" if holders else "no robot answered"
+    say(f"{operator.task.name}: not accepted, {have}; {operator.needed} must; may still be done")
+    if not holders:
+        say("hint: MISSION and --keys have to be the fleet's")
+    return 1
+
+
+def _offer(operator: Operator, mission: Mission, fleet: FleetAt) -> None:
+    """Offer a task until it is accepted or patience ends."""
+    from teamformer.fleet.messages import OPERATOR
+    from teamformer.fleet.operator import AGAIN
+
+    transport, post = dial_as_operator(mission, fleet)
+    begun, told = time.monotonic(), frozenset[int]()
+    is_silence_told = False
+    try:
+        while not operator.is_accepted and time.monotonic() < begun + PATIENCE:
+            notice = operator.offer()
+            transport.send(notice.to, post.seal(OPERATOR, notice))
+            for data in transport.receive(AGAIN):
+                message, _ = post.judge(data)
+                if message is not None:
+                    operator.hear(message)
+            new, told = operator.holders - told, frozenset(operator.holders)
+            if new:
+                names = ", ".join(mission.scenario.robots[robot].name for robot in sorted(new))
+                say(f"heard by {names}")
+            if not told and not is_silence_told and time.monotonic() > begun + SILENCE:
+                is_silence_told = True
+                say(f"no robot has answered yet; trying for {PATIENCE:.0f} s")
+    finally:
+        transport.close()
+
+
+def _task(new: NewTask, mission: Mission) -> TaskFact:
+    """Return the task to add; raises `TeamformerError` for one that no fleet would take."""
+    from teamformer.fleet.messages import LONGEST, MOST_NAME, TaskFact
+
+    scenario, name = mission.scenario, new.name.strip()
+    if not 0 < len(name) <= MOST_NAME:
+        raise TeamformerError(f"the task's name has {len(name)} letters", f"use 1 to {MOST_NAME}")
+    if name in {task.name for task in scenario.tasks}:
+        raise TeamformerError(f"the mission has a task '{name}' already", "use another name")
+    x, y = _place(new.at)
+    if not mission.is_site(x, y):
+        raise TeamformerError(f"--at {new.at} is no free place of the map", "name another one")
+    needs = _needs(new.needs, scenario.capabilities)
+    duration = new.duration * mission.step
+    if duration > LONGEST:
+        raise TeamformerError(f"--duration {new.duration:g} is too long", "use fewer steps")
+    task = TaskFact((1 + secrets.randbits(36)) << 24, name, x, y, needs, duration)
+    if not mission.can_do(range(mission.robots), task):
+        raise TeamformerError(
+            f"all robots together cannot do '{name}'", "lower what it needs, or move it"
+        )
+    return task
+
+
+def _place(text: str) -> tuple[float, float]:
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise TeamformerError(f"--at {text} is no place", "write it as in 3,4") from None
+    return x, y
+
+
+def _needs(text: str, capabilities: tuple[str, ...]) -> tuple[float, ...]:
+    counts: dict[str, float] = dict.fromkeys(capabilities, 0)
+    for part in text.split(","):
+        name, _, number = part.strip().partition(":")
+        if name not in counts:
+            known = ", ".join(capabilities)
+            raise TeamformerError(f"--needs: there is no capability '{name}'", f"there are {known}")
+        counts[name] = exact(counts[name] + (_count(part.strip(), number) if number else 1))
+    return tuple(counts.values())
+
+
+def _count(part: str, number: str) -> float:
+    try:
+        count = float(number)
+    except ValueError:
+        count = math.nan
+    if not (0 < count <= MOST_NEEDED and is_exact(count)):
+        hint = f"write a number up to {MOST_NEEDED:,}, of three places at most"
+        raise TeamformerError(f"--needs {part}: {number} is no count", hint)
+    return exact(count)

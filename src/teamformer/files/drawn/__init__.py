@@ -1,0 +1,1 @@
+"""Random missions: settings and families by name."""

@@ -1,0 +1,118 @@
+"""Scenario files: YAML or JSON in and out (docs/reference/scenarios.md)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from teamformer.base.errors import Problem, ScenarioError, TeamformerError
+from teamformer.base.file_access import read_text
+from teamformer.base.whole_files import own_number, write_whole
+from teamformer.files.trees.mission import read_tree
+from teamformer.files.trees.world import read_world
+from teamformer.files.trees.writer import scenario_to_tree
+from teamformer.files.yaml import reader, writer
+from teamformer.files.yaml.reader import StopReadingError
+from teamformer.files.yaml.tree_reader import Reader
+from teamformer.mission.checks.windows import find_hopeless_windows
+from teamformer.mission.model import Scenario, World
+
+__all__ = [
+    "read_scenario",
+    "read_world_of",
+    "scenario_from_tree",
+    "scenario_to_tree",
+    "write_scenario",
+]
+
+LARGEST_FILE = 20_000_000  # bytes
+"""A scenario of a hundred thousand robots fits; anything larger is not a scenario."""
+MOST_LINES = 50
+"""How many problems are told; nobody mends more at a time."""
+
+
+Finder = Callable[[Scenario], Iterable[Problem]]
+"""Finds what keeps a scenario from being used for something."""
+
+
+def read_scenario(path: Path, find_problems: Finder | None = None) -> Scenario:
+    """Read a scenario file; raises `ScenarioError` with every problem in it, each by line.
+
+    Maps are looked for beside the file. `find_problems` looks for more in a scenario that is good.
+    """
+    tree = _parsed(path)
+    scenario = _read(tree, str(path), path.stem, path.parent)
+    finders = [find_hopeless_windows, *([find_problems] if find_problems else ())]
+    for problem in (problem for find in finders for problem in find(scenario)):
+        tree.refuse(problem.where, problem.message)
+    if tree.problems:
+        raise error_of(tree, str(path))
+    return scenario
+
+
+def read_world_of(path: Path) -> World:
+    """Read the world of a scenario file, whatever is wrong with its other parts."""
+    tree = _parsed(path)
+    value = tree.value if isinstance(tree.value, dict) else {}
+    world = None
+    with suppress(StopReadingError):
+        world = read_world(Reader(tree), value.get("world"), path.parent)
+    if world is None or tree.problems:
+        raise error_of(tree, str(path))
+    return world
+
+
+def _parsed(path: Path) -> reader.Tree:
+    hint = "`teamformer generate -o FILE` writes a scenario to start from"
+    text = read_text(path, LARGEST_FILE, hint)
+    is_json = path.suffix.lower() == ".json"
+    return reader.parse_json(text) if is_json else reader.parse(text)
+
+
+def scenario_from_tree(value: Any, source: str = "scenario") -> Scenario:
+    """Build a scenario from a tree that is in memory already; `source` names it in errors."""
+    return _read(reader.from_value(value), source, "unnamed", None)
+
+
+def write_scenario(scenario: Scenario, path: Path) -> None:
+    """Write a scenario that needs no other file; JSON if the name ends so, else YAML."""
+    tree = scenario_to_tree(scenario)
+    if path.suffix.lower() == ".json":
+        text = json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False, default=own_number)
+        text += "\n"
+    else:
+        text = writer.to_text(tree)
+    try:
+        write_whole(path, text)
+    except (OSError, ValueError) as error:  # ValueError: a name with a zero byte
+        reason = getattr(error, "strerror", None) or error
+        raise TeamformerError(
+            f"{path}: cannot be written: {reason}", "name a file in a folder that is there"
+        ) from None
+
+
+def _read(tree: reader.Tree, source: str, name: str, folder: Path | None) -> Scenario:
+    scenario = None
+    if tree.value is not None or not tree.problems:  # else it has no value because it is broken
+        with suppress(StopReadingError):
+            scenario = read_tree(Reader(tree), name, folder)
+    if scenario is None or tree.problems:
+        raise error_of(tree, source)
+    return scenario
+
+
+def error_of(tree: reader.Tree, source: str) -> ScenarioError:
+    """Return what is wrong with a tree, line by line, as an error of its file."""
+    found = sorted(dict.fromkeys(tree.problems), key=lambda at: at[0])
+    lines = [
+        f"{source}:{line}: {problem.message}"
+        if tree.is_from_text
+        else f"{source}: {problem.message}"
+        for line, problem in found[:MOST_LINES]
+    ]
+    if len(found) > MOST_LINES:
+        lines.append(f"{source}: and {len(found) - MOST_LINES} problems more")
+    return ScenarioError([problem for _, problem in found], lines)

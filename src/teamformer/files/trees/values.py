@@ -1,0 +1,227 @@
+"""Reading what stands under keys, by kind (`mission/keys/kinds.py`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache, singledispatch
+from typing import Any
+
+from teamformer.files.trees.world import read_at
+from teamformer.files.yaml.reader import Where
+from teamformer.files.yaml.tree_reader import Reader, name_of
+from teamformer.files.yaml.words import describe, shorten
+from teamformer.mission.keys import kinds
+from teamformer.mission.keys.key import Key
+from teamformer.mission.model import Arrivals, Breakdown, Delays, World
+from teamformer.mission.parts.roads import Roads
+
+MADE = {made.__name__: made for made in (Arrivals, Breakdown, Delays)}
+"""What parts become, by name."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """What has been read of a mission before: its world, its time if it says, robots by name."""
+
+    world: World
+    time: object = None
+    named: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+
+
+def read_part(
+    reader: Reader, where: Where, value: Any, keys: Sequence[Key], given: Given
+) -> dict[str, Any]:
+    """Return what stands under the keys of a mapping, by field of the model.
+
+    What must be there and is not has been refused; something harmless stands in for it.
+    """
+    known, is_required, lacking = _by_name(tuple(keys))
+    return lacking | {
+        known[name].field: read(known[name].kind, reader, (*where, name), part, given)
+        for name, part in reader.mapping(where, value, is_required).items()
+    }
+
+
+@lru_cache(maxsize=64)
+def _by_name(keys: tuple[Key, ...]) -> tuple[dict[str, Key], dict[str, bool], dict[str, Any]]:
+    """Return keys by name, whether each must be there, and by field what stands in for those."""
+    lacking = {key.field: stand_in(key.kind) for key in keys if key.is_required}
+    required = {key.name: key.is_required for key in keys}
+    return {key.name: key for key in keys}, required, lacking
+
+
+def stand_in(kind: kinds.Kind) -> Any:
+    """Return something harmless of a kind, for what must be there and is not."""
+    match kind:
+        case kinds.Place():
+            return (0, 0)
+        case kinds.Counts():
+            return {}
+        case kinds.Names() | kinds.Parts():
+            return []
+    return 0
+
+
+@singledispatch
+def read(kind: Any, reader: Reader, where: Where, value: Any, given: Given) -> Any:
+    """Return what a value of some kind means; what is wrong with it is noted in the reader."""
+    raise NotImplementedError(kind)
+
+
+@read.register
+def _(kind: kinds.Text, reader: Reader, where: Where, value: Any, given: Given) -> str:
+    return reader.text(where, value, kind.longest)
+
+
+@read.register
+def _(kind: kinds.Number, reader: Reader, where: Where, value: Any, given: Given) -> float:
+    return reader.number(where, value, kind.can_be_infinite)
+
+
+@read.register
+def _(kind: kinds.Whole, reader: Reader, where: Where, value: Any, given: Given) -> int:
+    if kind.is_checked_later:
+        return reader.whole(where, value)
+    return reader.whole(where, value, kind.least, kind.most)
+
+
+@read.register
+def _(kind: kinds.Time, reader: Reader, where: Where, value: Any, given: Given) -> float:
+    is_continuous = given.time == "continuous"
+    return reader.number(where, value) if is_continuous else reader.whole(where, value)
+
+
+@read.register
+def _(kind: kinds.Moments, reader: Reader, where: Where, value: Any, given: Given) -> list[int]:
+    if not isinstance(value, list):
+        return [reader.whole(where, value, most=kind.most)]
+    return [reader.whole((*where, entry), step, most=kind.most) for entry, step in enumerate(value)]
+
+
+@read.register
+def _(
+    kind: kinds.Range, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[int, int] | None:
+    pair = reader.pair(where, value, kind.remedy)
+    if pair is None:
+        return None
+    least, most = (reader.whole((*where, part), steps) for part, steps in enumerate(pair))
+    return least, most
+
+
+@read.register
+def _(
+    kind: kinds.Window, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[float, float] | None:
+    pair = reader.pair(where, value, f"write it as {kind.form}")
+    if pair is None:
+        return None
+    begin, end = (reader.number((*where, part), time) for part, time in enumerate(pair))
+    return begin, end
+
+
+@read.register
+def _(
+    kind: kinds.Links, reader: Reader, where: Where, value: Any, given: Given
+) -> dict[str, tuple[float, float]]:
+    gap, form = kinds.Window("[least, most]"), "{TASK: [least, most]}"
+    gaps = _read_named(reader, where, value, gap, form, given)
+    return {name: gap for name, gap in gaps.items() if gap is not None}
+
+
+@read.register
+def _(
+    kind: kinds.Chances, reader: Reader, where: Where, value: Any, given: Given
+) -> dict[str, float]:
+    form = "a mapping to probabilities, such as {weld: 0.4}"
+    return _read_named(reader, where, value, kinds.Number(0, 1), form, given)
+
+
+def _read_named(
+    reader: Reader, where: Where, value: Any, kind: kinds.Kind, form: str, given: Given
+) -> dict[str, Any]:
+    """Return values of a kind, by name."""
+    if not isinstance(value, dict):
+        reader.refuse(where, f"{name_of(where)} is {describe(value)}; write {form}")
+        return {}
+    return {
+        reader.text((*where, name), name): read(kind, reader, (*where, name), part, given)
+        for name, part in value.items()
+    }
+
+
+@read.register
+def _(
+    kind: kinds.Counts, reader: Reader, where: Where, value: Any, given: Given
+) -> dict[str, float]:
+    return reader.counts(where, value)
+
+
+@read.register
+def _(kind: kinds.Names, reader: Reader, where: Where, value: Any, given: Given) -> tuple[str, ...]:
+    return tuple(reader.names(where, value))
+
+
+@read.register
+def _(
+    kind: kinds.Robots, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[int, ...]:
+    if value == []:
+        reader.refuse(where, f"{where[-1]} names no robot; name one, or drop it")
+    return _read_robots(reader, where, value, given)
+
+
+@read.register
+def _(
+    kind: kinds.Teams, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[tuple[int, ...], ...]:
+    teams = enumerate(reader.sequence(where, value))
+    return tuple(_read_robots(reader, (*where, entry), team, given) for entry, team in teams)
+
+
+def _read_robots(reader: Reader, where: Where, value: Any, given: Given) -> tuple[int, ...]:
+    """Return the robots in a list of names; those that are none are refused."""
+    found: list[int] = []
+    for entry, name in enumerate(reader.names(where, value)):
+        if name not in given.named and name != "?":
+            message = f"there is no robot '{shorten(name)}'; write the name of one"
+            reader.refuse((*where, entry), message)
+        found += given.named.get(name, ())
+    return tuple(found)
+
+
+@read.register
+def _(kind: kinds.Place, reader: Reader, where: Where, value: Any, given: Given) -> Any:
+    return read_at(reader, where, value, given.world)
+
+
+@read.register
+def _(kind: kinds.Word, reader: Reader, where: Where, value: Any, given: Given) -> str:
+    return reader.word(value)
+
+
+@read.register
+def _(kind: kinds.Moves, reader: Reader, where: Where, value: Any, given: Given) -> str:
+    word = reader.text(where, value)
+    if word not in kind.choices and not isinstance(given.world, Roads):
+        reader.refuse(where, f"{name_of(where)} is '{word}'; write {' or '.join(kind.choices)}")
+    return word
+
+
+@read.register
+def _(kind: kinds.Either, reader: Reader, where: Where, value: Any, given: Given) -> Any:
+    chosen = kind.listed if isinstance(value, list) else kind.plain
+    if isinstance(chosen, kinds.Word) and isinstance(given.world, Roads):
+        chosen = chosen if value in chosen.choices else kind.listed  # the name of a place
+    return read(chosen, reader, where, value, given)
+
+
+@read.register
+def _(kind: kinds.Part, reader: Reader, where: Where, value: Any, given: Given) -> Any:
+    if kind.alone and not isinstance(value, dict):
+        [key] = [key for key in kind.keys if key.name == kind.alone]
+        said = {key.field: read(key.kind, reader, where, value, given)}
+    else:
+        said = read_part(reader, where, value, kind.keys, given)
+    return MADE[kind.makes](**said) if kind.makes else said

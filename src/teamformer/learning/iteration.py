@@ -1,0 +1,114 @@
+"""Iterations: what one of a training plays and learns, by any of the methods.
+
+All randomness comes from the seed, the process's rank and the iteration's number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from teamformer.learning.algorithms import distributed, imitation
+from teamformer.learning.algorithms.counterfactual import try_others
+from teamformer.learning.algorithms.demonstrations import demonstrate
+from teamformer.learning.algorithms.optimiser import Learner
+from teamformer.learning.algorithms.ppo import update
+from teamformer.learning.algorithms.rollout import play, sampler
+from teamformer.learning.algorithms.rollout_improvement import fit
+from teamformer.learning.training_settings import TrainSettings
+from teamformer.learning.training_worlds import training_worlds
+from teamformer.methods.learned.codec import ImitatingCodec
+from teamformer.mission.model import Scenario
+from teamformer.world.env import TeamFormation
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """What there is to say of an iteration."""
+
+    steps: int  # of worlds, in all processes
+    figures: Mapping[str, float]
+
+
+def learn_from_rewards(
+    learner: Learner, settings: TrainSettings, number: int, progress: float
+) -> Iteration:
+    """Play fresh worlds, and improve policy and critic by PPO on the rewards that came."""
+    worlds, seed = _worlds(settings, number)
+    env = TeamFormation(worlds, settings.reward.of_environment)
+    codec = settings.architecture.codec(settings.capabilities)
+    generator = torch.Generator(settings.device).manual_seed(seed)
+    choose = sampler(learner.policy, generator, settings.device)  # type: ignore[arg-type]
+    rollout = play(env, codec, choose, settings.reward, settings.worlds_from.steps)
+    seen = update(learner, rollout, settings.update, progress, torch.Generator().manual_seed(seed))
+    figures = {
+        "reward": float(rollout.rewards.sum(axis=0).mean()),  # of a stream
+        "ended": float(rollout.has_ended.mean()),  # share of worlds
+        "splits": float(np.mean(env.worlds.count["splits"])),
+        "entropy": seen.entropy,
+        "clipped": seen.clipped,
+        "policy loss": seen.policy_loss,
+        "value loss": seen.value_loss,
+    }
+    return Iteration(int(rollout.is_running.sum()) * distributed.count(), figures)
+
+
+def learn_by_rollouts(
+    learner: Learner, settings: TrainSettings, number: int, progress: float
+) -> Iteration:
+    """Play fresh worlds by the script, try other choices, and learn what they gain."""
+    worlds, seed = _worlds(settings, number)
+    codec = settings.architecture.codec(settings.capabilities)
+    rng = np.random.default_rng(seed)
+    tried, steps = try_others(codec, worlds, rng, settings.rollouts.share)
+    generator = torch.Generator().manual_seed(seed)
+    error = fit(learner, tried, settings.rollouts, progress, generator)
+    count = max(1, len(tried.gain))
+    variance = float((tried.gain - tried.gain.sum() / count).square().sum()) / count
+    figures = {
+        "tried": float(len(tried.gain)),
+        "gained": float((tried.gain > 0).sum()) / count,
+        "explained": 1.0 - error / variance if variance > 0 else 0.0,  # share of the variance
+    }
+    return Iteration(steps * distributed.count(), figures)
+
+
+def learn_by_imitation(
+    learner: Learner, settings: TrainSettings, number: int, progress: float
+) -> Iteration:
+    """Play fresh worlds, and learn what the script wants in the states that come up."""
+    worlds, seed = _worlds(settings, number)
+    codec = settings.architecture.codec(settings.capabilities)
+    assert isinstance(codec, ImitatingCodec)  # TrainSettings has seen to it
+    choose = sampler(learner.policy, None, settings.device)  # type: ignore[arg-type]
+    how = settings.imitation
+    by_script = how.by_script if number > 0 else 1.0  # what knows nothing leads nowhere
+    rng = np.random.default_rng(seed)
+    shown, steps = demonstrate(codec, choose, worlds, rng, by_script, how.share)
+    generator = torch.Generator().manual_seed(seed)
+    loss = imitation.fit(learner, shown, how, progress, generator)
+    figures = {
+        "shown": float(len(shown.action)),
+        "agreed": shown.agreed,  # share of the network's own decisions
+        "ended": shown.ended,  # share of the worlds that it played
+        "loss": loss,
+    }
+    return Iteration(steps * distributed.count(), figures)
+
+
+METHODS: Mapping[str, Callable[[Learner, TrainSettings, int, float], Iteration]] = {
+    "ppo": learn_from_rewards,
+    "rollouts": learn_by_rollouts,
+    "imitation": learn_by_imitation,
+}
+
+
+def _worlds(settings: TrainSettings, number: int) -> tuple[list[Scenario], int]:
+    """Return this process's worlds of an iteration, and a seed for all else."""
+    rank = distributed.rank()
+    seed = settings.seed * 1_000_003 + number + rank * 7_919_993
+    worlds = training_worlds(settings.worlds_from, settings.worlds, (settings.seed, number, rank))
+    return worlds, seed

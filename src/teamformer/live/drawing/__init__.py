@@ -1,0 +1,1 @@
+"""A mission that is drawn: its file with comments, and what is wrong with it."""

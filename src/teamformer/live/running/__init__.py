@@ -1,0 +1,1 @@
+"""A mission that runs: what happens to it, how it may end, and what pages are told of it."""

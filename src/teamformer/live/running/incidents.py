@@ -1,0 +1,272 @@
+"""Incidents: what happens to a mission from outside while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.live.running.forecasts import Forecast, Past, forecast
+from teamformer.mission.coordination import Coordinator, Plan
+from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.parts.capabilities import Counts, describe
+from teamformer.mission.parts.grid import Place
+from teamformer.planning.steps.longer_search import search_longer
+from teamformer.world.env import TeamFormation
+
+SEARCHES = 4
+"""Plans that are searched for, each from other random numbers, and played: the best play counts."""
+
+
+class _Told:
+    """Something that happens. Records have it `steps_later` steps after the latest step.
+
+    If all is planned as well as can be, a mission ends no sooner by what `can_only_delay` it, and
+    no later by what `can_only_hasten` it.
+    """
+
+    steps_later: ClassVar[int] = 0
+    can_only_delay: ClassVar[bool] = False
+    can_only_hasten: ClassVar[bool] = False
+
+
+@dataclass(frozen=True)
+class NewTask(_Told):
+    """A task that everybody learns of now."""
+
+    can_only_delay: ClassVar[bool] = True
+
+    at: Place
+    needs: Counts
+    name: str
+    duration: int = 0
+
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which this has happened."""
+        task = Task(self.name, self.at, dict(self.needs), self.duration, now.tally().steps)
+        return _checked(scenario, tasks=(*scenario.tasks, task))
+
+    def text(self) -> str:
+        """Return the incident as words."""
+        place = f"[{self.at[0]}, {self.at[1]}]"
+        return f"task {self.name} at {place} that needs {describe(self.needs)}"
+
+
+@dataclass(frozen=True)
+class LostRobot(_Told):
+    """A robot that counts for nothing from the next step on."""
+
+    steps_later: ClassVar[int] = 1
+    can_only_delay: ClassVar[bool] = True
+
+    robot: str
+
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which the robot is lost in the next step."""
+        number, steps = _number_of(scenario.robots, self.robot, "robot"), now.tally().steps
+        been = [away for away in now.truths[0].robots[number].absences if away.lost <= steps]
+        last = been[-1] if been else None
+        if last is not None and (last.back is None or last.back > steps + 1):
+            raise TeamformerError(f"robot '{self.robot}' was lost in step {last.lost} already")
+        if last is not None and last.back == steps + 1:  # it is not back after all
+            return _with_absences(scenario, number, (*been[:-1], Absence(last.lost)))
+        return _with_absences(scenario, number, (*been, Absence(steps + 1)))
+
+    def text(self) -> str:
+        """Return the incident as words."""
+        return f"robot {self.robot} lost"
+
+
+@dataclass(frozen=True)
+class RobotBack(_Told):
+    """A lost robot that is there again from the next step on, where it was lost."""
+
+    steps_later: ClassVar[int] = 1
+    can_only_hasten: ClassVar[bool] = True
+
+    robot: str
+
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which the robot is back in the next step."""
+        number, steps = _number_of(scenario.robots, self.robot, "robot"), now.tally().steps
+        absences = now.truths[0].robots[number].absences
+        been = [away for away in absences if away.lost <= steps]
+        if not been:
+            raise TeamformerError(f"robot '{self.robot}' is not lost")
+        if been[-1].back is not None and been[-1].back <= steps:
+            raise TeamformerError(f"robot '{self.robot}' is back since step {been[-1].back}")
+        later = scenario.robots[number].absences[len(been) :]
+        again = (*been[:-1], replace(been[-1], back=steps + 1), *later)
+        return _with_absences(scenario, number, again)
+
+    def text(self) -> str:
+        """Return the incident as words."""
+        return f"robot {self.robot} back"
+
+
+@dataclass(frozen=True)
+class CancelledTask(_Told):
+    """A task that nobody is to do any more, from the next step on."""
+
+    steps_later: ClassVar[int] = 1
+    can_only_hasten: ClassVar[bool] = True
+
+    task: str
+
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which the task is called off in the next step."""
+        number, steps = _number_of_undone(scenario, self.task, now), now.tally().steps
+        task = scenario.tasks[number]
+        if task.cancelled is not None and task.cancelled <= steps + 1:
+            raise TeamformerError(f"task '{self.task}' was called off already")
+        return _with_task(scenario, number, replace(task, cancelled=steps + 1))
+
+    def text(self) -> str:
+        """Return the incident as words."""
+        return f"task {self.task} called off"
+
+
+@dataclass(frozen=True)
+class NewWeight(_Told):
+    """Another weight of a task; `plan` is what follows, which `planned` makes."""
+
+    task: str
+    weight: float
+    plan: Plan | None = None
+
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario in which the task has always had this weight."""
+        number = _number_of_undone(scenario, self.task, now)
+        if scenario.cost is None:
+            raise TeamformerError("this mission has no cost, so that weights count for nothing")
+        if not now.is_coordinated[0]:
+            raise TeamformerError(
+                "by this method robots go by no plan, which a weight could change"
+            )
+        return self._weighed(scenario, number)
+
+    def planned(self, now: TeamFormation, coordinator: Coordinator) -> NewWeight:
+        """Return the same with the plan that a coordinator makes of it."""
+        known = replace(now.known(), news=("task appeared",))
+        number = _number_of(known.mission.tasks, self.task, "task")
+        mission = self._weighed(known.mission, number)
+        return replace(self, plan=coordinator.update(replace(known, mission=mission), now.plan()))
+
+    def text(self) -> str:
+        """Return the incident as words."""
+        return f"task {self.task} has the weight {self.weight:g}"
+
+    def _weighed(self, scenario: Scenario, number: int) -> Scenario:
+        return _with_task(scenario, number, replace(scenario.tasks[number], weight=self.weight))
+
+
+Incident = NewTask | CancelledTask | LostRobot | RobotBack | NewWeight
+
+
+@dataclass(frozen=True)
+class PlanTakenOver(_Told):
+    """A plan that was searched for longer, and by which the robots go from now on."""
+
+    plan: Plan
+    forecast: Forecast
+    without: Forecast  # how the mission was to end before
+
+    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+        """Return the scenario as it is: it holds no plans."""
+        return scenario
+
+    def text(self) -> str:
+        """Return what happened as words."""
+        return f"plan of central taken over: {self.forecast.text()}; before: {self.without.text()}"
+
+
+Happening = Incident | PlanTakenOver
+
+
+def plan_of(happening: Happening) -> Plan | None:
+    """Return the plan by which the robots go from now on, if it brings one."""
+    return happening.plan if isinstance(happening, NewWeight | PlanTakenOver) else None
+
+
+def note_of_plans(happenings: Iterable[Happening]) -> str:
+    """Return what there is to know of a scenario if plans were brought; empty if none was."""
+    if all(plan_of(happening) is None for happening in happenings):
+        return ""
+    return (
+        "a scenario holds no plans: those that an operator had made are in the record, and "
+        "`run` makes plans of its own, so that its mission may end at another step"
+    )
+
+
+def search_plan(
+    past: Past, seconds: float, is_over: Callable[[], bool] = lambda: False
+) -> PlanTakenOver:
+    """Search for a better plan from the present on, as `central` does; say what it would gain.
+
+    `is_over` says that nobody wants to know any more.
+    """
+    if not past.env.is_coordinated[0]:
+        raise TeamformerError(
+            "by this method robots go by no plan that could be another; "
+            "a mission that runs by the method 'plan' can be planned anew"
+        )
+    known, old = past.env.known(), past.env.plan()
+    searches = 1 if past.scenario.has_surprises else SEARCHES
+    plans = [
+        search_longer(known, old, seconds / searches, seed, is_over)
+        for seed in range(searches)
+        if seed == 0 or not is_over()
+    ]
+    ends = [forecast(past.with_plan(plan), is_over) for plan in plans]
+    found = [
+        PlanTakenOver(plan, end, Forecast(0, ())) for plan, end in zip(plans, ends, strict=True)
+    ]
+    best = min(found, key=lambda it: it.forecast.rank)
+    return replace(best, without=forecast(past, is_over))
+
+
+def _number_of(those: Sequence[Robot | Task], name: str, what: str) -> int:
+    number = next((number for number, it in enumerate(those) if it.name == name), None)
+    if number is None:
+        raise TeamformerError(f"there is no {what} '{name}'")
+    return number
+
+
+def _number_of_undone(scenario: Scenario, name: str, now: TeamFormation) -> int:
+    number = _number_of(scenario.tasks, name, "task")
+    done_in = now.ends().get(number)
+    if done_in is not None:
+        raise TeamformerError(f"task '{name}' was done in step {done_in}")
+    return number
+
+
+def _with_task(scenario: Scenario, number: int, task: Task) -> Scenario:
+    """Return the scenario with another task in the place of one."""
+    tasks = list(scenario.tasks)
+    tasks[number] = task
+    return _checked(scenario, tasks=tuple(tasks))
+
+
+def _with_absences(scenario: Scenario, number: int, absences: tuple[Absence, ...]) -> Scenario:
+    """Return the scenario with a robot whose absences are sure."""
+    robots = list(scenario.robots)
+    robots[number] = replace(robots[number], absences=absences, breaks=None)
+    return _checked(scenario, robots=tuple(robots))
+
+
+def _checked(scenario: Scenario, **changes: object) -> Scenario:
+    """Return a changed scenario; TeamformerError says why it cannot be."""
+    try:
+        return replace(scenario, **changes)  # type: ignore[arg-type]
+    except ScenarioError as error:
+        raise TeamformerError("; ".join(problem.message for problem in error.problems)) from None
+
+
+def free_name(scenario: Scenario) -> str:
+    """Return a name for a new task that no task of a scenario has."""
+    names = {task.name for task in scenario.tasks}
+    number = len(names) + 1
+    while f"t{number}" in names:
+        number += 1
+    return f"t{number}"

@@ -1,0 +1,58 @@
+"""Files of a mission that a page asks for: made of its record, as the command line makes them."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+import zipfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from teamformer.base.extras import require
+from teamformer.files.mission_files import write_scenario
+from teamformer.record.export.csv_tables import write_tables
+from teamformer.record.record import Replay
+from teamformer.record.writing import replay_to_tree, write_replay
+from teamformer.viewer.html import write_page
+
+
+def make_download(record: Replay, name: str) -> bytes:
+    """Return the content of the file `name`, one of `DOWNLOADS`, made of a record.
+
+    Raises TeamformerError if a library for it is missing, which says how to install it.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        DOWNLOADS[name](record, path)
+        return path.read_bytes()
+
+
+def _write_page(record: Replay, path: Path) -> None:
+    write_page(replay_to_tree(record), path)
+
+
+def _write_tables(record: Replay, path: Path) -> None:
+    """Write the tables of `teamformer export RECORD FOLDER` into one archive."""
+    archive = io.BytesIO()
+    with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(archive, "w") as zipped:
+        for table in write_tables(record, Path(folder)):
+            zipped.write(table, table.name, zipfile.ZIP_DEFLATED)
+    path.write_bytes(archive.getvalue())
+
+
+def _write_mcap(record: Replay, path: Path) -> None:
+    require("mcap", "foxglove")
+    from teamformer.record.export.mcap_file import write_mcap
+
+    write_mcap(record, path)
+
+
+DOWNLOADS: Mapping[str, Callable[[Replay, Path], None]] = {
+    "mission.yaml": lambda record, path: write_scenario(record.scenario, path),
+    "replay.json": write_replay,
+    "replay.html": _write_page,
+    "tables.zip": _write_tables,
+    "replay.mcap": _write_mcap,
+}
+"""By name, what writes a file of a record: the mission with all that happened, the record, its
+page, tables, and MCAP."""

@@ -1,0 +1,217 @@
+"""What the central planner makes of one scenario: plans, their plays, and the best of these."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from itertools import chain
+
+from teamformer.methods.central.plan_from_play import CoalitionLog, plan_from_play
+from teamformer.methods.central.plan_player import PlanPlayer
+from teamformer.methods.central.players import Player
+from teamformer.methods.central.plays import CentralPlan, Plays
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.coordination import Plan
+from teamformer.mission.model import Scenario
+from teamformer.planning.bounds.earliest import earliest_starts
+from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.planning.bounds.route_cover import raise_by_routes
+from teamformer.planning.bounds.start_windows import raise_by_windows
+from teamformer.planning.problem.relaxed_problem import Relaxed, relax
+from teamformer.planning.problem.team_plan import TeamPlan, keep_order, plan_teams, routes_of
+from teamformer.planning.race import Race
+from teamformer.planning.relaxation.solve import Solution, solve
+from teamformer.planning.steps.shared_plan import is_too_large
+from teamformer.planning.steps.situation import Situation, situation_in_hindsight
+from teamformer.planning.steps.solve import (
+    begin_race,
+    first_plan,
+    from_best,
+    from_coalitions,
+    improve,
+)
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
+from teamformer.world.rules.constants import FAR
+
+SEARCHES = 5
+"""How many plans are searched for and played, each from another seed, while there is time."""
+
+RELAXING = 0.3
+"""Share of the time for the relaxed schedule and its proof, on one thread."""
+
+BOUNDING = 0.2
+"""Share of the time for bounds by routes and by windows, on the other."""
+
+AT_ONCE = 5e7
+"""What a bound may look at in one go for each second that it has: a tenth of them."""
+
+CREW_SECONDS = 6e-6
+"""What planning crews may take, for each task times robots and tasks: twice what it does take.
+
+It is not begun with less time left, as it cannot be stopped.
+"""
+
+FEW_CAPABILITIES = 8
+"""With more, planning crews takes longer in proportion."""
+
+FOLLOWED: tuple[tuple[str, Player], ...] = (("crews", Crews()), ("join-all", JoinAll()))
+"""Names of what is played for the search to begin at, and who plays it."""
+
+
+def plan_centrally(
+    scenario: Scenario,
+    time_limit: float,
+    seed: int = 0,
+    workers: int = 2,
+    believed: Scenario | None = None,
+    start: Plan | None = None,
+) -> CentralPlan:
+    """Return the best plan found in `time_limit` seconds; the first one if that is 0.
+
+    The default and simple rules are played too, so that the plan is never slower than theirs: the
+    shared plan, or crews where that would take too long, with what the scenario says and, in an
+    uncertain mission, as by robots that know only what is `believed`. So is a `start`, a plan of
+    all tasks, and the search may begin with it.
+    """
+    plays = Plays(scenario, time.perf_counter(), time_limit)
+    shared = CoalitionLog(scenario)
+    name, default = ("crews", Crews()) if is_too_large(scenario) else ("plan", SharedPlan())
+    plays.add(name, default, log=shared)  # the first play is never cut short
+    if believed is not None and believed.has_surprises:
+        plays.add_as_believed(name, default, believed)
+    given = None if start is None else _team_plan(start)
+    if given is not None:
+        plays.add("start", _player(scenario, given))
+    situation = situation_in_hindsight(scenario)
+    first = _first_plan(scenario, situation)
+    if first is not None:
+        plays.add("search", _player(scenario, first.plan))
+    plays.add_simple_rules()
+    if first is None or time_limit == 0:
+        solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
+        bound, searched = solution.bound, list[tuple[float, int]]()
+    else:
+        race = begin_race(first, plays.begun, plays.begun + plays.limit)
+        for played in (shared.plan(), given):
+            if played is not None:
+                race.offer(time_team_plan(situation, played))
+        for name, followed in FOLLOWED:
+            _follow(name, scenario, followed, situation, race, plays)
+        solution, bound, searched = _search(scenario, situation, race.plan, plays, seed, workers)
+    if time_limit > 0 and solution.schedule is not None:
+        order = keep_order(situation.problem.before, list(solution.schedule.order))
+        plays.add("schedule", _player(scenario, plan_teams(order, solution.schedule.coalitions)))
+    return plays.report(solution, bound, searched, is_first=time_limit == 0)
+
+
+def _first_plan(scenario: Scenario, situation: Situation) -> TimedPlan | None:
+    """Return a first plan; None if some task can never be done."""
+    if (earliest_starts(relax(scenario)) >= FAR).any():
+        return None
+    return first_plan(situation)
+
+
+def _follow(
+    name: str,
+    scenario: Scenario,
+    followed: Player,
+    situation: Situation,
+    race: Race[TimedPlan],
+    plays: Plays,
+) -> None:
+    """Offer what a player does as a plan to begin at; leave it if time is short."""
+    tasks, kinds = len(scenario.tasks), max(1.0, len(scenario.capabilities) / FEW_CAPABILITIES)
+    if plays.seconds_left < CREW_SECONDS * kinds * tasks * (tasks + len(scenario.robots)):
+        return
+    plan = plan_from_play(scenario, followed, plays.begun + plays.limit)
+    if plan is not None:
+        race.offer(time_team_plan(situation, plan))
+        plays.add(name, _player(scenario, plan))
+
+
+def _search(
+    scenario: Scenario,
+    situation: Situation,
+    first: TimedPlan,
+    plays: Plays,
+    seed: int,
+    workers: int,
+) -> tuple[Solution, int, list[tuple[float, int]]]:
+    """Search and play what is found; return the relaxed solution, the bound and a curve.
+
+    A plan may promise what no plan beats, on planes above all, and its play not keep that; and
+    searches in small worlds end early. Then it is searched again from another seed.
+    """
+    solution, race = _improve(scenario, situation, first, plays, seed, workers)
+    plays.add("search", _player(scenario, race.plan.plan))
+    bound, curve = race.bound, race.curve
+    for number in range(1, SEARCHES):
+        if plays.is_proven(bound) or plays.seconds_left == 0.0:
+            break
+        _, race = _improve(scenario, situation, first, plays, seed + number, workers)
+        plays.add("search", _player(scenario, race.plan.plan))
+        bound, curve = max(bound, race.bound), curve + race.curve
+    return solution, bound, curve
+
+
+def _improve(
+    scenario: Scenario,
+    situation: Situation,
+    first: TimedPlan,
+    plays: Plays,
+    seed: int,
+    workers: int,
+) -> tuple[Solution, Race[TimedPlan]]:
+    """Search until it is time for the last plays, from coalitions on one thread.
+
+    The other proves a bound and then searches on from the best plan.
+    """
+    race = begin_race(first, plays.begun, time.perf_counter() + plays.seconds_left)
+    jobs: list[Callable[[], Solution | None]] = [
+        partial(_raise_bound, scenario, relax(scenario), race),
+        partial(_relax_and_search, scenario, situation, race, seed),
+    ]
+    if workers > 1:  # begins when the bound is through
+        jobs.append(partial(improve, race, situation, from_best(race), seed))
+    _, solution, *_ = race.run(jobs, min(workers, 2))
+    return solution, race
+
+
+def _raise_bound(scenario: Scenario, problem: Relaxed, race: Race[TimedPlan]) -> None:
+    """Prove what can be proven in a share of the time."""
+    begun, seconds = time.perf_counter(), BOUNDING * race.seconds_left
+
+    def is_over() -> bool:
+        return race.is_over or time.perf_counter() - begun >= seconds
+
+    race.raise_bound(lower_bound(scenario))
+    largest = AT_ONCE * seconds
+    bound = raise_by_routes(scenario, problem, race.bound, race.raise_bound, is_over, largest)
+    raise_by_windows(scenario, problem, bound, race.raise_bound, is_over)
+
+
+def _relax_and_search(
+    scenario: Scenario, situation: Situation, race: Race[TimedPlan], seed: int
+) -> Solution:
+    """Solve the relaxed problem, then search from its coalitions and from others."""
+    seconds = RELAXING * race.seconds_left
+    solution = solve(scenario, seconds, seed=seed, workers=1, is_stopped=race.is_stopped)
+    race.raise_bound(solution.bound)
+    starts = from_coalitions(situation.problem, race, seed)
+    if solution.schedule is not None:
+        start = plan_teams(solution.schedule.order, solution.schedule.coalitions)
+        starts = chain([start], starts)
+    improve(race, situation, starts, seed + 1)
+    return solution
+
+
+def _team_plan(plan: Plan) -> TeamPlan:
+    coalition_of = dict(zip(plan.order, plan.coalitions, strict=True))
+    return plan_teams(plan.order, [coalition_of[task] for task in range(len(coalition_of))])
+
+
+def _player(scenario: Scenario, plan: TeamPlan) -> PlanPlayer:
+    return PlanPlayer(scenario, routes_of(plan, len(scenario.robots)), plan.order.tolist())

@@ -1,0 +1,51 @@
+"""Makes a plan of what a policy did: who did each task, in the order in which they were done."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from teamformer.methods.central.players import Player, decision_of, stage_for
+from teamformer.mission.model import Scenario
+from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
+from teamformer.world.env import TeamFormation
+from teamformer.world.rules.constants import NOBODY
+
+
+class CoalitionLog:
+    """Who has done which task in a play, in the order in which they were done."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._order: list[int] = []
+        self._coalitions: list[list[int]] = [[] for _ in scenario.tasks]
+
+    def note(self, env: TeamFormation) -> None:
+        """Write down what is done since: every robot of the team that did it took part."""
+        tasks = env.worlds.tasks[0][: len(self._coalitions)]
+        team_of = env.worlds.robots["team"][0]
+        for task in np.flatnonzero(tasks["done_at"] != NOBODY).tolist():
+            if not self._coalitions[task]:
+                self._order.append(task)
+                self._coalitions[task] = np.flatnonzero(team_of == tasks[task]["done_by"]).tolist()
+
+    def plan(self) -> TeamPlan | None:
+        """Return what was done as a plan; None if not everything was."""
+        if not all(self._coalitions):
+            return None
+        return plan_teams(self._order, self._coalitions)
+
+
+def plan_from_play(
+    scenario: Scenario, player: Player, deadline: float = math.inf
+) -> TeamPlan | None:
+    """Return the plan of a player's play; None if that does not complete, or not in time.
+
+    `deadline` is what `time.perf_counter` then shows.
+    """
+    env, log = stage_for(player, scenario, scenario), CoalitionLog(scenario)
+    while env.is_running[0] and time.perf_counter() < deadline:
+        env.step(decision_of(player, env, env.view()))
+        log.note(env)
+    return log.plan()

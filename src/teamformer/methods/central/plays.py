@@ -1,0 +1,214 @@
+"""Plays of plans and rules through the simulator, of which the fastest is the central plan."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+from teamformer.base.array_types import Array
+from teamformer.methods.central.plan_from_play import CoalitionLog
+from teamformer.methods.central.plan_player import PlanPlayer
+from teamformer.methods.central.players import Player, decision_of, is_coordinator, stage_for
+from teamformer.methods.coordinators.on_command import OnCommand
+from teamformer.methods.coordinators.replayed import Replayed
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.checks.costs import judged_by, weighed
+from teamformer.mission.coordination import Coordinator
+from teamformer.mission.model import Scenario
+from teamformer.planning.relaxation.solve import Solution
+from teamformer.world.env import TeamFormation
+from teamformer.world.rules.constants import NEVER, NOBODY
+
+Script = list[dict[int, tuple[Array, int]]]
+"""For each step and slot, the counts wanted and the task named."""
+
+Curve = tuple[tuple[float, int], ...]
+
+SIMPLE_RULES: tuple[tuple[str, Policy], ...] = (("join-all", JoinAll()), ("heuristic", Heuristic()))
+"""Rules that the plan must not be slower than."""
+
+SIMPLE = 0.15
+"""Share of the time that the play of a simple rule may take."""
+
+BELIEVED_SECONDS = 5.0
+"""What the play of the default by beliefs may take, however little time is left.
+
+That is far more than it takes in small missions, where so much is uncertain that every step makes
+another plan.
+"""
+
+MARGIN = 0.1
+"""Seconds kept back at the end, besides what the last plays take."""
+
+
+@dataclass(frozen=True)
+class CentralPlan:
+    """What the planner found for a scenario.
+
+    `solution` is the relaxed schedule, in which joining is free; no policy is faster than `bound`.
+    `makespan` is what the plan takes under the step rules, None if it does not end. `played_by`
+    says where the plan comes from: `search` (with forming counted), `schedule` (the relaxed one),
+    `plan` (the shared one, or `crews`) or a simple rule. `curve` holds each improvement as
+    (seconds, makespan). `is_first` says that there was no time to improve the first plan. The
+    script is played in `mission`, by `coordinator` if there is one.
+    """
+
+    solution: Solution
+    bound: int
+    makespan: int | None
+    played_by: str
+    script: Script
+    mission: Scenario
+    coordinator: Coordinator | None = None
+    curve: Curve = ()
+    is_first: bool = False
+
+
+class Plays:
+    """What has been played of one scenario, and the time that is left."""
+
+    def __init__(self, scenario: Scenario, begun: float, time_limit: float) -> None:
+        self.begun = begun
+        self.makespan: int | None = None
+        self._cost = math.inf  # of the best play: its makespan, if that alone counts
+        self._weights = judged_by(scenario)
+        self.limit = time_limit
+        self._scenario = self._mission = scenario
+        self._played_by, self._script = "", Script()
+        self._coordinator: Coordinator | None = None
+        self._tasks_done = -1  # of the best play
+        self._curve: list[tuple[float, int]] = []
+        self._longest = 0.0  # seconds that a play took
+
+    @property
+    def seconds(self) -> float:
+        """Return the seconds since planning began."""
+        return time.perf_counter() - self.begun
+
+    @property
+    def seconds_left(self) -> float:
+        """Return the seconds until it is time for the last plays."""
+        return max(0.0, self.limit - self.seconds - MARGIN - 1.5 * self._longest)
+
+    def add_simple_rules(self) -> None:
+        """Play the rules that the plan must not be slower than."""
+        for name, rule in SIMPLE_RULES:
+            until = self.seconds + SIMPLE * max(1.0, self.limit)
+            self.add(name, rule, until=min(until, self._end))
+
+    def add_as_believed(self, name: str, default: Coordinator, believed: Scenario) -> None:
+        """Play the default as by robots that know only what they believe of the scenario.
+
+        That may be better than what the default does when it knows all.
+        """
+        longest = self._longest  # this is never played last
+        until = max(self.limit, self.seconds + BELIEVED_SECONDS)
+        self.add(name, default, until=until, mission=believed)
+        self._longest = longest
+
+    @property
+    def _end(self) -> float:
+        """Return the second at which time is up; without a limit there is none."""
+        return self.limit or math.inf
+
+    def add(
+        self,
+        name: str,
+        player: Player,
+        until: float | None = None,
+        log: CoalitionLog | None = None,
+        mission: Scenario | None = None,
+    ) -> None:
+        """Play a plan, a policy or a coordinator, and keep what it decides if it is the best.
+
+        That is the fastest or, in a mission with windows or a cost, the one that costs least.
+
+        Until one does all tasks, that is the one that does most.
+
+        What is done is noted in `log`. With a `mission` it is played by robots that know no more
+        than that: it is the scenario with what is uncertain left open.
+
+        Once there is a play to show, others end early: when they are no faster, or at the second
+        `until`, when time is up if left out.
+        """
+        mission = mission or self._scenario
+        env = stage_for(player, mission, self._scenario)
+        begun = self.seconds
+        end = self._end if until is None else until
+        most = NEVER if self.makespan is None or self._weights else self.makespan
+        script: Script = []
+        while env.is_running[0] and len(script) < most:
+            if self.makespan is not None and self.seconds > end:
+                return
+            script.append(_step(env, player))
+            if log is not None:
+                log.note(env)
+        tally = env.tally()
+        cost = self._cost_of(env) if tally.status == "completed" else math.inf
+        is_fastest = cost < self._cost
+        if is_fastest:
+            self.makespan, self._cost = tally.steps, cost
+            self._curve.append((self.seconds, tally.steps))
+        does_more = self.makespan is None and tally.tasks_done > self._tasks_done
+        if is_fastest or does_more:
+            self._tasks_done = tally.tasks_done
+            self._played_by, self._script, self._mission = name, script, mission
+            self._coordinator = _again(player, env)
+        self._longest = max(self._longest, self.seconds - begun)
+
+    def _cost_of(self, env: TeamFormation) -> float:
+        """Return what a play that has done everything costs: its makespan, if that alone counts."""
+        if self._weights is None:
+            return env.tally().steps
+        return weighed(self._scenario, self._weights, env.ends(), env.tally().steps)
+
+    def is_proven(self, bound: int) -> bool:
+        """Say whether nothing can be better than the best play."""
+        return self._weights is None and self.makespan == bound
+
+    def report(
+        self,
+        solution: Solution,
+        bound: int,
+        searched: list[tuple[float, int]],
+        is_first: bool = False,
+    ) -> CentralPlan:
+        """Return the best play; what the search expected in between is in its curve."""
+        script = [line for line in self._script if line]  # nobody decides while nobody is left
+        curve: list[tuple[float, int]] = []
+        for seconds, steps in sorted(self._curve + searched) if self._weights is None else ():
+            is_better = not curve or steps < curve[-1][1]
+            if is_better and self.makespan is not None and steps >= self.makespan:
+                curve.append((round(seconds, 3), steps))
+        return CentralPlan(
+            solution,
+            bound,
+            self.makespan,
+            self._played_by,
+            script,
+            self._mission,
+            self._coordinator,
+            tuple(curve),
+            is_first,
+        )
+
+
+def _again(player: Player, env: TeamFormation) -> Coordinator | None:
+    """Return the coordinator by which the script of a play is played again."""
+    if isinstance(player, PlanPlayer):
+        return OnCommand()
+    return Replayed(env.plans(), player) if is_coordinator(player) else None
+
+
+def _step(env: TeamFormation, player: Player) -> dict[int, tuple[Array, int]]:
+    """Let a player make a step; return what it decided."""
+    view = env.view()
+    decision = decision_of(player, env, view)
+    named = [NOBODY] * len(view.slot) if decision.task is None else decision.task.tolist()
+    slots = view.slot.tolist()
+    made = {s: (decision.wanted[row].copy(), named[row]) for row, s in enumerate(slots)}
+    env.step(decision)
+    return made

@@ -1,0 +1,56 @@
+"""Crews: standing parts of the fleet, each with a list of tasks that it does in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from teamformer.mission.coordination import Known, Plan
+from teamformer.planning.steps.shared_plan import by_due, kept_plan, shared_plan_of
+from teamformer.planning.steps.situation import situation_of
+from teamformer.planning.steps.starts import plan_from_crews
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
+
+ROUNDS, MOST_ROUNDS = 1500, 1_500_000
+"""How many changes are tried for each open task, and in all; with more than that plans of 3,000
+tasks are not better."""
+
+
+@dataclass(frozen=True)
+class Crews:
+    """Standing parts of the fleet, each with a list of tasks; for very large missions.
+
+    Robots are dealt out into crews, and tasks to their lists, sooner than a shared plan is made.
+    Tasks that come after others are dealt when these are over; until then nobody is to do them.
+    """
+
+    rounds: int = ROUNDS
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        """Return what crews do that are dealt out now, or what is left of the plan if it is over
+        sooner, with new tasks at its end.
+        """
+        tasks = known.mission.tasks
+        ready = tuple(task for task in known.possible_tasks if not tasks[task].after)
+        waiting = tuple(task for task in known.possible_tasks if tasks[task].after)
+        nobody: tuple[tuple[int, ...], ...] = ((),) * len(waiting)
+        if not ready:
+            return Plan(waiting, nobody, made_from="nothing")
+        situation = situation_of(replace(known, open_tasks=ready), in_table=False)
+        rounds = min(self.rounds * len(situation.tasks), MOST_ROUNDS)
+        dealt = plan_from_crews(situation.problem, situation.company, rounds)
+        crews = time_team_plan(situation, dealt)
+        timed = [("crews", crews)]
+        if crews.has_prices:
+            timed.append(("crews", by_due(situation, crews)))
+        if plan is not None and plan.order:
+            kept = time_team_plan(situation, kept_plan(situation, plan))
+            timed.insert(0, ("kept", kept))
+        made = shared_plan_of(situation, *min(timed, key=_what_counts))
+        if waiting:
+            order, coalitions = made.order + waiting, made.coalitions + nobody
+            return replace(made, order=order, coalitions=coalitions, ends=())
+        return made
+
+
+def _what_counts(named: tuple[str, TimedPlan]) -> int:
+    return named[1].cost

@@ -1,0 +1,1 @@
+"""What a policy is to those who play it, and what a user of one is told."""

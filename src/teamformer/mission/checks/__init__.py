@@ -1,0 +1,1 @@
+"""What is impossible in a mission, found when one is made; each with what to do."""

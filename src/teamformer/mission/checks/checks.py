@@ -1,0 +1,346 @@
+"""What makes a scenario impossible to run, each with its place in the file."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from teamformer.base.errors import Problem
+from teamformer.mission.checks.loads import find_load_problems
+from teamformer.mission.checks.rules import counted_from, find_rule_problems
+from teamformer.mission.checks.surprise_checks import find_surprise_problems
+from teamformer.mission.keys.kinds import LARGEST_NUMBER, LATEST_RETURN
+from teamformer.mission.keys.robot_keys import FASTEST, SLOWEST
+from teamformer.mission.parts.capabilities import (
+    ONE,
+    PLACES,
+    Counts,
+    covers,
+    describe,
+    is_exact,
+    missing,
+    total,
+    units_of,
+    written,
+)
+from teamformer.mission.parts.grid import LARGEST_MAP, Grid, Place
+from teamformer.mission.parts.places import believed_place, busiest_part, find_region_problems
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.reach import totals_by_region, totals_there, way_for
+from teamformer.mission.parts.roads import Roads
+
+if TYPE_CHECKING:
+    from teamformer.mission.model import Robot, Scenario, Task, World
+
+LARGEST_COUNT = 16_000_000
+"""Of one capability, in units, all robots together: 32-bit floats of networks hold it exactly."""
+
+LONG = 60
+"""Letters that a message shows of a capability, where it has to name several."""
+
+
+def find_problems(scenario: Scenario) -> Iterator[Problem]:
+    """Return everything that makes a scenario impossible to run, in file order."""
+    spatial = list(_problems_of_world(scenario.world))
+    spatial = spatial or list(_problems_of_places(scenario))  # a broken map has no places
+    yield from spatial
+    yield from _problems_of_names(scenario)
+    yield from _problems_of_rules(scenario)
+    yield from _problems_of_robots(scenario)
+    yield from _problems_of_totals(scenario)
+    yield from _problems_of_teams(scenario)
+    yield from _problems_of_tasks(scenario, places_are_good=not spatial)
+    if scenario.arrivals is not None and scenario.robots and not spatial:
+        yield from _problems_of_what_appears(scenario)
+    yield from find_rule_problems(scenario)
+    yield from find_surprise_problems(scenario)
+
+
+def _problems_of_world(world: World) -> Iterator[Problem]:
+    if isinstance(world, Plane | Roads):
+        yield from (Problem(("world",), message) for message in world.problems())
+        return
+    yield from (Problem(("world",), m) for m in (world.frame.problems() if world.frame else ()))
+    sides, cells = (world.width, world.height), world.width * world.height
+    if not all(is_whole(side) and side >= 1 for side in sides):
+        size = f"{world.width} x {world.height}"
+        yield Problem(("world",), f"the grid is {size}; make it 1 x 1 or more")
+    elif cells > LARGEST_MAP:
+        yield Problem(("world",), f"the grid has {cells:,} cells; {LARGEST_MAP:,} are possible")
+    if world.rows and {len(row) for row in world.rows} != {world.width}:
+        yield Problem(("world",), f"the rows of the map are not all {world.width} cells long")
+    if world.rows and len(world.rows) != world.height:
+        yield Problem(("world",), f"the map has {len(world.rows)} rows, not {world.height}")
+
+
+def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
+    if not scenario.robots:
+        yield Problem(("robots",), "there is no robot; add one")
+    if not scenario.tasks:
+        yield Problem(("tasks",), "there is no task; add one")
+    lists = {
+        "capabilities": scenario.capabilities,
+        "robots": tuple(robot.name for robot in scenario.robots),
+        "tasks": tuple(task.name for task in scenario.tasks),
+    }
+    for key, names in lists.items():
+        seen: set[str] = set()
+        for number, name in enumerate(names):
+            if name in seen:
+                yield Problem((key, number), f"the name '{name}' is used twice; rename one")
+            seen.add(name)
+
+
+def _problems_of_rules(scenario: Scenario) -> Iterator[Problem]:
+    for key in ("sensing_radius", "join_radius", "finding_radius"):
+        radius = getattr(scenario, key)
+        if not radius >= 0:  # NaN too; infinity is allowed, it means everybody
+            yield Problem((key,), f"{key} is {radius}; it must be 0 or more")
+    if scenario.join_radius > scenario.sensing_radius >= 0:
+        yield Problem(
+            ("join_radius",),
+            f"join_radius {scenario.join_radius:g} is larger than sensing_radius "
+            f"{scenario.sensing_radius:g}; a team joins only what it senses, so raise the latter",
+        )
+    if scenario.forming_steps not in (0, 1):
+        yield Problem(("forming_steps",), f"forming_steps is {scenario.forming_steps}; use 0 or 1")
+    limit, where = scenario.step_limit, ("step_limit",)
+    yield from _problems_of_steps(limit, 0, where, "step_limit is", "use 1 or more")
+
+
+def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
+    world = scenario.world
+    groups: dict[str, tuple[Robot | Task, ...]] = {
+        "robots": scenario.robots,
+        "tasks": scenario.tasks,
+    }
+    for key, things in groups.items():
+        for number, thing in enumerate(things):
+            where, what = (key, number, "at"), f"{key[:-1]} '{thing.name}'"
+            within = getattr(thing, "within", 0.0)
+            fault = _fault_of_place(world, thing.at, bool(within))
+            if fault:
+                yield Problem(where, f"{what} is at {fault}")
+            elif within:
+                yield from find_region_problems(
+                    world, what, thing.at, within, (key, number, "within")
+                )
+    for number, task in enumerate(scenario.tasks):
+        if task.to is None:
+            continue
+        fault = "" if isinstance(world, Roads) else _fault_of_place(world, task.to)
+        message = f"the load of task '{task.name}' is brought to {fault}" if fault else ""
+        if isinstance(world, Roads):
+            message = f"task '{task.name}' has 'to', and on roads no loads are carried; take it out"
+        if message:
+            yield Problem(("tasks", number, "to"), message)
+
+
+def _fault_of_place(world: World, place: Place, may_be_blocked: bool = False) -> str:
+    """Return a place with what is wrong with it and what to do; empty if nothing is."""
+    if isinstance(world, Roads):
+        return "" if world.is_inside(place) else f"{place}, which is no place; name one"
+    x, y = place
+    if not isinstance(world, Plane) and not (is_whole(x) and is_whole(y)):
+        return f"[{x}, {y}], which is no cell; use whole numbers"
+    if not world.is_inside(place):
+        last_x, last_y = world.corner
+        inside = f"x goes from 0 to {last_x} and y from 0 to {last_y}"
+        return f"[{x}, {y}], outside the map; {inside}"
+    if not may_be_blocked and not world.is_free(place):
+        return f"[{x}, {y}], inside an obstacle; {_way_out(world, place)}"
+    return ""
+
+
+def _way_out(world: World, place: Place) -> str:
+    """Return what to do about a place inside an obstacle."""
+    free = world.nearest_free(place) if isinstance(world, Grid) else None
+    return "move it" if free is None else f"the nearest free cell is [{free[0]}, {free[1]}]"
+
+
+def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
+    for number, robot in enumerate(scenario.robots):
+        where = ("robots", number)
+        yield from _problems_of_counts(
+            robot.can, scenario.capabilities, (*where, "can"), f"robot '{robot.name}' can"
+        )
+        if not SLOWEST <= robot.speed <= FASTEST:
+            yield Problem(
+                (*where, "speed"),
+                f"robot '{robot.name}' has speed {robot.speed:g}; use {SLOWEST} to {FASTEST}",
+            )
+        yield from _problems_of_absences(robot, where)
+
+
+def _problems_of_absences(robot: Robot, where: tuple[str | int, ...]) -> Iterator[Problem]:
+    what, before = f"robot '{robot.name}' is", None
+    for number, away in enumerate(robot.absences):
+        place: tuple[str | int, ...] = (number,) if len(robot.absences) > 1 else ()
+        lost, back = (*where, "lost", *place), (*where, "back", *place)
+        if before is None:
+            least, advice, again = 1, "the first step is 1", ""
+        elif before.back is None:
+            message = f"{what} lost at step {away.lost}, but is so since step {before.lost}"
+            yield Problem(lost, f"{message}; say under back when it is there again, or drop one")
+            return
+        else:
+            least, advice = before.back + 1, "it must be lost later"
+            again = f"back at step {before.back} and "
+        yield from _problems_of_steps(away.lost, least, lost, f"{what} {again}lost at step", advice)
+        if away.back is not None:
+            steps = f"{what} lost at step {away.lost} and back at step"
+            advice = "it must be back later"
+            least = away.lost + 1
+            yield from _problems_of_steps(away.back, least, back, steps, advice, LATEST_RETURN)
+        before = away
+
+
+def _problems_of_totals(scenario: Scenario) -> Iterator[Problem]:
+    counts = [robot.can for robot in scenario.robots]
+    if not all(is_exact(count) for can in counts for count in can.values()):
+        return  # which has been told
+    units = units_of(counts)
+    for name, count in total(counts).items():
+        most = LARGEST_COUNT * units[name] // ONE
+        if count <= most:
+            continue
+        have = f"all robots together have {written(count)} x '{name}'"
+        if units[name] == ONE:
+            yield Problem(("robots",), f"{have}; {most} are possible")
+        else:
+            finely = f"{most} are possible in steps of {written(units[name] / ONE)}"
+            yield Problem(("robots",), f"{have}; {finely}, so use rounder figures")
+
+
+def _problems_of_counts(
+    counts: Counts, known: tuple[str, ...], where: tuple[str | int, ...], what: str
+) -> Iterator[Problem]:
+    if not counts:
+        yield Problem(where, f"{what} nothing; name at least one capability")
+    for name, count in counts.items():
+        if name not in known:
+            near = difflib.get_close_matches(name.casefold(), [cap.casefold() for cap in known], 1)
+            meant = [cap for cap in known if near and cap.casefold() == near[0]]
+            remedy = f"add it there, or write '{meant[0]}'" if meant else "add it there"
+            yield Problem(where, f"{what} '{name}', which is not under capabilities; {remedy}")
+        if not 0 < count < math.inf:  # NaN too
+            yield Problem((*where, name), f"{what} '{name}' {count} times; use more than 0")
+        elif not is_exact(count):
+            advice = f"round it to {PLACES} places"
+            yield Problem((*where, name), f"{what} '{name}' {count} times; {advice}")
+
+
+def _problems_of_steps(
+    steps: int,
+    least: int,
+    where: tuple[str | int, ...],
+    what: str,
+    advice: str,
+    most: int = LARGEST_NUMBER,
+) -> Iterator[Problem]:
+    """Return what is wrong with a number of steps; `advice` is for one below the least."""
+    if not steps >= least:  # NaN too
+        yield Problem(where, f"{what} {steps}; {advice}")
+    elif not is_whole(steps) or steps > most:
+        start = counted_from(where) if steps > most else ""
+        yield Problem(where, f"{what} {steps}; use a whole number up to {most:,}{start}")
+
+
+def is_whole(number: float) -> bool:
+    """Say whether a number is finite and has no fraction."""
+    return number - number == 0 and number == int(number)
+
+
+def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
+    seen: set[int] = set()
+    for number, team in enumerate(scenario.teams):
+        where = ("teams", number)
+        if not team:
+            yield Problem(where, "this starting team has no robot; remove it")
+        for robot in team:
+            if not 0 <= robot < len(scenario.robots):
+                yield Problem(where, f"there is no robot number {robot}")
+                continue
+            if robot in seen:
+                name = scenario.robots[robot].name
+                yield Problem(where, f"robot '{name}' is in two starting teams; keep one")
+            seen.add(robot)
+        places = {scenario.robots[r].at for r in team if 0 <= r < len(scenario.robots)}
+        if len(places) > 1:
+            yield Problem(where, "the robots of a starting team must start in the same place")
+
+
+def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Problem]:
+    everybody = total(robot.can for robot in scenario.robots)
+    near = totals_there(scenario.world, scenario.robots if places_are_good else ())
+    for number, task in enumerate(scenario.tasks):
+        where, what = ("tasks", number), f"task '{task.name}'"
+        yield from _problems_of_counts(
+            task.needs, scenario.capabilities, (*where, "needs"), f"{what} needs"
+        )
+        whole = ("duration", "unload", "appears") if scenario.time == "steps" else ("appears",)
+        for key in whole:
+            steps = getattr(task, key)
+            said = f"{what} has {key}"
+            yield from _problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")
+        if task.cancelled is not None:
+            said = f"{what} is cancelled in step"
+            at = (*where, "cancelled")
+            yield from _problems_of_steps(task.cancelled, 1, at, said, "use 1 or more")
+        if places_are_good:
+            yield from find_load_problems(scenario, number)
+        known = {name: n for name, n in task.needs.items() if name in scenario.capabilities}
+        if not covers(everybody, known):
+            yield Problem((*where, "needs"), _impossible(what, everybody, known))
+        elif places_are_good:
+            have = near(believed_place(scenario.world, task))
+            worst = {name: n for name, n in task.worst_needs.items() if name in everybody}
+            need = known if not covers(everybody, worst) else worst
+            if not covers(have, need):
+                yield Problem(
+                    (*where, "at"),
+                    f"{what} cannot be reached by robots that bring "
+                    f"{describe(missing(have, need))}; "
+                    f"move it, {way_for(scenario.world, 'such robots')}",
+                )
+
+
+def _problems_of_what_appears(scenario: Scenario) -> Iterator[Problem]:
+    have = totals_by_region(scenario.world, scenario.robots)[busiest_part(scenario)]
+    if not any(count >= 1 for count in have.values()):
+        yield Problem(
+            ("arrivals",),
+            "tasks that appear need one of a capability, but where most robots start all together "
+            f"bring {describe(have)}; add such a robot or drop arrivals",
+        )
+
+
+def _impossible(what: str, have: Counts, need: Counts) -> str:
+    short = missing(have, need)
+    wanted = {name: need[name] for name in short}
+    nobody = [name for name in short if not have.get(name)]
+    if nobody:
+        names, them = _quoted(nobody), "it" if len(nobody) == 1 else "them"
+        return (
+            f"{what} needs {names} but no robot has {them}; "
+            "add such a robot or drop the requirement"
+        )
+    return (
+        f"{what} needs {_brief(wanted)} but all robots together have "
+        f"{_brief({name: have[name] for name in short})}; "
+        "add such a robot or lower the requirement"
+    )
+
+
+def _brief(counts: Counts) -> str:
+    """Write counts for people, with names cut short that would fill the line."""
+    return ", ".join(
+        f"{written(count)} x {name if len(name) <= LONG else f'{name[:LONG]}...'}"
+        for name, count in counts.items()
+    )
+
+
+def _quoted(names: list[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

@@ -1,0 +1,91 @@
+"""What a plan costs: a mean, by the weights of the mission, of when things end and how late."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from teamformer.base.errors import Problem
+from teamformer.mission.keys.mission_keys import COST_KEYS
+from teamformer.mission.keys.task_keys import LARGEST_WEIGHT, SMALLEST_WEIGHT
+
+if TYPE_CHECKING:
+    from teamformer.mission.model import Scenario, Task
+
+COST_PARTS = tuple(key.name for key in COST_KEYS)
+"""What a cost may weigh; times are added up by the weights of the tasks."""
+
+ONLY_IN_CONTINUOUS_TIME = "travel"
+
+LATENESS = 2
+"""What tardiness weighs beside the makespan in a mission with windows and without a cost."""
+
+
+def cost_of(weights: Mapping[str, float], parts: Mapping[str, float]) -> float:
+    """Return the mean of a plan's parts, by weight."""
+    weighed = sum(weight * parts[name] for name, weight in weights.items())
+    return weighed / sum(weights.values())
+
+
+def judged_by(mission: Scenario) -> Mapping[str, float] | None:
+    """Return the weights that plans of a mission are judged by; None: the makespan alone.
+
+    A mission with windows and without a cost has its makespan and how late tasks are.
+    """
+    if mission.cost is None and any(task.between for task in mission.tasks):
+        return {"makespan": 1, "tardiness": LATENESS}
+    return mission.cost
+
+
+def parts_of_ends(tasks: Sequence[Task], ends: Mapping[int, float]) -> dict[str, float]:
+    """Return what a cost weighs of when tasks end; `ends` has the end of each, by number."""
+    late = {
+        number: max(0.0, end - between[1])
+        for number, end in ends.items()
+        if (between := tasks[number].between) is not None
+    }
+    return {
+        "tardiness": sum(tasks[number].weight * by for number, by in late.items()),
+        "max_tardiness": max(late.values(), default=0.0),
+        "completion": sum(tasks[number].weight * end for number, end in ends.items()),
+    }
+
+
+def cost_in_steps(
+    mission: Scenario, ends: Mapping[int, float], makespan: int | None
+) -> float | None:
+    """Return what a mission in steps costs that is over, None if it is not or has no cost.
+
+    `ends` are the steps in which tasks were done, by number; those called off cost nothing. The
+    `makespan` is None as long as it is not over.
+    """
+    if mission.cost is None or makespan is None:
+        return None
+    return weighed(mission, mission.cost, ends, makespan)
+
+
+def weighed(
+    mission: Scenario, weights: Mapping[str, float], ends: Mapping[int, float], makespan: float
+) -> float:
+    """Return the mean, by weights, of when all is over, when tasks end and how late, in steps."""
+    return cost_of(weights, {"makespan": makespan, **parts_of_ends(mission.tasks, ends)})
+
+
+def find_cost_problems(scenario: Scenario) -> Iterator[Problem]:
+    """Return what is wrong with the weights of the cost and of tasks."""
+    for number, task in enumerate(scenario.tasks):
+        if not SMALLEST_WEIGHT <= task.weight <= LARGEST_WEIGHT:
+            message = f"the weight of task '{task.name}' is {task.weight:g}"
+            remedy = f"use {SMALLEST_WEIGHT:g} to {LARGEST_WEIGHT:g}"
+            yield Problem(("tasks", number, "weight"), f"{message}; {remedy}")
+    if scenario.cost is None:
+        return
+    if not scenario.cost:
+        yield Problem(("cost",), f"the cost weighs nothing; name {', '.join(COST_PARTS)}, or some")
+    for name, weight in scenario.cost.items():
+        if name not in COST_PARTS:
+            choices = ", ".join(COST_PARTS)
+            yield Problem(("cost", name), f"a cost has no '{name}'; use {choices}")
+        elif not SMALLEST_WEIGHT <= weight <= LARGEST_WEIGHT:
+            message = f"the weight of {name} is {weight:g}; use {SMALLEST_WEIGHT:g} to"
+            yield Problem(("cost", name), f"{message} {LARGEST_WEIGHT:g}")

@@ -1,0 +1,173 @@
+"""Tasks whose starts are linked: two that are linked directly are done by different robots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from teamformer.base.errors import Problem
+from teamformer.mission.checks.costs import judged_by
+from teamformer.mission.parts.capabilities import covers, describe, missing, total
+
+if TYPE_CHECKING:
+    from teamformer.mission.model import Scenario, Task
+
+
+def is_linked(scenario: Scenario) -> bool:
+    """Say whether starts are linked or plans are judged by more than the makespan."""
+    return judged_by(scenario) is not None or any(task.starts for task in scenario.tasks)
+
+
+def groups_of(tasks: Sequence[Task]) -> list[list[int]]:
+    """Return the tasks whose starts are linked, directly or by others; the others stand alone."""
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    leader = list(range(len(tasks)))
+    for number, task in enumerate(tasks):
+        for name in task.starts:
+            one, two = leader[number], leader[number_of[name]]
+            leader = [min(one, two) if at in (one, two) else at for at in leader]
+    groups: dict[int, list[int]] = {}
+    for number, at in enumerate(leader):
+        groups.setdefault(at, []).append(number)
+    return list(groups.values())
+
+
+def linked_with(tasks: Sequence[Task]) -> list[set[int]]:
+    """Return the tasks whose starts are linked with that of each directly: others do them."""
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    linked: list[set[int]] = [set() for _ in tasks]
+    for number, task in enumerate(tasks):
+        for name in task.starts:
+            linked[number].add(number_of[name])
+            linked[number_of[name]].add(number)
+    return linked
+
+
+def find_link_problems(scenario: Scenario) -> Iterator[Problem]:
+    """Return what is wrong with linked starts."""
+    problems = [*_problems_of_names(scenario), *_problems_of_gaps(scenario)]
+    yield from problems
+    if not problems:
+        yield from _problems_of_groups(scenario)
+
+
+def find_links(scenario: Scenario) -> Iterator[Problem]:
+    """Return where a scenario has linked starts."""
+    for number, task in enumerate(scenario.tasks):
+        if task.starts:
+            what = f"task '{task.name}' has starts, which are for continuous time"
+            yield Problem(("tasks", number, "starts"), what)
+
+
+def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
+    names = {task.name for task in scenario.tasks}
+    for number, task in enumerate(scenario.tasks):
+        for name in task.starts:
+            where = ("tasks", number, "starts", name)
+            if name not in names:
+                message = f"the start of task '{task.name}' is linked with '{name}', which is no"
+                yield Problem(where, f"{message} task; name one")
+            elif name == task.name:
+                yield Problem(where, f"task '{name}' is linked with itself; name another")
+
+
+def _problems_of_gaps(scenario: Scenario) -> Iterator[Problem]:
+    for number, task in enumerate(scenario.tasks):
+        for name, (least, most) in task.starts.items():
+            if not 0 <= least <= most <= 1e9:
+                message = f"task '{task.name}' starts {least:g} to {most:g} after '{name}'"
+                remedy = "use [least, most], 0 or more and in this order"
+                yield Problem(("tasks", number, "starts", name), f"{message}; {remedy}")
+
+
+def _problems_of_groups(scenario: Scenario) -> Iterator[Problem]:
+    """Return what linked tasks cannot keep together."""
+    tasks = scenario.tasks
+    groups = [group for group in groups_of(tasks) if len(group) > 1]
+    group_of = {number: at for at, group in enumerate(groups) for number in group}
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    for group in groups:
+        listed = ", ".join(f"'{tasks[number].name}'" for number in group)
+        where = ("tasks", group[-1], "starts")
+        if _is_contradictory([tasks[number] for number in group]):
+            yield Problem(where, f"the gaps between the starts of {listed} contradict one another")
+        for apart in _all_apart(tasks, group):
+            yield from _problems_of_robots(scenario, apart)
+    for number, task in enumerate(tasks):
+        for name in task.after:
+            other = number_of.get(name, number)
+            if number in group_of and group_of.get(other) == group_of[number]:
+                message = f"task '{task.name}' is after '{name}', with which its start is linked"
+                yield Problem(("tasks", number, "after"), f"{message}; say it by the gap alone")
+                return
+    if groups:
+        yield from _problems_of_waiting(scenario, groups)
+
+
+def _all_apart(tasks: Sequence[Task], group: Sequence[int]) -> list[list[int]]:
+    """Return sets of tasks of a group of which each is linked with each other one directly.
+
+    Each task is in the one that it begins, or in one with all of these.
+    """
+    found: list[set[int]] = []
+    linked = linked_with(tasks)
+    for first in group:
+        apart = {first}
+        for other in group:
+            if apart <= linked[other]:
+                apart.add(other)
+        if not any(apart <= known for known in found):
+            found.append(apart)
+    return [sorted(apart) for apart in found]
+
+
+def _problems_of_robots(scenario: Scenario, apart: Sequence[int]) -> Iterator[Problem]:
+    """Return why there are too few robots for tasks that are done by different ones."""
+    tasks = scenario.tasks
+    where = ("tasks", max(number for number in apart if tasks[number].starts), "starts")
+    listed = ", ".join(f"'{tasks[number].name}'" for number in apart)
+    if len(apart) > len(scenario.robots):
+        message = f"{listed} are done by different robots, of which there are"
+        yield Problem(where, f"{message} {len(scenario.robots)}; add some or drop a link")
+    needs = total(tasks[number].needs for number in apart)
+    have = total(robot.can for robot in scenario.robots)
+    if not covers(have, needs):
+        short = describe(missing(have, needs))
+        message = f"{listed} are done by different robots, and all together lack {short}"
+        yield Problem(where, f"{message}; add robots or drop a link")
+
+
+def _is_contradictory(tasks: Sequence[Task]) -> bool:
+    """Say whether no starts keep all gaps: the longest ways between starts go round in a gain."""
+    longest = {(one.name, two.name): -math.inf for one in tasks for two in tasks}
+    for task in tasks:
+        for name, (least, most) in task.starts.items():
+            longest[name, task.name] = max(longest[name, task.name], least)
+            longest[task.name, name] = max(longest[task.name, name], -most)
+    for by in tasks:
+        for one in tasks:
+            for two in tasks:
+                detour = longest[one.name, by.name] + longest[by.name, two.name]
+                longest[one.name, two.name] = max(longest[one.name, two.name], detour)
+    return any(longest[task.name, task.name] > 0 for task in tasks)
+
+
+def _problems_of_waiting(scenario: Scenario, groups: Sequence[Sequence[int]]) -> Iterator[Problem]:
+    """Refuse groups that wait for one another, which is a circle that single tasks need not see."""
+    tasks = scenario.tasks
+    leader = {tasks[number].name: tasks[group[0]].name for group in groups for number in group}
+    before: dict[str, set[str]] = {}
+    for task in tasks:
+        waits_for = before.setdefault(leader.get(task.name, task.name), set())
+        waits_for |= {leader.get(name, name) for name in task.after}
+    while before:
+        is_ready = {name for name, others in before.items() if not others & before.keys()}
+        if not is_ready:
+            listed = ", ".join(f"'{name}'" for name in sorted(before))
+            message = (
+                f"{listed}, or tasks whose starts are linked with theirs, wait for one another"
+            )
+            yield Problem(("tasks",), f"{message}; drop an after or a link")
+            return
+        before = {name: others for name, others in before.items() if name not in is_ready}

@@ -1,0 +1,59 @@
+"""Loads: tasks that are brought from one place to another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from teamformer.base.errors import Problem
+from teamformer.mission.parts.places import believed_place
+
+if TYPE_CHECKING:
+    from teamformer.mission.model import Scenario
+
+
+def find_load_problems(scenario: Scenario, number: int) -> Iterator[Problem]:
+    """Return why the load of a task cannot be brought to where it is to go."""
+    task, world = scenario.tasks[number], scenario.world
+    if task.to is None:
+        if task.unload:
+            message = f"task '{task.name}' has unload {task.unload:g} but nothing to carry"
+            yield Problem(("tasks", number, "unload"), f"{message}; add to: [x, y] or drop it")
+        return
+    place = believed_place(world, task)
+    if world.region(place) != world.region(task.to):
+        (x, y), (to_x, to_y) = place, task.to
+        message = f"nobody can bring the load of task '{task.name}' from [{x}, {y}]"
+        is_flown_to = any(robot.flies for robot in scenario.robots)
+        fault = "no way leads there"
+        if is_flown_to:
+            fault += " on the ground, and robots do not fly loads over obstacles yet"
+        remedy = "move one of the two or open the map"
+        if is_flown_to and scenario.time == "steps":
+            remedy += ", and drop moves: air"
+        yield Problem(("tasks", number, "to"), f"{message} to [{to_x}, {to_y}]: {fault}; {remedy}")
+
+
+def find_flown_loads(scenario: Scenario) -> Iterator[Problem]:
+    """Return the loads of a mission in steps in which robots fly over obstacles.
+
+    A team that flies and loses robots might set a load down where nobody on the ground gets to.
+    """
+    flying = [robot.name for robot in scenario.robots if robot.flies]
+    if not scenario.world.rows or not flying:
+        return
+    for number, task in enumerate(scenario.tasks):
+        if task.to is not None:
+            message = f"task '{task.name}' has a load and robot '{flying[0]}' flies"
+            fault = "on a map with obstacles a mission cannot have both yet"
+            remedy = f"drop moves: air of '{flying[0]}', or drop to and unload"
+            yield Problem(("tasks", number, "to"), f"{message}: {fault}; {remedy}")
+
+
+def rules_without_loads(scenario: Scenario, who: str) -> Iterator[Problem]:
+    """Return why `who`, such as a fleet of processes, cannot do a mission: it has loads."""
+    for number, task in enumerate(scenario.tasks):
+        if task.to is not None:
+            message = f"task '{task.name}' has a load, which {who} cannot carry yet"
+            remedy = "drop to and unload, or use `teamformer run`, `compare` or `live`"
+            yield Problem(("tasks", number, "to"), f"{message}; {remedy}")

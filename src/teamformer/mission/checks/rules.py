@@ -1,0 +1,260 @@
+"""Rules that a mission may have besides the step rules: time, ends, precedence, time windows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from teamformer.base.errors import Problem
+from teamformer.mission.checks.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
+from teamformer.mission.checks.links import find_link_problems, find_links
+from teamformer.mission.checks.loads import find_flown_loads
+from teamformer.mission.checks.windows import find_endless_play
+from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, REAL_ROBOTS, STEPS
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
+from teamformer.mission.keys.mission_keys import HOME, TIMES
+from teamformer.mission.keys.unknown import Found, find_unknown, told_once
+from teamformer.mission.parts.reach import can_reach, way_for
+from teamformer.mission.parts.roads import AIR, GROUND, Roads
+
+if TYPE_CHECKING:
+    from teamformer.mission.model import Scenario, Task
+
+NEW_TASKS = ("resolve", "nearest")
+LIKELY = 0.25
+LEAST_CHANCE = {"needed": 0.0, "absent": math.inf, "scouting": LIKELY}
+"""By foresight, from which probability on needs that nobody knows are expected."""
+FORESIGHTS = tuple(LEAST_CHANCE)
+
+MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until"})
+"""Keys of a file whose values are moments of a mission."""
+
+
+def counted_from(where: tuple[str | int, ...]) -> str:
+    """Return what to say of the largest number that may stand somewhere: moments have a start."""
+    return "" if MOMENTS.isdisjoint(where) else ", counted from the mission's start"
+
+
+def is_time(value: float) -> bool:
+    """Say whether a number can be a time."""
+    return 0 <= value <= LARGEST_NUMBER
+
+
+def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
+    """Return what is wrong with a scenario's time, end, precedence and time windows."""
+    if scenario.time not in TIMES:
+        choices = " or ".join(TIMES)
+        yield Problem(("time",), f"time '{scenario.time}' is unknown; use {choices}")
+    if not is_time(scenario.forming):
+        yield Problem(("forming",), f"forming is {scenario.forming:g}; use 0 to 1e9")
+    yield from _problems_of_end(scenario)
+    yield from _problems_of_roads(scenario)
+    if scenario.time == "continuous":
+        yield from _problems_of_what_happens(scenario)
+    yield from _problems_of_times(scenario)
+    yield from _problems_of_precedence(scenario)
+    yield from find_cost_problems(scenario)
+    yield from find_link_problems(scenario)
+
+
+def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
+    """Return why the step simulator cannot play a scenario; nothing if it can."""
+    remedy = "plan it with `teamformer plan`"
+    if scenario.time == "continuous":
+        yield Problem(("time",), f"missions in continuous time are not played in steps; {remedy}")
+        return
+    remedy = f"write time: continuous and {remedy}"
+    yield from find_flown_loads(scenario)
+    for where, what in find_unknown(scenario, STEPS):
+        yield Problem(where, f"{what}; {remedy}")
+    if ONLY_IN_CONTINUOUS_TIME in (scenario.cost or ()):
+        known = ", ".join(part for part in COST_PARTS if part != ONLY_IN_CONTINUOUS_TIME)
+        message = f"in steps a cost may weigh {known}; drop travel, or {remedy}"
+        yield Problem(("cost", ONLY_IN_CONTINUOUS_TIME), message)
+    for problem in find_links(scenario):
+        yield Problem(problem.where, f"{problem.message}; {remedy}")
+    for problem in find_endless_play(scenario):
+        yield Problem(problem.where, f"{problem.message}, or {remedy}")
+
+
+def rules_not_known_beforehand(scenario: Scenario) -> Iterator[Problem]:
+    """Return what a plan cannot count with that is made before the mission begins."""
+    remedy = "drop cancelled, or use `teamformer run` with its default method"
+    rest = f"which nobody can know who plans beforehand; {remedy}"
+    yield from told_once(scenario, find_unknown(scenario, BEFOREHAND), lambda _: rest)
+
+
+def rules_not_planned(scenario: Scenario) -> Iterator[Problem]:
+    """Return why a scenario cannot be planned: in steps, rules that these do not know."""
+    if scenario.time != "continuous":
+        yield from rules_not_played(scenario)
+        yield from rules_not_known_beforehand(scenario)
+
+
+VERBS = {
+    "run": rules_not_played,
+    "compare": rules_not_played,
+    "plan": rules_not_planned,
+    "live": rules_not_played,
+}
+"""What refuses a scenario, by verb."""
+
+
+def _verbs_for(scenario: Scenario) -> str:
+    """Return in words which verbs take a scenario as it is."""
+    verbs = [f"`{verb}`" for verb, refuse in VERBS.items() if not any(refuse(scenario))]
+    return " or ".join(filter(None, (", ".join(verbs[:-1]), *verbs[-1:])))
+
+
+def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
+    """Return why a scenario cannot be played where everything has to be known; nothing if it can.
+
+    So it is where missions are to be done by robots that are real.
+    """
+    yield from rules_not_played(scenario)
+    verbs = _verbs_for(scenario)
+
+    def rest(key: str) -> str:
+        change = "drop it" if key == "arrivals" else f"make {key} sure, drop it"
+        return f"which {REAL_ROBOTS} do not know; {change}, or use {verbs}"
+
+    found = find_unknown(scenario, REAL_ROBOTS, is_surprise=True)
+    yield from told_once(scenario, found, rest)
+
+
+def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
+    """Return which rules only the step simulator and the planner know; nothing if there are none.
+
+    Robots that are processes of their own, or stand in an arena, refuse such missions.
+    """
+    yield from rules_of_sure_missions(scenario)
+    verbs = _verbs_for(scenario)
+    found: list[Found] = [
+        (("robots", number, "moves"), f"robot '{robot.name}' flies over obstacles")
+        for number, robot in enumerate(scenario.robots)
+        if robot.flies and scenario.world.rows
+    ]
+    found += find_unknown(scenario, REAL_ROBOTS)
+
+    def rest(key: str) -> str:
+        return f"which {REAL_ROBOTS} do not know; drop {key}, or use {verbs}"
+
+    yield from told_once(scenario, found, rest)
+
+
+def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
+    ends, world = scenario.ends, scenario.world
+    if ends is None or ends == HOME:
+        return
+    if isinstance(ends, str):
+        yield Problem(("ends",), f"ends '{ends}' is unknown; use home or a place as [x, y]")
+    elif not world.is_inside(ends) or not world.is_free(ends):
+        where = "inside an obstacle" if world.is_inside(ends) else "outside the map"
+        yield Problem(("ends",), f"the mission ends at [{ends[0]}, {ends[1]}], {where}; move it")
+    elif world.rows or (isinstance(world, Roads) and not any(world.problems())):
+        for number, robot in enumerate(scenario.robots):
+            is_there = world.is_inside(robot.at) and world.is_free(robot.at)
+            if is_there and not can_reach(world, robot, ends):
+                message = f"robot '{robot.name}' has no way to where the mission ends"
+                message = f"{message}; move it, {way_for(world, 'it')}"
+                yield Problem(("robots", number, "at"), message)
+
+
+def _problems_of_roads(scenario: Scenario) -> Iterator[Problem]:
+    world = scenario.world
+    if isinstance(world, Roads) and scenario.time == "steps":
+        message = "roads are for continuous time: in steps robots walk on a map"
+        remedy = "write time: continuous and plan it with `teamformer plan`"
+        yield Problem(("world", "roads"), f"{message}; {remedy}, or use a grid or a plane")
+    for number, robot in enumerate(scenario.robots):
+        where, what = ("robots", number, "moves"), f"robot '{robot.name}' moves by {robot.moves}"
+        if not isinstance(world, Roads):
+            if robot.moves not in (GROUND, AIR):
+                message = (
+                    f"{what}, which is for worlds of roads; write ground or air, or name roads"
+                )
+                yield Problem(where, message)
+        elif world.times and robot.moves not in world.times:
+            known = ", ".join(world.times)
+            message = f"{what}, but there are only roads by {known}"
+            yield Problem(where, f"{message}; name a file under roads, or change moves")
+
+
+def _problems_of_what_happens(scenario: Scenario) -> Iterator[Problem]:
+    """Return what happens to a mission in continuous time, whose plans are made beforehand."""
+    rest = "which only missions in steps know; drop {}"
+    yield from told_once(scenario, find_unknown(scenario, CONTINUOUS), rest.format)
+
+
+def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
+    for number, task in enumerate(scenario.tasks):
+        where, what = ("tasks", number), f"task '{task.name}'"
+        if scenario.time == "continuous" and not is_time(task.duration):
+            message = f"{what} has duration {task.duration:g}; use 0 to 1e9"
+            yield Problem((*where, "duration"), message)
+        if task.between is None:
+            continue
+        begin, end = task.between
+        if not (is_time(begin) and is_time(end) and begin < end):
+            message = f"{what} is to be done between {begin:g} and {end:g}; use [begin, end]"
+            rule = "0 or more and in this order"
+            if max(begin, end) > LARGEST_NUMBER:
+                rule = f"up to 1e9{counted_from(('between',))}"
+            yield Problem((*where, "between"), f"{message}, {rule}")
+        elif scenario.time == "continuous" and is_too_short(task):
+            message = f"{what} takes {task.duration:g} but has only {end - begin:g} between"
+            yield Problem(
+                (*where, "between"), f"{message} {begin:g} and {end:g}; give it more time"
+            )
+
+
+def is_too_short(task: Task) -> bool:
+    """Say whether a task takes longer than its window lasts, so that it is late whatever is done.
+
+    In steps that may turn out when the task is done, so it is no fault of a mission there.
+    """
+    return task.between is not None and task.between[0] + task.duration > task.between[1]
+
+
+def _problems_of_precedence(scenario: Scenario) -> Iterator[Problem]:
+    names = {task.name for task in scenario.tasks}
+    is_good = True
+    for number, task in enumerate(scenario.tasks):
+        where = ("tasks", number, "after")
+        for entry, name in enumerate(task.after):
+            if name not in names:
+                is_good = False
+                message = f"task '{task.name}' is after '{name}', which is no task; name one"
+                yield Problem((*where, entry), message)
+            elif name in task.after[:entry]:
+                yield Problem((*where, entry), f"'{name}' stands twice in this list; keep one")
+    if is_good:
+        circle = _circle(scenario)
+        if circle:
+            last = next(n for n, task in enumerate(scenario.tasks) if task.name == circle[-1])
+            way = ", which is after ".join(f"'{name}'" for name in (*circle[::-1], circle[-1]))
+            yield Problem(("tasks", last, "after"), f"{way}; break this circle, drop one of these")
+
+
+def _circle(scenario: Scenario) -> list[str]:
+    """Return the names of tasks of which each is before the next and the last before the first."""
+    before = {task.name: task.after for task in scenario.tasks}
+    is_done: set[str] = set()
+    for name in before:
+        path: list[str] = []
+        at, branches = {name: 0}, [iter(before[name])]
+        path.append(name)
+        while branches and name not in is_done:
+            other = next(branches[-1], None)
+            if other is None:
+                is_done.add(path[-1])
+                del at[path.pop()]
+                branches.pop()
+            elif other in at:
+                return path[at[other] :][::-1]
+            elif other not in is_done:
+                at[other] = len(path)
+                path.append(other)
+                branches.append(iter(before[other]))
+    return []

@@ -1,0 +1,150 @@
+"""What an uncertain mission really holds, and what is believed of it: ordinary missions, both.
+
+The truth is drawn from a trial's seed. Nobody sees it before it shows: how long a task takes when
+its service ends, what it needs when a robot stands there, where it is when one senses it, a
+breakdown when it happens.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from teamformer.mission.arrivals import draw_arrivals
+from teamformer.mission.checks.rules import LEAST_CHANCE
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
+from teamformer.mission.model import Absence, Breakdown, Robot, Scenario, Task, World
+from teamformer.mission.parts.capabilities import Counts, total
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.places import believed_place, possible_places
+
+MOST_BREAKDOWNS = 1000
+"""Of a robot in a trial; after so many it holds out."""
+
+OF_TASKS, OF_ROBOTS, OF_DELAYS, OF_ARRIVALS = 1, 2, 3, 4
+"""What a generator is for: every task and robot has its own, so that more of them change nothing
+about the others."""
+
+
+def draw_truth(scenario: Scenario, seed: int) -> Scenario:
+    """Return the mission as it really is: the same one where nothing about it is uncertain."""
+    if not scenario.has_surprises:
+        return scenario
+    return replace(
+        scenario,
+        arrivals=None,
+        tasks=(
+            *(
+                _true_task(task, scenario.world, np.random.default_rng([OF_TASKS, seed, number]))
+                for number, task in enumerate(scenario.tasks)
+            ),
+            *draw_arrivals(scenario, np.random.default_rng([OF_ARRIVALS, seed])),
+        ),
+        robots=tuple(
+            _true_robot(robot, scenario.step_limit, seed, number)
+            for number, robot in enumerate(scenario.robots)
+        ),
+    )
+
+
+def _true_robot(robot: Robot, step_limit: int, seed: int, number: int) -> Robot:
+    rng, other = (np.random.default_rng([what, seed, number]) for what in (OF_ROBOTS, OF_DELAYS))
+    if robot.breaks is not None:
+        absences = draw_absences(robot.breaks, step_limit, rng)
+        robot = replace(robot, breaks=None, absences=absences)
+    if robot.delays is not None and robot.delays.seed is None:
+        seed_of_delays = int(other.integers(LARGEST_NUMBER))
+        robot = replace(robot, delays=replace(robot.delays, seed=seed_of_delays))
+    return robot
+
+
+def _true_task(task: Task, world: World, rng: np.random.Generator) -> Task:
+    duration = task.duration
+    if task.lasts is not None:
+        duration = int(rng.integers(task.lasts[0], task.lasts[1] + 1))
+    more = {cap: 1 for cap, probability in task.may_need.items() if rng.random() < probability}
+    needs = total([task.needs, more]) if task.may_need else task.needs
+    at = task.at
+    if task.within:
+        places = possible_places(world, task.at, task.within)
+        at = places[rng.integers(len(places))]
+    return task.once_known(at, needs, duration)
+
+
+def draw_absences(
+    breaks: Breakdown, step_limit: int, rng: np.random.Generator, sound_from: int = 0
+) -> tuple[Absence, ...]:
+    """Return when a robot that is sound from a step on breaks down and is back.
+
+    As long as a trial may last.
+    """
+    absences: list[Absence] = []
+    back = None
+    while breaks.rate > 0 and len(absences) < MOST_BREAKDOWNS:
+        lost = sound_from + int(rng.geometric(breaks.rate))
+        if lost > step_limit:
+            break
+        if breaks.repair is not None:
+            sound_from = back = lost + int(rng.integers(*breaks.repair, endpoint=True))
+        absences.append(Absence(lost, back))
+        if back is None:
+            break
+    return tuple(absences)
+
+
+def truth_until(scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
+    """Return a truth without the breakdowns that come after so many steps."""
+    robots = (
+        replace(real, absences=tuple(away for away in real.absences if away.lost <= steps))
+        if robot.breaks is not None
+        else real
+        for robot, real in zip(scenario.robots, truth.robots, strict=True)
+    )
+    return replace(truth, robots=tuple(robots))
+
+
+def believed_mission(
+    scenario: Scenario,
+    needs: Mapping[int, Counts],
+    places: Mapping[int, Place] | None = None,
+) -> Scenario:
+    """Return an uncertain mission as an ordinary one: with the needs that are believed, by task.
+
+    `places` says where tasks are believed to be; left out, it is where they are before anybody has
+    looked. Durations and speeds are what to expect; nobody breaks down, and no more tasks appear.
+    """
+    if not scenario.has_surprises and not places:
+        return scenario
+    places = places or {}
+    tasks = (
+        task.once_known(
+            places[number] if number in places else believed_place(scenario.world, task),
+            needs.get(number, task.needs),
+            task.duration,
+        )
+        for number, task in enumerate(scenario.tasks)
+    )
+    robots = (
+        replace(robot, breaks=None, delays=None, speed=robot.expected_speed)
+        for robot in scenario.robots
+    )
+    return replace(scenario, arrivals=None, tasks=tuple(tasks), robots=tuple(robots))
+
+
+def expected_mission(scenario: Scenario) -> Scenario:
+    """Return an uncertain mission as it is believed before it begins; see `expected_needs`."""
+    needs = (expected_needs(task, "scouting") for task in scenario.tasks)
+    return believed_mission(scenario, dict(enumerate(needs)))
+
+
+def expected_needs(task: Task, foresight: str) -> Counts:
+    """Return what a task is believed to need before somebody stands there.
+
+    By `foresight` that is what it needs for sure (`absent`), with all that it may need (`needed`)
+    or with what is likely to be needed (`scouting`).
+    """
+    least = LEAST_CHANCE[foresight]
+    more = {cap: 1 for cap, chance in task.may_need.items() if chance > 0 and chance >= least}
+    return total([task.needs, more])

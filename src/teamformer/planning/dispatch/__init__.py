@@ -1,0 +1,1 @@
+"""First plans: who can be there first does it."""

@@ -1,0 +1,191 @@
+"""A coalition problem as graphs of arcs see it: what does not change while plans are searched."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from teamformer.base.array_types import Int32s, Ints
+from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.covers import list_covers
+from teamformer.planning.problem.coalition_problem import (
+    NEVER,
+    NOBODY,
+    CoalitionProblem,
+    different_rows,
+)
+from teamformer.planning.problem.prices import SHARES, Prices
+from teamformer.planning.problem.prices import SMOOTH as SMOOTH_IF_PRICED
+
+Records = np.recarray[Any, np.dtype[np.void]]
+
+KIND = np.dtype([("pace", np.int32), ("type", np.int32), ("lost", np.int64)])
+
+FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 28, 7
+"""How many tasks are near to each: every seventh within these limits."""
+
+SWAP, REPLACE, RIDE, ANYWHERE, IN_PLACE, BUNDLE, SMOOTH, SLACK, STRETCH = range(9)
+"""Habits of a search: how many percent of the changes are swaps, replacements, riders; of the moves
+how many are to any moment, in place, or try a bundle; how many percent the mean end of tasks weighs
+in steps; by how many ticks chains may be longer than allowed."""
+
+CONTINUOUS, WITH_SPARES = (40, 0, 0, 5, 0, 0, 0, 0, 0), (40, 0, 15, 5, 0, 0, 0, 0, 0)
+"""The habits in continuous time, and where coalitions with more robots than they need may pay."""
+
+
+class ArcProblem(NamedTuple):
+    """What does not change: the places, the kinds of robots, who covers what."""
+
+    ways: Ints  # (paces, places, tasks)
+    ways_to: Ints  # (paces, tasks, places + 1) the same, so that all ways to a task lie together;
+    # last how long the task takes at least where somebody of the pace takes part
+    home: Ints  # (kinds, places)
+    site: Int32s  # (places,) the same number for places that lie at the same position
+    kinds: Records  # (kinds,) KIND
+    origin: Int32s  # (robots,) the place where each starts
+    kind: Int32s  # (robots,)
+    mixed: Int32s  # (robots,) all robots, those of a kind far from each other
+    counts: Int32s  # (types, caps) what robots of each type bring
+    needs: Int32s  # (needs, caps) the different needs
+    useful: Int32s  # (needs, types) how many of a type a coalition has at most
+    covers: Int32s  # (needs, covers, width, 2) types and how many of each, then NOBODY
+    listed: Int32s  # (needs,) how many covers are listed; 0 if there are too many
+    near: Int32s  # (tasks, near) the tasks nearest to each
+    before: Int32s  # (tasks, most) the tasks that must have ended before each, then NOBODY
+    after: Int32s  # (tasks, most) the tasks that each must have ended before, then NOBODY
+    forming: Ints  # (1,)
+    most: Ints  # (1,) seats of each task
+    habits: Int32s  # (9,)
+    passed: Int32s  # (ways + 1,) of in steps: where the tasks of each way begin in `passes`
+    passes: Int32s  # tasks that take time and lie on a way, from the place on
+    together: Int32s  # (paces, paces) the pace of those who go together
+    weights: Ints  # (4,) in steps: of makespan and ends, the divisor, and if there are prices
+
+
+def near_of(tasks: int) -> int:
+    """Return how many tasks are near to each of so many."""
+    return min(tasks - 1, max(FEWEST_NEAR, min(MOST_NEAR, tasks // NEAR_SHARE)))
+
+
+class StepRules(NamedTuple):
+    """What a mission in steps has beside its coalition problem; robots of a team are in a row."""
+
+    ready: Ints  # (places - tasks,) when the robots at each depot are free
+    lost: Ints  # (robots,) the step in which each is lost, if that is known; alike in a kind
+    together: Int32s  # (paces, paces) the pace of those who go together
+    prices: Prices  # if more than the makespan counts
+    near: int  # how many tasks are near to each
+    habits: tuple[int, ...]
+    passed: Int32s  # (ways + 1,) as in ArcProblem
+    passes: Int32s
+
+
+def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = None) -> ArcProblem:
+    """Return a coalition problem as one of arcs; `near` tasks are near to each.
+
+    Robots are of a type if they bring the same; of a kind if they are as fast and go home to the
+    same place, too.
+    """
+    asked = problem.needs.max(axis=0, initial=0) > 0
+    _, first = np.unique(problem.kind, return_index=True)
+    brings = problem.counts[first][:, asked]  # (kinds, caps)
+    first_kind, kind_type = different_rows(brings)
+    kinds = np.zeros(len(first), KIND).view(np.recarray)
+    kinds.pace, kinds.type = problem.pace[first], kind_type
+    kinds.lost = NEVER if steps is None else steps.lost[first]
+    needs, _ = different_needs(problem)
+    takes = least_durations(problem, steps) + problem.slower  # (paces, tasks)
+    counts = brings[first_kind]
+    number = np.bincount(kind_type[problem.kind], minlength=len(counts)).astype(np.int32)
+    useful, covers, listed = list_covers(counts, number, needs)
+    return ArcProblem(
+        ways=problem.ways,
+        ways_to=np.ascontiguousarray(
+            np.concatenate([problem.ways.transpose(0, 2, 1), takes[:, :, None]], axis=2)
+        ),
+        home=problem.home,
+        site=problem.site,
+        kinds=kinds,
+        origin=problem.origin,
+        kind=problem.kind,
+        mixed=_mixed(problem),
+        counts=np.ascontiguousarray(counts, np.int32),
+        needs=needs,
+        useful=useful,
+        covers=covers,
+        listed=listed,
+        near=near_tasks(problem.ways[0], near),
+        before=problem.before,
+        after=problem.after,
+        forming=problem.forming,
+        most=np.array([most_seats(problem)]),
+        habits=np.array(_habits(problem, steps), np.int32),
+        passed=np.zeros(1, np.int32) if steps is None else steps.passed,
+        passes=np.zeros(0, np.int32) if steps is None else steps.passes,
+        together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
+        weights=_weights(len(problem.needs), steps),
+    )
+
+
+@kernel
+def takes_with(problem: ArcProblem, pace: int, task: int) -> int:
+    """Return how long a task takes at least where somebody of a pace takes part."""
+    return problem.ways_to[pace, task, problem.ways.shape[1]]
+
+
+def least_durations(problem: CoalitionProblem, steps: StepRules | None = None) -> Ints:
+    """Return how long tasks take with the fastest coalition, (tasks,).
+
+    In continuous time what takes no time takes a tick, so that all that follows starts later.
+    """
+    return np.maximum(problem.duration, 1 if steps is None else 0)
+
+
+def _weights(tasks: int, steps: StepRules | None) -> Ints:
+    """Return the weights of makespan and ends in what a search in steps goes by, and the divisor.
+
+    The ends of tasks only lead the search: so plans of one makespan differ.
+    """
+    if steps is None:
+        return np.array([1, 0, 1, 0])
+    if len(steps.prices.due) > 0:
+        return np.array([steps.prices.whole[0], SMOOTH_IF_PRICED, SHARES * tasks, 1])
+    return np.array([100 * tasks, steps.habits[SMOOTH], 100 * tasks, 0])
+
+
+def _habits(problem: CoalitionProblem, steps: StepRules | None) -> tuple[int, ...]:
+    if steps is not None:
+        return steps.habits
+    return WITH_SPARES if problem.spares > 0 else CONTINUOUS
+
+
+def _mixed(problem: CoalitionProblem) -> Int32s:
+    """Return the first robots of all kinds, then the second ones, and so on."""
+    columns = problem.like.T.ravel()
+    return columns[columns != NOBODY]
+
+
+def different_needs(problem: CoalitionProblem) -> tuple[Int32s, Int32s]:
+    """Return the different needs, and which of them each task has."""
+    asked = problem.needs.max(axis=0, initial=0) > 0
+    needs = problem.needs[:, asked]
+    first, number = different_rows(needs)
+    return np.ascontiguousarray(needs[first]), number
+
+
+def most_seats(problem: CoalitionProblem) -> int:
+    """Return how many robots come to a task at most: all that it may need, and spares."""
+    return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1) + problem.spares))
+
+
+def near_tasks(ways: Ints, count: int) -> Int32s:
+    """Return the `count` tasks nearest to each, nearest first; ways are (places, tasks)."""
+    tasks = ways.shape[1]
+    count = min(count, tasks - 1)
+    near = np.zeros((tasks, count), np.int32)
+    for task in range(tasks):
+        there = ways[task] + ways[:tasks, task]  # there and back: ways may differ by direction
+        there[task] = np.iinfo(np.int64).max
+        near[task] = np.argsort(there, kind="stable")[:count]
+    return near

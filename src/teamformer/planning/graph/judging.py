@@ -1,0 +1,357 @@
+"""Judging a change of arcs: times are worked out anew only as far as they change.
+
+A change is made in place, and a log keeps what was before. Tasks whose arcs in have changed are on
+an agenda, by their keys. The first is taken from it and timed. If it ends at another time than
+before, those that follow it are put on the agenda. A change that is refused is undone from the log;
+after one that is accepted keys and tails are worked out.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.base.array_types import Int32s, Ints
+from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.arc_problem import ArcProblem, Records
+from teamformer.planning.graph.graph import (
+    AIM,
+    BACK_SUM,
+    COST,
+    END_SUM,
+    LATEST,
+    MAKESPAN,
+    PRICE,
+    Graph,
+    aim_of,
+    back_of,
+    cost_of,
+    is_in_steps,
+    priced,
+    start_of,
+    tail_of,
+    takes,
+)
+from teamformer.planning.graph.meeting import TICKS, find_way, plan_ways
+from teamformer.planning.problem.coalition_problem import NOBODY
+
+ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
+WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
+
+PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN, DURATION = range(9)
+"""What an entry of the log has changed."""
+
+ARRIVING, PARTING = 1, 2
+"""What is to be worked out of a node on the agenda: its start, or in steps also who leaves when."""
+
+LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED, AIMED = range(8)
+"""Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
+key of a node whose arcs out, or duration, have changed: behind it tails still hold; the seats by
+which what the makespan hangs on comes to the task at hand and leaves it, or NOBODY; the length of
+the chain, or NOBODY if the plan has changed since it was listed; and the aim of the graph with the
+change."""
+
+
+class Trial(NamedTuple):
+    """A change at hand."""
+
+    number: Ints  # (8,)
+    log: Records  # ENTRY
+    agenda: Records  # (tasks + 1,) WAITING, latest first
+    homes: Int32s  # (robots,) homes whose arc in, or its begin, has changed
+    is_listed: Int32s  # (robots,) whether a home is among them
+    chain: Int32s  # (tasks, 3) tasks that the makespan hangs on, each with COMES_BY and LEAVES_BY
+
+
+def empty_trial(graph: Graph, timed_again: int = 0) -> Trial:
+    """Return room for a change; `timed_again` is how often tasks may be timed more than once."""
+    room = 10 * len(graph.seats) + 5 * len(graph.nodes) + len(graph.back) + timed_again
+    number = np.zeros(8, np.int64)
+    number[CHAINED] = NOBODY
+    return Trial(
+        number=number,
+        log=np.zeros(room, ENTRY).view(np.recarray),
+        agenda=np.zeros(len(graph.nodes) + 1, WAITING).view(np.recarray),
+        homes=np.zeros(len(graph.back), np.int32),
+        is_listed=np.zeros(len(graph.back), np.int32),
+        chain=np.zeros((len(graph.order), 3), np.int32),
+    )
+
+
+@kernel
+def begin_trial(trial: Trial) -> None:
+    """Begin a change."""
+    trial.number[LOGGED] = 0
+    trial.number[WAITS] = 0
+    trial.number[HOMES] = 0
+    trial.number[PAST] = -1
+
+
+@kernel
+def record(trial: Trial, what: int, index: int, old: int) -> None:
+    """Write into the log what something was before."""
+    entry = trial.number[LOGGED]
+    trial.log[entry].what = what
+    trial.log[entry].index = index
+    trial.log[entry].old = old
+    trial.number[LOGGED] = entry + 1
+
+
+@kernel
+def connect(graph: Graph, trial: Trial, seat: int, to: int) -> None:
+    """Lead the arc that leaves a seat to another; what comes after it will be timed."""
+    seats, nodes = graph.seats, graph.nodes
+    record(trial, NEXT, seat, seats[seat].next)
+    record(trial, PREV, to, seats[to].prev)
+    seats[seat].next = to
+    seats[to].prev = seat
+    trial.number[PAST] = max(trial.number[PAST], nodes[seats[seat].node].key)
+    follow(graph, trial, to)
+    if is_in_steps(graph):
+        node = seats[seat].node
+        if not nodes[node].is_waiting:
+            wait(graph, trial, node, nodes[node].key)
+        nodes[node].is_waiting = PARTING
+
+
+@kernel
+def follow(graph: Graph, trial: Trial, seat: int) -> None:
+    """Have the task or home of a seat timed."""
+    node = graph.seats[seat].node
+    if node == len(graph.nodes) - 1:
+        robot = seat - (len(graph.seats) - len(graph.back))
+        if not trial.is_listed[robot]:
+            trial.is_listed[robot] = 1
+            trial.homes[trial.number[HOMES]] = robot
+            trial.number[HOMES] += 1
+    elif not graph.nodes[node].is_waiting:
+        wait(graph, trial, node, graph.nodes[node].key)
+
+
+@kernel
+def wait(graph: Graph, trial: Trial, task: int, key: int) -> None:
+    """Put a task on the agenda: it is short, so that room is made by shifting."""
+    agenda, place = trial.agenda, trial.number[WAITS]
+    while place > 0 and agenda[place - 1].key < key:
+        agenda[place].key = agenda[place - 1].key
+        agenda[place].task = agenda[place - 1].task
+        place -= 1
+    agenda[place].key = key
+    agenda[place].task = task
+    trial.number[WAITS] += 1
+    graph.nodes[task].is_waiting = ARRIVING
+
+
+@kernel
+def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bool:
+    """Time what has changed; stop if some chain is longer than the limit, and say if none is."""
+    number, nodes = trial.number, graph.nodes
+    while number[WAITS] > 0:
+        number[WAITS] -= 1
+        task = trial.agenda[number[WAITS]].task
+        node = nodes[task]
+        is_parting = node.is_waiting == PARTING
+        node.is_waiting = 0
+        start, end, is_fit = 0, node.end, True
+        if task < len(problem.near):
+            if node.is_load:
+                is_fit = fit_duration(problem, graph, trial, task)
+            start = start_of(problem, graph, task, node.first)
+            end = start + node.duration
+        if end == node.end and is_fit and not is_parting:
+            continue
+        if node.key > number[PAST] and start + node.tail > limit:
+            return False
+        if end != node.end:
+            record(trial, END, task, node.end)
+            node.end = end
+        if is_in_steps(graph):
+            _send_on(problem, graph, trial, task)
+            continue
+        follow_on(problem, graph, trial, task)
+    return True
+
+
+@kernel
+def fit_duration(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> bool:
+    """Have a load take as long as it does with its coalition; say whether it did before."""
+    node = graph.nodes[task]
+    duration = takes(problem, graph, task)
+    if duration == node.duration:
+        return True
+    record(trial, DURATION, task, node.duration)
+    node.duration = duration
+    trial.number[PAST] = max(trial.number[PAST], node.key)
+    return False
+
+
+@kernel
+def follow_on(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> None:
+    """Have all timed that follows a task: where its robots go, and what it must come before."""
+    node = graph.nodes[task]
+    for seat in range(node.first, node.first + node.taken):
+        follow(graph, trial, graph.seats[seat].next)
+    if node.has_links:
+        _follow_links(problem, graph, trial, task)
+
+
+@kernel
+def _follow_links(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> None:
+    """Have the tasks timed that a task must come before."""
+    for other in problem.after[task]:
+        if other == NOBODY:
+            break
+        if not graph.nodes[other].is_waiting:
+            wait(graph, trial, other, graph.nodes[other].key)
+
+
+@kernel
+def _send_on(problem: ArcProblem, graph: Graph, trial: Trial, node: int) -> None:
+    """Work out when those who leave a node are at their next ones, and have those timed.
+
+    What starts in the same step has its turn after the node, which may have changed.
+    """
+    nodes, record_of = graph.nodes, graph.nodes[node]
+    count, step = plan_ways(problem, graph, node), (record_of.end - record_of.duration) // TICKS
+    for seat in range(record_of.first, record_of.first + record_of.taken):
+        head = graph.seats[seat].next
+        to = graph.seats[head].node
+        comes = graph.ways[find_way(graph, to, count)].comes
+        if comes != graph.comes[seat]:
+            record(trial, COMES, seat, graph.comes[seat])
+            graph.comes[seat] = comes
+        elif to < len(nodes) - 1 and (nodes[to].end - nodes[to].duration) // TICKS > step:
+            continue
+        follow(graph, trial, head)
+    if record_of.has_links:
+        _follow_links(problem, graph, trial, node)
+
+
+@kernel
+def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
+    """Time the homes, and return what the plan costs now; `total` stays until it is accepted."""
+    number, back, total = trial.number, graph.back, graph.total
+    makespan, back_sum, price, end_sum = 0, total[BACK_SUM], total[PRICE], total[END_SUM]
+    is_latest_changed = False
+    for index in range(number[HOMES]):
+        robot = trial.homes[index]
+        trial.is_listed[robot] = 0
+        now = back_of(problem, graph, robot)
+        old = back[robot]
+        if now != old:
+            is_latest_changed |= robot == total[LATEST]
+            record(trial, BACK, robot, old)
+            back[robot] = now
+            back_sum += now - old
+            makespan = max(makespan, now)
+    number[HOMES] = 0
+    if not is_latest_changed:
+        makespan = max(makespan, total[MAKESPAN])
+    elif makespan < total[MAKESPAN]:
+        for robot in range(len(back)):
+            makespan = max(makespan, back[robot])
+    for entry in range(number[LOGGED]):
+        if trial.log[entry].what == END:
+            task, old_end = trial.log[entry].index, trial.log[entry].old
+            end, worth = graph.nodes[task].end, graph.worth[task]
+            end_sum += end - old_end
+            price += priced(worth, end) - priced(worth, old_end)
+    number[AIMED] = aim_of(problem, graph, makespan, price)
+    return cost_of(problem, graph, makespan, back_sum, end_sum, price)
+
+
+@kernel
+def undo(graph: Graph, trial: Trial) -> None:
+    """Make all as it was before the change."""
+    number, seats = trial.number, graph.seats
+    for place in range(number[WAITS]):
+        graph.nodes[trial.agenda[place].task].is_waiting = 0
+    for index in range(number[HOMES]):
+        trial.is_listed[trial.homes[index]] = 0
+    for entry in range(number[LOGGED] - 1, -1, -1):
+        index, old = trial.log[entry].index, trial.log[entry].old
+        if trial.log[entry].what == END:
+            graph.nodes[index].end = old
+        elif trial.log[entry].what == NEXT:
+            seats[index].next = old
+        elif trial.log[entry].what == PREV:
+            seats[index].prev = old
+        elif trial.log[entry].what == COMES:
+            graph.comes[index] = old
+        elif trial.log[entry].what == KIND:
+            seats[index].kind = old
+        elif trial.log[entry].what == KEY:
+            graph.nodes[index].key = old
+        elif trial.log[entry].what == TAKEN:
+            graph.nodes[index].taken = old
+        elif trial.log[entry].what == DURATION:
+            graph.nodes[index].duration = old
+        else:
+            graph.back[index] = old
+
+
+@kernel
+def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
+    """Give tasks the keys of their starts and their tails, from the latest one backwards."""
+    number, nodes, seats = trial.number, graph.nodes, graph.seats
+    total, back = graph.total, graph.back
+    total[AIM], total[COST] = number[AIMED], cost
+    number[CHAINED] = NOBODY
+    is_latest_changed = False
+    for place in range(number[LOGGED]):
+        index, old = trial.log[place].index, trial.log[place].old
+        if trial.log[place].what == END:
+            node, worth = nodes[index], graph.worth[index]
+            node.key = 2 * (node.end - node.duration) + 1
+            total[END_SUM] += node.end - old
+            total[PRICE] += priced(worth, node.end) - priced(worth, old)
+        elif trial.log[place].what == BACK:
+            total[BACK_SUM] += back[index] - old
+            is_latest_changed |= index == total[LATEST]
+            if back[index] > total[MAKESPAN]:
+                total[MAKESPAN] = back[index]
+                total[LATEST] = index
+    if is_latest_changed:
+        latest = 0
+        for robot in range(len(back)):
+            if back[robot] > back[latest]:
+                latest = robot
+        total[LATEST] = latest
+        total[MAKESPAN] = back[latest]
+    for place in range(number[LOGGED]):
+        is_longer = trial.log[place].what == DURATION
+        if is_longer or trial.log[place].what == NEXT:
+            node = trial.log[place].index
+            if not is_longer:
+                node = seats[node].node
+            if node < len(problem.near) and not nodes[node].is_waiting:
+                nodes[node].key = 2 * (nodes[node].end - nodes[node].duration) + 1
+                wait(graph, trial, node, -nodes[node].key)
+    hang_tails(problem, graph, trial)
+
+
+@kernel
+def hang_tails(problem: ArcProblem, graph: Graph, trial: Trial) -> None:
+    """Work out the tails of the tasks on the agenda, which has them by falling keys."""
+    number, nodes, seats = trial.number, graph.nodes, graph.seats
+    most, tasks = problem.most[0], len(problem.near)
+    while number[WAITS] > 0:
+        number[WAITS] -= 1
+        task = trial.agenda[number[WAITS]].task
+        node = nodes[task]
+        node.is_waiting = 0
+        tail = tail_of(problem, graph, task, task * most)
+        if tail == node.tail:
+            continue
+        node.tail = tail
+        for seat in range(task * most, task * most + node.taken):
+            other = seats[seats[seat].prev].node
+            if other < tasks and not nodes[other].is_waiting:
+                wait(graph, trial, other, -nodes[other].key)
+        if node.has_links:
+            for other in problem.before[task]:
+                if other == NOBODY:
+                    break
+                if not nodes[other].is_waiting:
+                    wait(graph, trial, other, -nodes[other].key)

@@ -1,0 +1,94 @@
+"""The coalition problem with links between the starts of tasks, and with weights for a cost.
+
+Tasks that are linked, directly or by others, form a group: they are planned together, and start at
+once or so many ticks after one another as their gaps say. Two that are linked directly are done by
+different robots. All other tasks are groups of one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.base.array_types import Floats, Int32s, Ints
+from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.problem.schedule import SPREAD
+
+FREE = -NEVER
+"""A gap that says nothing."""
+
+MAKESPAN, HOME, TRAVEL, TARDINESS, MAX_TARDINESS, COMPLETION = range(6)
+"""What is known of a plan: when the last robot is home, when all are home, added up, their time
+on the way, by how much tasks are late, added up by weight, by how much the latest one is, and when
+tasks end, added up by weight. Plans are judged by all but HOME, which only leads a search."""
+
+PARTS = 6
+
+PART_OF = {
+    "makespan": MAKESPAN,
+    "travel": TRAVEL,
+    "tardiness": TARDINESS,
+    "max_tardiness": MAX_TARDINESS,
+    "completion": COMPLETION,
+}
+"""The parts of the cost by their names in mission files."""
+
+
+class Link(NamedTuple):
+    """A task starts so many ticks after another starts, `least` to `most`."""
+
+    task: int
+    other: int
+    least: int
+    most: int
+
+
+class LinkedProblem(NamedTuple):
+    """A coalition problem with its groups, gaps and weights."""
+
+    base: CoalitionProblem
+    group: Int32s  # (tasks,) the group of each
+    members: Int32s  # (groups, most) the tasks of each group, then NOBODY
+    gap: Ints  # (tasks, tasks) [i, j]: j starts no sooner than so many ticks after i, or FREE
+    weight: Floats  # (PARTS,)
+    task_weight: Floats  # (tasks,)
+
+
+def is_bounded(problem: LinkedProblem) -> bool:
+    """Say whether a bound of the makespan says something of plans in which nothing is late.
+
+    Loads that are linked are carried as slowly as can be (`continuous_mission`): bounds may then
+    be too high.
+    """
+    is_free = bool((problem.gap == FREE).all())
+    weight = problem.weight
+    return is_free and weight[MAKESPAN] > 0 and weight[TRAVEL] == weight[COMPLETION] == 0
+
+
+def link_problem(
+    base: CoalitionProblem,
+    links: Sequence[Link],
+    weight: Mapping[int, float],
+    task_weight: npt.ArrayLike | None = None,
+) -> LinkedProblem:
+    """Return a problem with its links worked out; parts that have no weight do not count."""
+    tasks, weights = len(base.needs), np.zeros(PARTS)
+    weights[list(weight)] = list(weight.values())
+    weights[HOME] = weights[MAKESPAN] / (SPREAD * len(base.counts))
+    gap = np.full((tasks, tasks), FREE)
+    leader = list(range(tasks))
+    for task, other, least, most in links:
+        gap[other, task] = max(gap[other, task], least)
+        gap[task, other] = max(gap[task, other], -most)
+        old, new = sorted((leader[task], leader[other]), reverse=True)
+        leader = [new if one == old else one for one in leader]
+    groups = [[t for t in range(tasks) if leader[t] == one] for one in dict.fromkeys(leader)]
+    members = np.full((len(groups), 1 + max(map(len, groups))), NOBODY, np.int32)
+    group = np.zeros(tasks, np.int32)
+    for number, found in enumerate(groups):
+        members[number, : len(found)], group[found] = found, number
+    by_task = np.ones(tasks) if task_weight is None else np.asarray(task_weight, np.float64)
+    return LinkedProblem(base, group, members, gap, weights, by_task)

@@ -1,0 +1,54 @@
+"""What plans of missions in steps are searched by, where more counts than the makespan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from teamformer.base.array_types import Ints
+from teamformer.mission.checks.costs import judged_by
+from teamformer.mission.model import Scenario, Task
+from teamformer.world.rules.constants import NEVER
+
+SHARES = 3200
+"""What a step of everything costs, for each task: how finely prices are told apart."""
+
+SMOOTH = 16
+"""What a step of the end of any task costs a search beside its price: it leads out of plateaus."""
+
+
+class Prices(NamedTuple):
+    """Prices of a step, whole numbers; no arrays have an entry where the makespan alone counts."""
+
+    due: Ints  # (tasks,) the step in which each has to be done
+    late: Ints  # (tasks,) of each step that it is late
+    ends: Ints  # (tasks,) of each step until its end
+    whole: Ints  # (2,) of each step of the makespan, and of each that the latest task is late
+
+
+def prices_of(scenario: Scenario, tasks: Sequence[Task]) -> Prices:
+    """Return the prices of plans for some tasks of a mission; none if its makespan alone counts."""
+    weights = judged_by(scenario)
+    if weights is None or not tasks:
+        nothing = np.zeros(0, np.int64)
+        return Prices(nothing, nothing, nothing, nothing)
+    by_task = np.array([task.weight for task in tasks])
+    wanted = {part: weights.get(part, 0.0) for part in
+              ("makespan", "max_tardiness", "tardiness", "completion")}  # fmt: skip
+    of_tasks = (wanted["tardiness"] + wanted["completion"]) * by_task.sum()
+    everything = wanted["makespan"] + wanted["max_tardiness"] + of_tasks
+    step = SHARES * len(tasks) / everything
+
+    def price(weight: npt.ArrayLike) -> Ints:
+        return np.rint(step * np.asarray(weight)).astype(np.int64)
+
+    due = [NEVER if task.between is None else int(task.between[1]) for task in tasks]
+    return Prices(
+        due=np.array(due, np.int64),
+        late=price(wanted["tardiness"] * by_task),
+        ends=price(wanted["completion"] * by_task),
+        whole=price([wanted["makespan"], wanted["max_tardiness"]]),
+    )

@@ -1,0 +1,181 @@
+"""A plan and its times: tasks in their order, each when its coalition is there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from teamformer.base.array_types import Int32s, Ints
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.mission.checks.costs import LATENESS
+from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem, without_spares
+
+if TYPE_CHECKING:
+    from teamformer.base.array_types import Array
+
+SPREAD = 20
+"""The mean time at which robots are home weighs this many times less than the last one."""
+
+MAKESPAN, COST, BACK_SUM, LATE = range(4)
+
+
+class CoalitionPlan(NamedTuple):
+    """Which tasks are done in what order, by whom."""
+
+    order: Int32s  # (tasks,)
+    coalition: Int32s  # (tasks, robots) the first `size` of them
+    size: Int32s  # (tasks,)
+
+
+class Schedule(NamedTuple):
+    """A plan, timed."""
+
+    plan: CoalitionPlan
+    rank: Int32s  # (tasks,) positions in the order
+    last: Int32s  # (tasks + 1, robots) where each robot is before a position of the order
+    start: Ints  # (tasks,)
+    end: Ints  # (places,) 0 for the places where robots start
+    total: Ints  # (4,) makespan, cost, sum of the times at home, lateness
+
+
+def empty_plan(problem: CoalitionProblem) -> CoalitionPlan:
+    """Return a plan in which nobody does anything."""
+    tasks, robots = len(problem.needs), len(problem.counts)
+    return CoalitionPlan(
+        np.arange(tasks, dtype=np.int32),
+        np.full((tasks, robots), NOBODY, np.int32),
+        np.zeros(tasks, np.int32),
+    )
+
+
+def empty_schedule(problem: CoalitionProblem) -> Schedule:
+    """Return room for a plan and its times."""
+    tasks, robots = len(problem.needs), len(problem.counts)
+    return Schedule(
+        plan=empty_plan(problem),
+        rank=np.arange(tasks, dtype=np.int32),
+        last=np.zeros((tasks + 1, robots), np.int32),
+        start=np.zeros(tasks, np.int64),
+        end=np.zeros(problem.ways.shape[1], np.int64),
+        total=np.zeros(4, np.int64),
+    )
+
+
+@entry
+def copy_plan(plan: CoalitionPlan, into: CoalitionPlan) -> None:
+    """Overwrite a plan with another."""
+    into.order[:] = plan.order
+    into.coalition[:] = plan.coalition
+    into.size[:] = plan.size
+
+
+@entry
+def time_plan(problem: CoalitionProblem, schedule: Schedule) -> None:
+    """Work out the times of the plan that stands, and what it costs."""
+    for robot in range(len(problem.origin)):
+        schedule.last[0, robot] = problem.origin[robot]
+    for position in range(len(schedule.rank)):
+        time_one(problem, schedule, position)
+    sum_up(problem, schedule)
+
+
+def with_seats(problem: CoalitionProblem, plan: CoalitionPlan, most: int) -> CoalitionPlan:
+    """Return a plan in which no task has more than so many robots, but for those that it needs."""
+    if (plan.size <= most).all():
+        return plan
+    seated = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
+    for task in np.flatnonzero(plan.size > most).tolist():
+        kept = without_spares(problem, task, plan.coalition[task, : plan.size[task]].tolist(), most)
+        seated.size[task], seated.coalition[task, : len(kept)] = len(kept), kept
+    return seated
+
+
+def without_riders(
+    problem: CoalitionProblem, plan: CoalitionPlan, cost_of: Callable[[CoalitionPlan], Any]
+) -> CoalitionPlan:
+    """Return a plan without the robots that a task can be done without, where it costs no more."""
+    if problem.spares == 0:
+        return plan
+    cost = cost_of(plan)
+    for task in plan.order.tolist():
+        for robot in plan.coalition[task, : plan.size[task]][::-1].tolist():
+            crew = plan.coalition[task, : plan.size[task]]
+            rest = crew[crew != robot]
+            if (problem.counts[rest].sum(axis=0) < problem.needs[task]).any():
+                continue
+            fewer = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
+            fewer.size[task], fewer.coalition[task, : len(rest)] = len(rest), rest
+            if cost_of(fewer) <= cost:
+                plan, cost = fewer, cost_of(fewer)
+    return plan
+
+
+def schedule_of(problem: CoalitionProblem, plan: CoalitionPlan) -> Schedule:
+    """Return a plan with its times."""
+    schedule = empty_schedule(problem)
+    copy_plan(plan, schedule.plan)
+    time_plan(problem, schedule)
+    return schedule
+
+
+@kernel
+def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> None:
+    """Time the task at a position of the order."""
+    task, last, end = schedule.plan.order[position], schedule.last, schedule.end
+    start, there, comes_apart = released(problem, end, task), 0, False
+    slower = 0
+    copy_row(last, position, position + 1)
+    for seat in range(schedule.plan.size[task]):
+        robot = schedule.plan.coalition[task, seat]
+        place = last[position, robot]
+        there = max(there, end[place] + problem.ways[problem.pace[robot], place, task])
+        first = last[position, schedule.plan.coalition[task, 0]]
+        comes_apart |= problem.site[place] != problem.site[first]
+        slower = max(slower, problem.slower[problem.pace[robot], task])
+        last[position + 1, robot] = task
+    start = max(start, there + problem.forming[0] * comes_apart)
+    schedule.rank[task] = position
+    schedule.start[task] = start
+    end[task] = start + problem.duration[task] + slower
+
+
+@kernel
+def copy_row(table: Array, row: int, into: int) -> None:
+    """Copy a row of a table over another; slices of one array would be copied twice."""
+    for column in range(table.shape[1]):
+        table[into, column] = table[row, column]
+
+
+@kernel
+def released(problem: CoalitionProblem, end: Array, task: int) -> int:
+    """Return when a task may start, whoever is there."""
+    start = problem.release[task]
+    if problem.before[task, 0] != NOBODY:
+        for other in problem.before[task]:
+            if other == NOBODY:
+                break
+            start = max(start, end[other])
+    return start
+
+
+@kernel
+def sum_up(problem: CoalitionProblem, schedule: Schedule) -> None:
+    """Work out the makespan and the cost of a plan that is timed."""
+    total, tasks, robots = schedule.total, len(schedule.rank), len(problem.origin)
+    total[MAKESPAN] = total[BACK_SUM] = total[LATE] = 0
+    for robot in range(robots):
+        place = schedule.last[tasks, robot]
+        back = schedule.end[place] + problem.home[problem.kind[robot], place]
+        total[BACK_SUM] += back
+        total[MAKESPAN] = max(total[MAKESPAN], back)
+    for task in range(tasks):
+        total[LATE] += max(0, schedule.end[task] - problem.due[task])
+    total[COST] = cost_of(total[MAKESPAN], total[BACK_SUM], total[LATE], robots)
+
+
+@kernel
+def cost_of(makespan: int, back_sum: int, late: int, robots: int) -> int:
+    """Return what a plan costs, in ticks."""
+    return makespan + back_sum // (SPREAD * robots) + LATENESS * late

@@ -1,0 +1,73 @@
+"""What a critical path consists of: stretches of time, each with somebody who does something."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from teamformer.mission.model import Scenario
+from teamformer.record.phases import PHASES
+from teamformer.world.rules.constants import NOBODY
+
+NOT_TO_BE_DONE = ("unknown", "closed", "linked")
+UNKNOWN, CLOSED, LINKED = NOT_TO_BE_DONE
+DOINGS = (*PHASES, *NOT_TO_BE_DONE)
+"""Until a task is known (`unknown`) or may begin (`closed`), what robots do does not matter.
+
+A `linked` stretch lies between the starts of two tasks in continuous time; it is negative where the
+later one decides when the earlier one starts.
+"""
+
+DIGITS = 6
+"""Places after the point that are told of a time."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a critical path: what is done from one moment to another, by whom, for which task.
+
+    Times are in steps made, in continuous time in the mission's unit. `robot` and `task` are
+    numbers, or NOBODY where there is none.
+    """
+
+    begin: float
+    end: float
+    doing: str  # one of DOINGS
+    robot: int = NOBODY
+    task: int = NOBODY
+
+
+def in_order(backwards: Iterable[Stretch]) -> tuple[Stretch, ...]:
+    """Return stretches that were found from the end to the start in the order of time.
+
+    Empty ones are left out; neighbours in which the same is done become one.
+    """
+    path: list[Stretch] = []
+    for found in backwards:
+        if found.begin == found.end:
+            continue
+        last = path[-1] if path else None
+        if last is not None and _is_same(last, found) and last.begin == found.end:
+            path[-1] = Stretch(found.begin, last.end, found.doing, found.robot, found.task)
+        else:
+            path.append(found)
+    return tuple(reversed(path))
+
+
+def _is_same(one: Stretch, other: Stretch) -> bool:
+    return (one.doing, one.robot, one.task) == (other.doing, other.robot, other.task)
+
+
+def path_rows(mission: Scenario, path: Sequence[Stretch]) -> list[dict[str, Any]]:
+    """Return what `--json` prints of a critical path: a row for each stretch, with names."""
+    return [
+        {
+            "from": round(stretch.begin, DIGITS),
+            "to": round(stretch.end, DIGITS),
+            "doing": stretch.doing,
+            "robot": None if stretch.robot == NOBODY else mission.robots[stretch.robot].name,
+            "task": None if stretch.task == NOBODY else mission.tasks[stretch.task].name,
+        }
+        for stretch in path
+    ]

@@ -1,0 +1,148 @@
+"""A record as tables for spreadsheets: robots, tasks, events and the bars of a Gantt chart."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from teamformer.mission.keys.key import Key
+from teamformer.mission.keys.robot_keys import ROBOT_KEYS
+from teamformer.mission.keys.task_keys import TASK_KEYS
+from teamformer.mission.model import Task
+from teamformer.mission.parts.capabilities import describe
+from teamformer.record.export.events import events
+from teamformer.record.export.moments import Moment, moments
+from teamformer.record.export.services import begun_steps
+from teamformer.record.phases import PHASES
+from teamformer.record.record import Replay
+from teamformer.record.task_times import cancelled_steps, known_steps, lateness
+from teamformer.world.rules.constants import NEVER, NOBODY
+
+Row = Sequence[object]
+
+
+def write_tables(replay: Replay, folder: Path) -> tuple[Path, ...]:
+    """Write `robots.csv`, `tasks.csv`, `events.csv` and `gantt.csv` into a folder."""
+    seen = list(moments(replay))
+    tables = {
+        "robots": _robots(replay, seen),
+        "tasks": _tasks(replay),
+        "events": _events(replay),
+        "gantt": _bars(replay, seen),
+    }
+    return tuple(_write(folder / f"{name}.csv", rows) for name, rows in tables.items())
+
+
+def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
+    """Yield each robot with the steps it spent in each phase."""
+    places = ("x", "y", "lost_in_step", "back_in_step")
+    robots = replay.scenario.robots
+    more = _in_details(ROBOT_KEYS, robots)
+    yield ("robot", "capabilities", "speed", "moves", *places, *PHASES, *(key.name for key in more))
+    lost = _steps_by_robot(step.lost for step in replay.steps)
+    back = _steps_by_robot(step.back for step in replay.steps)
+    for number, robot in enumerate(robots):
+        steps = Counter(moment.phase[number] for moment in seen[1:])
+        spent = [steps[phase] for phase in PHASES]
+        can = describe(robot.can)
+        away = (lost.get(number, ""), back.get(number, ""))
+        moves = "air" if robot.flies else "ground"
+        said = (getattr(robot, key.field) for key in more)
+        yield (robot.name, can, robot.speed, moves, *robot.at, *away, *spent, *said)
+
+
+def _in_details(keys: Sequence[Key], things: Sequence[object]) -> list[Key]:
+    """Return the keys that details show, such as notes, if some thing has them."""
+    shown = (key for key in keys if key.is_in_details)
+    return [key for key in shown if any(getattr(thing, key.field) for thing in things)]
+
+
+def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str]:
+    """Return for each robot that something happens to in which steps that is."""
+    steps: dict[int, str] = {}
+    for number, robots in enumerate(robots_of_steps, start=1):
+        for robot in robots:
+            steps[robot] = f"{steps[robot]}; {number}" if robot in steps else str(number)
+    return steps
+
+
+WANTED = (
+    *("task", "needs", "x", "y", "duration", "to_x", "to_y", "unload"),
+    *("after", "not_before", "due"),
+)
+BECAME = ("appears", "cancelled_in_step", "begun_in_step", "done_in_step", "late_by", "done_by")
+"""Columns of tasks: what each is, and what became of it; between them is what details show."""
+
+
+def _tasks(replay: Replay) -> Iterable[Row]:
+    """Yield what each task is, and what became of it."""
+    more = _in_details(TASK_KEYS, replay.mission.tasks)
+    yield (*WANTED, *(key.name for key in more), *BECAME)
+    done = {event.task: event for event in events(replay) if event.kind == "done"}
+    known, late = known_steps(replay), lateness(replay)
+    begun, cancelled = begun_steps(replay), cancelled_steps(replay)
+    for number, task in enumerate(replay.mission.tasks):
+        event = done.get(number)
+        who = () if event is None else (_name(replay, robot) for robot in event.robots)
+        appears = "" if known[number] == NEVER else known[number]
+        called_off, began = cancelled.get(number, ""), begun.get(number, "")
+        end = ("" if event is None else event.step, late.get(task.name, ""), ", ".join(who))
+        said = (getattr(task, key.field) for key in more)
+        yield (*_wanted(task), *said, appears, called_off, began, *end)
+
+
+def _wanted(task: Task) -> Row:
+    """Return what the mission says of a task."""
+    to = ("", "", "") if task.to is None else (*task.to, task.unload)
+    after, window = ", ".join(task.after), task.between or ("", "")
+    return (task.name, describe(task.needs), *task.at, task.duration, *to, after, *window)
+
+
+def _events(replay: Replay) -> Iterable[Row]:
+    yield ("step", "seconds", "kind", "robots", "task", "text")
+    length = replay.scenario.seconds_a_step
+    for event in events(replay):
+        names = ", ".join(_name(replay, robot) for robot in event.robots)
+        task = "" if event.task is None else replay.scenario.tasks[event.task].name
+        seconds = round(event.step * length, 6)
+        yield (event.step, seconds, event.kind, names, task, event.text(replay.mission))
+
+
+def _bars(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
+    """Yield each robot's runs of one phase and task, between the ends of two steps."""
+    yield ("robot", "phase", "task", "from_step", "to_step")
+    for robot in range(len(replay.scenario.robots)):
+        begun, doing = 0, None
+        for moment in seen[1:]:
+            now = (moment.phase[robot], _task_name(replay, moment.pursued[robot]))
+            if doing is not None and now != doing:
+                yield (_name(replay, robot), *doing, begun, moment.step - 1)
+                begun = moment.step - 1
+            doing = now
+        if doing is not None:
+            yield (_name(replay, robot), *doing, begun, seen[-1].step)
+
+
+def _name(replay: Replay, robot: int) -> str:
+    return replay.scenario.robots[robot].name
+
+
+def _task_name(replay: Replay, task: int) -> str:
+    return "" if task == NOBODY else replay.scenario.tasks[task].name
+
+
+def _write(path: Path, rows: Iterable[Row]) -> Path:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([_harmless(value) for value in row] for row in rows)
+    return path
+
+
+def _harmless(value: object) -> object:
+    """Keep spreadsheets from taking a name for a formula, by an apostrophe before it.
+
+    What begins with an apostrophe gets one more, so that who takes one away has the name.
+    """
+    is_risky = isinstance(value, str) and value[:1] in ("=", "+", "-", "@", "'")
+    return f"'{value}" if is_risky else value

@@ -1,0 +1,69 @@
+"""What a robot can be about in a step: the phases that records, tables and chains tell."""
+
+from __future__ import annotations
+
+import math
+
+from teamformer.mission.model import Scenario, Task
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.places import believed_place
+from teamformer.mission.parts.plane import Plane
+from teamformer.record.record import Replay
+from teamformer.world.rules.constants import NOBODY
+
+PHASES = (
+    *("walking", "waiting", "forming", "serving"),
+    *("loading", "carrying", "unloading"),
+    *("idle", "lost"),
+)
+WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST = PHASES
+"""A load is not served: it is loaded where it lies, carried, and unloaded where it goes."""
+
+AT_WORK = (SERVING, LOADING, CARRYING, UNLOADING)
+
+
+def phase_of(
+    is_lost: bool, has_formed: bool, work: str | None, has_moved: bool, task: int, is_there: bool
+) -> str:
+    """Return the phase of a robot in a step.
+
+    `work` is what its team does for a task, one of AT_WORK or None. `task` is what the team is
+    about, or NOBODY; `is_there` says whether it stands where that is.
+    """
+    if is_lost:
+        return LOST
+    if has_formed:
+        return FORMING
+    if work is not None:
+        return work
+    if has_moved:
+        return WALKING
+    if task == NOBODY:
+        return IDLE
+    return WAITING if is_there else WALKING
+
+
+def work_on(task: Task, is_up: bool, step: int, done_in: float) -> str:
+    """Return what a team does for a task in a step.
+
+    `is_up` says whether the load is carried, `done_in` in which step the task is done at last.
+    """
+    if task.to is None:
+        return SERVING
+    if not is_up:
+        return LOADING
+    return UNLOADING if step > done_in - task.unload else CARRYING
+
+
+def believed_places(replay: Replay) -> list[Place]:
+    """Return where each task is believed to be before anybody has looked."""
+    scenario, mission = replay.scenario, replay.mission
+    believed = [believed_place(scenario.world, task) for task in scenario.tasks]
+    return [*believed, *(task.at for task in mission.tasks[len(believed) :])]
+
+
+def is_same_place(scenario: Scenario, one: Place, other: Place) -> bool:
+    """Say whether two places are one: the same cell, or points within the arrival radius."""
+    if isinstance(scenario.world, Plane):
+        return math.dist(one, other) <= scenario.world.arrival_radius + 1e-9
+    return one == other

@@ -1,0 +1,105 @@
+"""The record of a trial: what it began with, what each step changed, how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from teamformer.mission.model import Scenario
+
+VERSION = 2
+FLEET = "fleet"
+"""The method in records of fleets, whose robots decide for themselves and keep no steps."""
+HEARD = ("beat", "facts", "plan")
+"""What the agents of a rehearsed fleet say to one another."""
+STATUSES = ("completed", "step limit", "infeasible", "interrupted")
+
+
+class TeamAt(NamedTuple):
+    """Where a team is after a step and what it heads for."""
+
+    slot: int
+    x: float  # a whole number on a grid
+    y: float
+    task: int | None
+
+
+class TaskAt(NamedTuple):
+    """Where a task is believed to be from a step on."""
+
+    task: int
+    x: float  # a whole number on a grid
+    y: float
+
+
+class SharedPlanMade(NamedTuple):
+    """A shared plan: why it was made, and who does each open task, in the order then."""
+
+    reasons: tuple[str, ...]
+    coalitions: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """What one step changed; robots, tasks and slots are numbers."""
+
+    joins: tuple[tuple[int, int], ...] = ()  # joiner, partner
+    splits: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...] = ()  # who stays, who leaves
+    lost: tuple[int, ...] = ()
+    back: tuple[int, ...] = ()  # each is a team of its own, where it was lost
+    teams: tuple[TeamAt, ...] = ()  # whose slot, place or assignment changed
+    done: tuple[tuple[int, int | None], ...] = ()
+    """Task, team that did it; of fleets also None: it is done by then, and nobody knows by whom."""
+    named: tuple[int, ...] = ()  # teams whose decision named their task, where tasks are shared out
+    took: tuple[tuple[int, int], ...] = ()  # like robots that exchanged their parts of the plan
+    heard: tuple[tuple[int, int, str], ...] = ()  # sender, receiver, what: one of HEARD
+    shown: tuple[int, ...] = ()  # tasks whose needs have become known
+    found: tuple[int, ...] = ()  # tasks whose place has become known
+    moved: tuple[TaskAt, ...] = ()  # tasks that are elsewhere than believed, or believed elsewhere
+    taken: tuple[tuple[int, int], ...] = ()  # loads taken up: task, team that carries it then
+    left: tuple[TaskAt, ...] = ()  # loads that were set down on their way, and lie there
+    pursued: tuple[tuple[int, int], ...] = ()  # slot, task that news took back before it was told
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a trial ended."""
+
+    status: str
+    makespan: int | None
+    steps: int
+    tasks_done: int
+    joins: int
+    splits: int
+    illegal_decisions: int
+    blocked_tasks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A whole trial; scenario, method and seed determine the rest."""
+
+    scenario: Scenario
+    method: str
+    seed: int
+    orders: tuple[tuple[int, tuple[int, ...]], ...]  # steps made, open tasks in order
+    start: tuple[tuple[int, tuple[int, ...], float, float], ...]  # slot, robots, x, y
+    steps: tuple[Step, ...]
+    end: Ending
+    lower_bound: int | None = None
+    plans: tuple[tuple[int, SharedPlanMade], ...] = ()  # steps made, the shared plan from then on
+    truth: Scenario | None = None  # what an uncertain mission really was
+    scouts: tuple[tuple[int, tuple[tuple[int, int], ...]], ...] = ()
+    """Steps made, and robots by the plan made then that look first what a task needs."""
+    foresight: str = "scouting"  # how needs were treated that nobody knew
+    heeds: tuple[str, ...] = ()  # the news after which the coordinator is asked, if there is one
+
+    @property
+    def is_coordinated(self) -> bool:
+        """Say whether robots went by plans; else by the paper's order and allocator."""
+        return bool(self.plans or self.heeds)
+
+    @property
+    def mission(self) -> Scenario:
+        """Return the mission as it really was."""
+        return self.scenario if self.truth is None else self.truth

@@ -1,0 +1,76 @@
+"""Records as files of JSON, one step a line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from teamformer.base.whole_files import own_number, write_whole
+from teamformer.files.mission_files import scenario_to_tree
+from teamformer.files.trees.mission import RECORD
+from teamformer.record.record import VERSION, Replay, Step
+from teamformer.record.truths import truth_to_tree
+
+
+def replay_to_tree(replay: Replay) -> dict[str, Any]:
+    """Return the replay as the tree of its file."""
+    tree = {
+        RECORD: VERSION,
+        "scenario": scenario_to_tree(replay.scenario),
+        "method": replay.method,
+        "seed": replay.seed,
+        "orders": _lists(replay.orders),
+        "start": _lists(replay.start),
+        "steps": [step_to_tree(step) for step in replay.steps],
+        "end": {key: _lists(value) for key, value in vars(replay.end).items()},
+        "lower_bound": replay.lower_bound,
+    }
+    if replay.truth is not None:
+        tree["truth"] = truth_to_tree(replay.scenario, replay.truth)
+    if replay.plans:
+        tree["plans"] = _lists(replay.plans)
+    if replay.scouts:
+        tree["scouts"] = _lists(replay.scouts)
+    if replay.heeds:
+        tree["heeds"] = list(replay.heeds)
+    if replay.foresight != "scouting":
+        tree["foresight"] = replay.foresight
+    return tree
+
+
+def step_to_tree(step: Step) -> dict[str, Any]:
+    """Return what a step changed as it stands in the file; what has nothing to say is left out."""
+    return {key: _lists(value) for key, value in vars(step).items() if value}
+
+
+def _lists(value: Any) -> Any:
+    """Turn tuples, nested ones too, into lists."""
+    return [_lists(part) for part in value] if isinstance(value, tuple) else value
+
+
+def write_replay(replay: Replay, path: Path) -> None:
+    """Write a replay, one step a line, whole or not at all.
+
+    Raises OSError where the folder cannot be written.
+    """
+    write_whole(path, "".join(_lines(replay_to_tree(replay))))
+
+
+def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
+    yield "{\n"
+    last = list(tree)[-1]
+    for key, value in tree.items():
+        comma = "\n" if key == last else ",\n"
+        if key == "steps":
+            steps = ",\n".join(_compact(step) for step in value)
+            yield f'"steps": [\n{steps}\n]{comma}'
+        else:
+            yield f"{_compact(key)}: {_compact(value)}{comma}"
+    yield "}\n"
+
+
+def _compact(value: Any) -> str:
+    # ASCII: a name given to a policy on the command line need not be text that UTF-8 can hold.
+    return json.dumps(value, separators=(",", ":"), allow_nan=False, default=own_number)

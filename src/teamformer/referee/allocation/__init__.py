@@ -1,1 +1,0 @@
-"""What teams are due to do by plans, what they pursue, when plans are made and why."""

@@ -1,0 +1,61 @@
+"""What would help a mission, and what its past tells; the command line calls the same."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from teamformer.base.errors import TeamformerError
+from teamformer.mission.model import Scenario
+from teamformer.record.record import Replay
+from teamformer.trials.advice.advise import advise_on
+from teamformer.trials.advice.experience import Experience
+from teamformer.trials.advice.experience import learn as learn_from
+from teamformer.trials.advice.suggestions import Advice
+from teamformer.trials.api.arguments import known_seconds, refuse_no_mission
+
+
+def advise(mission: Scenario, seconds: float = 60.0, workers: int = 1) -> Advice:
+    """Return what would help a mission most, and which robots could be spared.
+
+    The mission is planned again with one thing changed at a time: one more robot of each kind, one
+    fewer, each robot and each kind at double speed, each robot that is lost kept, each capability
+    taught to each kind that lacks it, each task left out. Each change is planned several times.
+    `seconds` is how long all of it may take; changes that there was no time for are in
+    `unmeasured`. If `workers` is more than 1, this many processes work side by side, and a script
+    needs `if __name__ == "__main__":`. Missions in steps are run by the default method, and
+    missions in continuous time are planned by `plan`. Raises `TeamformerError` for a mission that
+    is not completed.
+
+    >>> advice = tf.advise(tf.load("examples/four-robots.yaml"), seconds=20)
+    >>> best = advice.suggestions[0]  # the largest gain first
+    >>> best.change, best.makespan, best.gain
+    ('without task t3', 15.0, 12.0)
+    >>> best.gain > best.noise, advice.spare
+    (True, ())
+    """
+    refuse_no_mission(mission, "advise")
+    return advise_on(mission, known_seconds(seconds), workers)
+
+
+def learn(mission: Scenario, records: Sequence[Replay]) -> Experience:
+    """Return a mission whose uncertain durations and needs are as records of its site show them.
+
+    The result has the `mission`, and its `lessons` one by one. Records are of missions in the same
+    world. Only what has shown itself counts: durations of tasks that were done, needs that became
+    known. Near tasks count more (docs/how-to/learn.md). Raises `TeamformerError` for what is no
+    record, for a record of another world, and if neither a duration nor a need of the mission is
+    uncertain.
+
+    >>> mission = tf.setting("4N20T-C4-needs", seed=1)
+    >>> past = [tf.run(mission, seed=seed).record for seed in range(5)]
+    >>> learned = tf.learn(mission, past)
+    >>> len(learned.lessons) == sum(len(task.may_need) for task in mission.tasks)
+    True
+    """
+    refuse_no_mission(mission, "learn")
+    records = [records] if isinstance(records, Replay) else list(records)
+    for record in records:
+        if not isinstance(record, Replay):
+            what = f"learn takes records, not {type(record).__name__}"
+            raise TeamformerError(what, "write trial.record for each trial")
+    return learn_from(mission, records)

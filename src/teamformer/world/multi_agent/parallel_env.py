@@ -1,0 +1,244 @@
+"""The Team Formation Environment as a PettingZoo parallel environment: robots are the agents."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from teamformer.base.array_types import Array
+from teamformer.base.errors import TeamformerError
+from teamformer.base.extras import how_to_install
+from teamformer.files.drawn.generate import Spec, generate
+from teamformer.mission.arrivals import most_tasks
+from teamformer.mission.checks.checks import LARGEST_COUNT
+from teamformer.mission.model import Scenario
+from teamformer.mission.truth import draw_truth
+from teamformer.world.env import Decision, TeamFormation
+from teamformer.world.multi_agent.action_spaces import (
+    count_actions,
+    legal_actions,
+    wanted_from_action,
+)
+from teamformer.world.reward import Reward
+from teamformer.world.rules.constants import NEVER, NOBODY
+from teamformer.world.state.arrays import RUNNING
+from teamformer.world.view import View
+
+try:
+    from gymnasium import spaces
+    from pettingzoo import ParallelEnv
+except ImportError as error:
+    hint = how_to_install("env")
+    raise TeamformerError("PettingZoo and Gymnasium are not installed", hint) from error
+
+Observation = dict[str, Array]
+Everyone = dict[str, dict[str, Any]]
+
+OF_TEAM = tuple(name for name in View._fields if name not in ("world", "first_member"))
+"""The arrays of a view that are observed: what places a row in the batch is not."""
+
+BOX_TYPES = {np.dtype(np.float64): np.float32, np.dtype(np.bool_): np.int8}
+"""Learners take single floats, and flags as numbers; whole numbers stay what they are."""
+
+
+class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
+    """One world in which every robot is an agent, named as in the scenario.
+
+    The lowest robot of a team decides for it; actions of its other members are ignored. All of
+    them observe their team's view and get its reward (eq. 1). A lost robot terminates with a reward
+    of 0 and its last observation, and never comes back as an agent. All agents terminate when
+    everything is done or can never be done, and are truncated at the step limit.
+
+    `actions` is "counts" (the counts that the team wants, as in the scalable space) or
+    "original" (2^(|C|+1) actions; observations then have an `action_mask`). With a `Spec` every
+    reset draws a new world of the same sizes. With a `Scenario` the world is always the same, but
+    every reset draws its uncertain values again.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"name": "team_formation_v1", "render_modes": []}
+
+    def __init__(
+        self,
+        source: Scenario | Spec,
+        actions: Literal["counts", "original"] = "counts",
+        reward: Reward | None = None,
+    ) -> None:
+        if actions not in ("counts", "original"):
+            raise TeamformerError(f"actions is '{actions}'; use counts or original")
+        self._source = source
+        self._reward = reward
+        self._has_original_actions = actions == "original"
+        self.render_mode = None
+        self._rng = np.random.default_rng(0)
+        self._env = self._make_env()
+        self._look()
+        self.possible_agents = [robot.name for robot in self._env.scenarios[0].robots]
+        self.agents: list[str] = []
+        self._observation_space = self._make_observation_space()
+        self._action_space = self._make_action_space()
+        self.state_space = spaces.Box(NOBODY, np.inf, self.state().shape, np.float32)
+
+    def observation_space(self, agent: str) -> spaces.Dict:
+        """Return the space of observations: the arrays of a team's row in a `View`, padded."""
+        return self._observation_space
+
+    def action_space(self, agent: str) -> spaces.Space[Any]:
+        """Return the space of actions."""
+        return self._action_space
+
+    def reset(
+        self, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, Observation], Everyone]:
+        """Start again. The seed decides this world and those of later resets without a seed."""
+        if seed is not None:
+            self._rng = np.random.default_rng(seed)
+        if isinstance(self._source, Spec) or self._source.has_surprises:
+            self._env = self._make_env()
+        else:
+            self._env.reset()
+        self._look()
+        self.agents = list(self.possible_agents)
+        self._observations = self._observe()
+        return dict(self._observations), {agent: {} for agent in self.agents}
+
+    def step(
+        self, actions: dict[str, Any]
+    ) -> tuple[
+        dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], Everyone
+    ]:
+        """Make one step with the actions of the agents that are left."""
+        self._env.step(self._decision(actions))
+        self._look()
+        self._observations |= self._observe()  # the lost keep what they saw last
+        status = self._env.tally().status
+        robots, steps = self._env.worlds.robots[0], self._env.worlds.count["steps"][0]
+        is_coming = (robots["back"] > steps) & (robots["back"] < NEVER)
+        slots = dict(zip(self.possible_agents, robots["team"], strict=True))
+        is_due = dict(zip(self.possible_agents, is_coming.tolist(), strict=True))
+        observations, rewards, terminations, truncations = {}, {}, {}, {}
+        for agent in self.agents:
+            is_away = slots[agent] == NOBODY
+            is_gone = is_away and not is_due[agent]
+            observations[agent] = self._observations[agent]
+            rewards[agent] = 0.0 if is_away else float(self._env.rewards[0, slots[agent]])
+            terminations[agent] = bool(is_gone or status in ("completed", "infeasible"))
+            truncations[agent] = status == "step limit" and not is_gone
+        infos: Everyone = {agent: {} for agent in self.agents}
+        self.agents = [a for a in self.agents if not (terminations[a] or truncations[a])]
+        return observations, rewards, terminations, truncations, infos
+
+    def state(self) -> Array:
+        """Return the whole world as one float32 vector, for a critic that sees everything.
+
+        It has the actual values of everything uncertain. For each robot: its team's slot, place
+        (x, y) and task, then what it brings (caps); all are -1 once it is lost. For each task,
+        future ones included: whether it is open, whether it is done, its place, the steps of
+        service left, and what it needs (caps). If tasks appear at random, the rows of those that
+        do not appear are -1.
+        """
+        worlds = self._env.worlds
+        robots, tasks = worlds.robots[0], worlds.tasks[0]
+        team = worlds.teams[0, robots["team"]]  # (robots,)
+        fleet = np.column_stack((robots["team"], team["x"], team["y"], team["task"]))
+        fleet = np.hstack((fleet, worlds.brings[0]))  # (robots, 4 + caps)
+        fleet[robots["team"] == NOBODY] = NOBODY
+        left = np.where(tasks["server"] == NOBODY, 0, tasks["takes"] - tasks["served"])
+        is_done = tasks["done_at"] != NOBODY
+        places = np.array([task.at for task in self._env.truths[0].tasks], dtype=np.float64)
+        work = np.column_stack((tasks["is_open"], is_done, places, left))
+        needs = worlds.true_needs[0] if worlds.rules["hides_needs"][0] else worlds.needs[0]
+        work = np.hstack((work, needs))  # (tasks, 5 + caps)
+        more = most_tasks(self._source) - len(work) if isinstance(self._source, Scenario) else 0
+        work = np.vstack((work, np.full((more, work.shape[1]), NOBODY)))
+        return np.concatenate((fleet, work), axis=None, dtype=np.float32)
+
+    def _make_env(self) -> TeamFormation:
+        source = self._source
+        scenario = generate(source, self._rng) if isinstance(source, Spec) else source
+        truth = scenario
+        if scenario.has_surprises:
+            truth = draw_truth(scenario, int(self._rng.integers(2**31)))
+        return TeamFormation([scenario], self._reward, truths=[truth])
+
+    def _look(self) -> None:
+        """View the world, one that has just ended too: a learner needs the last state's value."""
+        status = self._env.worlds.count["status"]
+        ended_as = status.copy()
+        status[:] = RUNNING
+        self._view = self._env.view()
+        status[:] = ended_as
+
+    def _decision(self, actions: dict[str, Any]) -> Decision:
+        """Take each team's decision from its lowest robot; without an answer it maintains."""
+        wanted: list[Any] = list(self._view.counts)
+        for row, slot in enumerate(self._view.slot):
+            answer = actions.get(self.possible_agents[slot])
+            if answer is None:
+                continue
+            if self._has_original_actions:
+                wanted[row] = wanted_from_action(self._view.counts[row], int(answer))
+            else:
+                wanted[row] = answer
+        return Decision(np.array(wanted).reshape(self._view.counts.shape))
+
+    def _observe(self) -> dict[str, Observation]:
+        """Return what each robot sees that is in a team; members share the arrays."""
+        seen: dict[str, Observation] = {}
+        for row in range(len(self._view.slot)):
+            observation = self._observe_row(row)
+            first, end = self._view.first_member[row : row + 2]
+            for robot in self._view.member[first:end]:
+                seen[self.possible_agents[robot]] = observation
+        return seen
+
+    def _observe_row(self, row: int) -> Observation:
+        view, robots = self._view, len(self._env.scenarios[0].robots)
+        first, end = view.first_member[row : row + 2]
+        arrays = {name: getattr(view, name)[row] for name in OF_TEAM}
+        for name in ("task_may_need", "task_within", "task_to_place"):
+            if not getattr(view, name).size:
+                del arrays[name]
+        arrays["member"] = np.full(robots, NOBODY, dtype=np.int32)  # (robots,)
+        arrays["member"][: end - first] = view.member[first:end]
+        arrays["member_counts"] = np.zeros((robots, view.counts.shape[1]), dtype=np.int32)
+        arrays["member_counts"][: end - first] = view.member_counts[first:end]
+        if self._has_original_actions:
+            arrays["action_mask"] = legal_actions(view, row)
+        return {
+            name: np.array(array, dtype=BOX_TYPES.get(array.dtype, array.dtype), ndmin=1)
+            for name, array in arrays.items()
+        }
+
+    def _make_observation_space(self) -> spaces.Dict:
+        boxes: dict[str, spaces.Space[Any]] = {}
+        for name, array in self._observe_row(0).items():
+            low, high = self._bounds(name, array)
+            boxes[name] = spaces.Box(low, high, array.shape, array.dtype.type)
+        return spaces.Dict(boxes)
+
+    def _bounds(self, name: str, array: Array) -> tuple[float, float]:
+        """Return the least and the largest value in an array of an observation."""
+        scenario = self._env.scenarios[0]
+        if name.endswith("place"):
+            return 0, max(scenario.world.corner)
+        if name.endswith("counts") or name in ("planned", "task_needs"):
+            return 0, LARGEST_COUNT
+        if array.dtype == np.int8 or name == "task_may_need":
+            return 0, 1
+        if name == "rest":
+            is_carried = any(task.to is not None for task in scenario.tasks)
+            longest = int(max(task.longest for task in scenario.tasks))
+            return 0, scenario.step_limit if is_carried else longest
+        if array.dtype == np.float32:
+            return 0, np.inf
+        return NOBODY, max(len(scenario.robots), most_tasks(scenario))
+
+    def _make_action_space(self) -> spaces.Space[Any]:
+        brings = self._env.worlds.brings[0]  # (robots, caps)
+        if self._has_original_actions:
+            return spaces.Discrete(count_actions(brings.shape[1]))
+        most = brings.sum(axis=0, dtype=np.int64)  # (caps,)
+        if isinstance(self._source, Spec):
+            most[:] = most.max()  # evenly dealt: which capabilities are the frequent ones differs
+        return spaces.MultiDiscrete(most + 1)

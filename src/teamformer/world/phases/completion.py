@@ -1,0 +1,305 @@
+"""Completion: which tasks are done or called off, and what that changes for everybody."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from teamformer.base.kernels.jit import kernel
+from teamformer.world.phases.assignment import can_do_alone
+from teamformer.world.phases.beliefs import expect_end
+from teamformer.world.phases.carrying import expect_arrival, is_delivered, note_place
+from teamformer.world.phases.motion import is_way
+from teamformer.world.rules.constants import NEVER, NOBODY
+from teamformer.world.state.arrays import (
+    APPEARED,
+    BROKEN_OFF,
+    CANCELLED,
+    COMPLETED,
+    DONE,
+    INFEASIBLE,
+    STEP_LIMIT,
+)
+from teamformer.world.state.spatial_index import find_tasks_here, stands_at
+
+if TYPE_CHECKING:
+    from teamformer.base.array_types import Array
+    from teamformer.world.state.arrays import World
+
+
+@kernel
+def complete_tasks(world: World, step: int) -> None:
+    """Phase 7: teams do the tasks they stand at and cover; services go on, begin or break off."""
+    done_before = world.count.done
+    for position in range(world.count.open):
+        task = world.order[position]
+        if world.tasks[task].server != NOBODY:
+            _serve(world, world.tasks[task].server, task, step)
+    for team in range(world.rules.robots):
+        if world.teams[team].size == 0 or (world.rules.has_loads and _is_loaded(world, team, step)):
+            continue
+        for i in range(find_tasks_here(world, team)):
+            task = world.here[i]
+            is_free = _is_free(world, task, step) and not world.tasks[task].is_load
+            if is_free and can_do_alone(world, team, task):
+                _begin(world, team, task, step)
+    if world.count.done > done_before:
+        _close_gaps_in_order(world)
+        _drop_assignments_to_over(world)
+
+
+@kernel
+def cancel_tasks(world: World, step: int) -> bool:
+    """Call off the tasks that are cancelled in this step (phase 6); say whether any is.
+
+    Who serves one is free; a load is let go of.
+    """
+    cancelled_before = world.count.cancelled
+    for task in range(world.rules.tasks):
+        if world.tasks[task].cancelled != step or world.tasks[task].done_at != NOBODY:
+            continue
+        if world.tasks[task].server != NOBODY:
+            _end_service(world, world.tasks[task].server, task)
+        world.tasks[task].is_carried = False
+        world.count.cancelled += 1
+        _close(world, task, step)
+    if world.count.cancelled == cancelled_before:
+        return False
+    world.count.news |= CANCELLED
+    _close_gaps_in_order(world)
+    _drop_assignments_to_over(world)
+    return True
+
+
+@kernel
+def _is_loaded(world: World, team: int, step: int) -> bool:
+    """Let a team take up the load that it has come for; say whether it has one.
+
+    It then does nothing else. Nobody takes up a load on the way to something else.
+    """
+    task = world.teams[team].task
+    if task == NOBODY or not world.tasks[task].is_load:
+        return False
+    if world.teams[team].serves > 0:
+        return bool(world.tasks[task].server == team)
+    is_free = _is_free(world, task, step) and not world.tasks[task].is_carried
+    if is_free and stands_at(world, team, task) and can_do_alone(world, team, task):
+        _begin(world, team, task, step)
+        return True
+    return False
+
+
+@kernel
+def _is_free(world: World, task: int, step: int) -> bool:
+    """Say whether a task may begin in a step."""
+    may_begin = world.tasks[task].awaits == 0 and world.tasks[task].opens < step
+    return world.tasks[task].is_open and may_begin and world.tasks[task].server == NOBODY
+
+
+@kernel
+def _serve(world: World, team: int, task: int, step: int) -> None:
+    """One step of service; a team that has lost what the task needs breaks it off.
+
+    So does one that is carried away from it: its motion may come from outside.
+    """
+    world.tasks[task].served += 1
+    if world.tasks[task].is_carried:
+        _carry(world, team, task, step)
+    elif not (can_do_alone(world, team, task) and stands_at(world, team, task)):
+        _end_service(world, team, task)
+        world.count.news |= BROKEN_OFF
+    elif world.tasks[task].is_load:
+        _load(world, team, task, step)
+    elif world.tasks[task].served == world.tasks[task].takes:
+        _end_service(world, team, task)
+        _finish(world, team, task, step)
+    else:
+        expect_end(world, task)
+
+
+@kernel
+def _load(world: World, team: int, task: int, step: int) -> None:
+    """One step of loading; the load is under way once it was the last."""
+    if world.tasks[task].served == world.tasks[task].takes:
+        _take_up(world, team, task, step)
+    else:
+        expect_end(world, task)
+        expect_arrival(world, team, task)
+
+
+@kernel
+def _take_up(world: World, team: int, task: int, step: int) -> None:
+    world.tasks[task].is_carried = True
+    world.tasks[task].taken_at = step
+    world.tasks[task].expected = 0
+    world.tasks[task].served = 1
+    _carry(world, team, task, step)
+
+
+@kernel
+def _carry(world: World, team: int, task: int, step: int) -> None:
+    """The end of a step with a load; a team that has lost what it takes lets go of it."""
+    if not can_do_alone(world, team, task):
+        note_place(world, task, world.teams[team].x, world.teams[team].y)
+        _end_service(world, team, task)
+        world.count.news |= BROKEN_OFF
+    elif is_delivered(world, team, task):
+        world.tasks[task].is_carried = False
+        _end_service(world, team, task)
+        _finish(world, team, task, step)
+    else:
+        expect_arrival(world, team, task)
+
+
+@kernel
+def _end_service(world: World, team: int, task: int) -> None:
+    world.tasks[task].server = NOBODY
+    world.teams[team].serves -= 1
+
+
+@kernel
+def _begin(world: World, team: int, task: int, step: int) -> None:
+    is_load = world.tasks[task].is_load
+    if world.tasks[task].takes == 0 and not is_load:
+        _finish(world, team, task, step)
+        return
+    world.tasks[task].server = team
+    world.tasks[task].served = 0
+    world.tasks[task].expected = max(1, world.tasks[task].duration)
+    world.teams[team].serves += 1
+    world.teams[team].credit = 0.0
+    if is_load and world.tasks[task].takes == 0:
+        _take_up(world, team, task, step)
+    elif is_load:
+        expect_arrival(world, team, task)
+
+
+@kernel
+def _finish(world: World, team: int, task: int, step: int) -> None:
+    world.tasks[task].done_at = step
+    world.tasks[task].done_by = team
+    world.count.done += 1
+    world.count.news |= DONE
+    _close(world, task, step)
+
+
+@kernel
+def _close(world: World, task: int, step: int) -> None:
+    """Let a task be over, for everybody and for the tasks that come after it."""
+    if world.tasks[task].is_open:
+        world.tasks[task].is_open = False
+        for cap in range(world.has.shape[1]):
+            world.demand[cap] -= world.needs[task, cap] > 0
+    for other in range(world.precedes.shape[0]):
+        if world.precedes[task, other]:
+            _await_one_less(world, other, step)
+
+
+@kernel
+def _await_one_less(world: World, task: int, step: int) -> None:
+    """Let a task begin in the next step, if that was the last one that it came after."""
+    world.tasks[task].awaits -= 1
+    if world.tasks[task].awaits == 0:
+        world.tasks[task].opens = max(world.tasks[task].opens, step)
+
+
+@kernel
+def _close_gaps_in_order(world: World) -> None:
+    kept = 0
+    for position in range(world.count.open):
+        task = world.order[position]
+        if world.tasks[task].is_open:
+            world.order[kept] = task
+            world.tasks[task].rank = kept
+            kept += 1
+    world.count.open = kept
+
+
+@kernel
+def _drop_assignments_to_over(world: World) -> None:
+    for team in range(world.rules.robots):
+        task = world.teams[team].task
+        if task != NOBODY and not world.tasks[task].is_open:
+            world.teams[team].task = NOBODY
+            world.teams[team].is_detour = False
+
+
+@kernel
+def drop_assignments(world: World) -> None:
+    """Free every team that is not serving its assignment: what everybody knows has changed."""
+    for team in range(world.rules.robots):
+        task = world.teams[team].task
+        if task != NOBODY and world.tasks[task].server != team:
+            world.teams[team].task = NOBODY
+            world.teams[team].is_detour = False
+
+
+@kernel
+def release_tasks(world: World, steps_made: int) -> bool:
+    """Make known the tasks that appear now; say whether the order has new ones, at its end."""
+    arrived = 0
+    for task in range(world.rules.tasks):
+        is_due = world.tasks[task].appears == steps_made
+        if is_due and world.tasks[task].cancelled > steps_made:
+            world.tasks[task].is_open = True
+            for cap in range(world.has.shape[1]):
+                world.demand[cap] += world.needs[task, cap] > 0
+        if world.tasks[task].is_open and _ordered_at(world, task) == steps_made:
+            world.tasks[task].ordered_at = steps_made
+            world.order[world.count.open] = task
+            world.count.open += 1
+            arrived += 1
+    world.count.arrived = arrived
+    if arrived > 0:
+        world.count.news |= APPEARED
+    return arrived > 0
+
+
+@kernel
+def _ordered_at(world: World, task: int) -> int:
+    """Return how many steps are made when a task gets its place in the order.
+
+    Coordinators share out what is known, the paper's allocator what may begin.
+    """
+    appears = world.tasks[task].appears
+    if world.rules.is_coordinated:
+        return appears
+    return NEVER if world.tasks[task].awaits else max(appears, world.tasks[task].opens)
+
+
+@kernel
+def is_possible(world: World, task: int, needs: Array, counts_due: bool) -> bool:
+    """Say whether the robots that are left and can get there cover the needs of a task together.
+
+    With those that are due back, if `counts_due`; `needs` are (caps,).
+    """
+    for cap in range(len(needs)):
+        short = needs[cap]
+        for robot in range(world.rules.robots):
+            is_there = is_way(world.robots[robot].region, world.tasks[task].region)
+            is_due = counts_due and world.count.steps < world.robots[robot].back < NEVER
+            if short > 0 and is_there and (is_due or world.robots[robot].team != NOBODY):
+                short -= world.brings[robot, cap]
+        if short > 0:
+            return False
+    return True
+
+
+@kernel
+def judge_status(world: World, is_news: bool) -> None:
+    """Say how the trial stands after a step: done, impossible, out of steps, or running.
+
+    What was possible stays so unless there is news: robots may have been lost. A task that is to be
+    called off stops nobody.
+    """
+    if world.count.done + world.count.cancelled == world.rules.tasks:
+        world.count.status = COMPLETED
+        return
+    if is_news:
+        for task in range(world.rules.tasks):
+            needs = world.true_needs[task] if world.rules.hides_needs else world.needs[task]
+            is_wanted = world.tasks[task].done_at == NOBODY and world.tasks[task].cancelled == NEVER
+            if is_wanted and not is_possible(world, task, needs, True):
+                world.count.status = INFEASIBLE
+                return
+    if world.count.steps >= world.rules.step_limit:
+        world.count.status = STEP_LIMIT

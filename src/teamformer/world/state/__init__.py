@@ -1,0 +1,1 @@
+"""A batch of worlds as arrays, and the lists that kernels keep of them."""

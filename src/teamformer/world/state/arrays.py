@@ -1,0 +1,272 @@
+"""The arrays that the kernels work on: a batch of worlds, and one world in it.
+
+Everything about one robot, team, task or cell is one record, so that a kernel reads
+`world.teams[team].task`. Worlds of different sizes share a batch by padding: a padded robot is in
+no team, a padded task is never open.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numba as nb
+import numpy as np
+
+from teamformer.base.array_types import Array
+from teamformer.world.rules.constants import NEVER
+
+LATEST = NEVER - 1
+"""The latest step that arrays know; it is later than any step limit."""
+
+RUNNING, COMPLETED, STEP_LIMIT, INFEASIBLE = 0, 1, 2, 3
+STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
+
+RESOLVE, NEAREST = 0, 1
+"""What happens to the order when tasks appear: a new tour, or each after its nearest."""
+
+SCOUTING = 2
+"""By this one of `mission.rules.FORESIGHTS` searches for tasks look ahead."""
+
+START, APPEARED, LOST, BROKEN_OFF, BACK = 1, 2, 4, 8, 16
+SHOWN, OVERDUE, FOUND, CANCELLED, DONE = 32, 64, 128, 256, 512
+"""News, in bits, in the order of `coordination.NEWS`."""
+
+ANYWHERE = -1
+"""The region of robots that fly over walls: they get to every one."""
+
+RULES = np.dtype(
+    [
+        ("robots", np.int32),  # how many there are
+        ("tasks", np.int32),
+        ("width", np.int32),  # cells; on a plane they only serve to look around
+        ("height", np.int32),
+        ("forming_steps", np.int32),
+        ("step_limit", np.int32),
+        ("new_tasks", np.int32),  # RESOLVE or NEAREST
+        ("is_coordinated", np.bool_),  # a coordinator plans; else the paper's order and allocator
+        ("foresight", np.int32),  # which of `mission.rules.FORESIGHTS`
+        ("hides_needs", np.bool_),  # what some tasks need is not known
+        ("hides_places", np.bool_),  # where some tasks are is not known
+        ("has_delays", np.bool_),  # robots stand still now and then
+        ("has_loads", np.bool_),  # some tasks are carried
+        ("has_walls", np.bool_),
+        ("is_plane", np.bool_),
+        ("sensing_radius", np.float64),  # cells, on a plane metres
+        ("join_radius", np.float64),
+        ("finding_radius", np.float64),
+        ("start_x", np.float64),  # the place at the robots' centroid, where the first tour begins
+        ("start_y", np.float64),
+        ("arrival_radius", np.float64),  # teams so near to each other are in the same place
+        ("unit", np.float64),  # the length that counts as one cell for a learned policy
+        ("cells_per_length", np.float64),  # 1 on a grid
+    ],
+    align=True,
+)
+COUNT = np.dtype(
+    [
+        ("steps", np.int32),
+        ("open", np.int32),  # tasks in the order: to be shared out, neither done nor called off
+        ("arrived", np.int32),  # of these, tasks that the order does not know yet
+        ("done", np.int32),
+        ("cancelled", np.int32),
+        ("orders", np.int32),  # how often the order was made
+        ("news", np.int32),  # what has happened that no coordinator was told yet, in bits
+        ("joins", np.int32),
+        ("splits", np.int32),
+        ("illegal", np.int32),
+        ("status", np.int32),
+    ],
+    align=True,
+)
+ROBOT = np.dtype(
+    [
+        ("team", np.int32),  # slot of its team, or NOBODY while lost
+        ("formed", np.int32),  # the same after this step's formations, before its losses
+        ("region", np.int32),  # connected part of the map; ANYWHERE for one that flies over walls
+        ("lost", np.int32),  # the step it counts for nothing from, now or next, or NEVER
+        ("back", np.int32),  # the step it is there again from after that, or NEVER
+        ("x", np.float64),  # where it was lost
+        ("y", np.float64),
+        ("delay", np.float64),  # with what probability it stands still in a step
+        ("luck", np.uint64),  # state of the random numbers that say in which
+        ("stays", np.bool_),  # in the split being made
+        ("next", np.int32),  # the task that it is to do next by its coordinator's plan, or NOBODY
+        ("pace", np.float64),  # cells a step, on a plane metres a step
+    ],
+    align=True,
+)
+TEAM = np.dtype(
+    [
+        ("x", np.float64),
+        ("y", np.float64),
+        ("pace", np.float64),  # of the slowest member
+        ("credit", np.float64),  # fraction of a cell walked
+        ("size", np.int32),  # robots; 0 where the slot has no team
+        ("region", np.int32),  # of its robots on the ground; ANYWHERE if all fly over walls
+        ("task", np.int32),  # assignment, or NOBODY
+        ("serves", np.int32),  # how many tasks it is serving
+        ("is_detour", np.bool_),  # the assignment was taken out of order
+        # What follows lasts for one step.
+        ("is_delayed", np.bool_),  # one of its robots stands still
+        ("has_formed", np.bool_),
+        ("is_commanded", np.bool_),  # its decision names tasks: the allocator leaves it alone
+        ("intent", np.int32),  # MAINTAIN, SPLIT or JOIN
+        ("partner", np.int32),  # whom it wants to join
+        ("row", np.int32),  # of its decision
+        ("pursued", np.int32),  # assignment during the step
+        ("next_here", np.int32),  # the next team in the same cell
+        ("next", np.int32),  # the earliest of its robots' next tasks
+    ],
+    align=True,
+)
+TASK = np.dtype(
+    [
+        ("x", np.float64),
+        ("y", np.float64),
+        ("duration", np.int32),  # steps that it is expected to take
+        ("longest", np.int32),  # steps that it takes at most
+        ("takes", np.int32),  # steps that it really takes
+        ("appears", np.int32),  # steps made when it becomes known
+        ("opens", np.int32),  # steps made when its window begins: it may begin in the next
+        ("ordered_at", np.int32),  # steps made when it got its place in the order, or 0
+        ("cancelled", np.int32),  # the step in which it is called off if it is not done, or NEVER
+        ("awaits", np.int32),  # how many tasks that it comes after are not over
+        ("region", np.int32),
+        ("next_here", np.int32),  # the next task in the same cell
+        ("rank", np.int32),  # place in the order while open
+        ("server", np.int32),  # team that serves it, or NOBODY
+        ("served", np.int32),  # steps of its service so far
+        ("expected", np.int32),  # of how many its service is expected to be
+        ("hides_needs", np.bool_),  # what it needs is not known
+        ("shown_at", np.int32),  # the step in which it became known, or NOBODY
+        ("hides_place", np.bool_),  # where it is is not known
+        ("within", np.float64),  # how far it may be from where the scenario has it
+        ("reach", np.float64),  # how far from the first of the places that it may be in
+        ("lies_in", np.int32),  # the place that it really is in, among those it may be in
+        ("believed_in", np.int32),  # the place that it is believed to be in
+        ("moved_at", np.int32),  # the step in which it was last believed elsewhere, or NOBODY
+        ("found_at", np.int32),  # the step in which its place became known, or NOBODY
+        ("is_load", np.bool_),  # it is taken up here, and brought to another place
+        ("is_carried", np.bool_),  # it is under way, or being unloaded
+        ("to_x", np.float64),  # where it is brought to
+        ("to_y", np.float64),
+        ("lies_x", np.float64),  # where it was set down
+        ("lies_y", np.float64),
+        ("unload", np.int32),  # steps
+        ("ahead", np.int32),  # of how many its way and unloading are expected to be
+        ("taken_at", np.int32),  # the step in which it was last taken up, or NOBODY
+        ("left_at", np.int32),  # the step in which it was last set down elsewhere, or NOBODY
+        ("done_at", np.int32),  # step, or NOBODY
+        ("done_by", np.int32),  # slot
+        ("is_open", np.bool_),  # known, and neither done nor called off
+    ],
+    align=True,
+)
+CELL = np.dtype([("first_task", np.int32), ("first_team", np.int32)], align=True)
+SPOT = np.dtype(
+    [
+        ("x", np.float64),
+        ("y", np.float64),
+        ("is_possible", np.bool_),  # the task may be here; False for padding too
+    ],
+    align=True,
+)
+
+
+class Worlds(NamedTuple):
+    """A batch of worlds: what they are and how they stand.
+
+    A team is kept at its slot, the lowest robot number in it.
+    """
+
+    rules: Array  # (worlds,) RULES
+    count: Array  # type: ignore[assignment]  # (worlds,) COUNT
+    robots: Array  # (worlds, robots) ROBOT
+    teams: Array  # (worlds, robots) TEAM
+    tasks: Array  # (worlds, tasks) TASK
+    cells: Array  # (worlds, cells) CELL
+    spots: Array  # (worlds, tasks, places) SPOT where tasks may be, or (worlds, 0, 0)
+    absences: Array  # (worlds, robots, times, 2) when it is lost and back; none if no one is twice
+    brings: Array  # (worlds, robots, caps) counts of each robot, in units as all counts
+    has: Array  # (worlds, robots, caps) counts of each team
+    needs: Array  # (worlds, tasks, caps) as everybody believes
+    sure_needs: Array  # (worlds, tasks, caps), or (worlds, 0, 0) if all needs are
+    true_needs: Array  # the same: what they really are
+    expected_needs: Array  # the same: what is believed while nobody knows, if robots can bring it
+    may_need: Array  # the same: with what probability one more is needed
+    precedes: Array  # (worlds, tasks, tasks) which are done before which, or (worlds, 0, 0)
+    demand: Array  # (worlds, caps) open tasks that need each capability
+    order: Array  # (worlds, tasks) tasks to be shared out, the first count.open of them
+    blocked: Array  # (worlds, height, width), or (worlds, 0, 0) if no world has walls
+    fields: Array  # (worlds, tasks, height, width) distances to tasks, or (worlds, 0, 0, 0);
+    # with loads twice as many rows: then come the distances to where each is brought
+    near: Array  # (worlds, robots) teams found nearby
+    near_key: Array  # (worlds, robots) what these are sorted by
+    room: Array  # (worlds, caps) what still fits into a split
+    here: Array  # (worlds, tasks) tasks found where a team is
+
+
+if TYPE_CHECKING:
+
+    class World(NamedTuple):
+        """One world as kernels see it: `world.teams[team].task`, as numba types its records."""
+
+        rules: Any
+        count: Any
+        robots: Any
+        teams: Any
+        tasks: Any
+        cells: Any
+        spots: Any
+        absences: Array
+        brings: Array
+        has: Array
+        needs: Array
+        sure_needs: Array
+        true_needs: Array
+        expected_needs: Array
+        may_need: Array
+        precedes: Array
+        demand: Array
+        order: Array
+        blocked: Array
+        fields: Array
+        near: Array
+        near_key: Array
+        room: Array
+        here: Array
+
+else:
+    World = Worlds
+    """The same fields for one world, without the leading axis."""
+
+
+@nb.njit(inline="always")
+def world_at(worlds, w):  # type: ignore[no-untyped-def]
+    """Return one world of a batch; writing to it writes to the batch."""
+    return Worlds(
+        worlds.rules[w],
+        worlds.count[w],
+        worlds.robots[w],
+        worlds.teams[w],
+        worlds.tasks[w],
+        worlds.cells[w],
+        worlds.spots[w],
+        worlds.absences[w],
+        worlds.brings[w],
+        worlds.has[w],
+        worlds.needs[w],
+        worlds.sure_needs[w],
+        worlds.true_needs[w],
+        worlds.expected_needs[w],
+        worlds.may_need[w],
+        worlds.precedes[w],
+        worlds.demand[w],
+        worlds.order[w],
+        worlds.blocked[w],
+        worlds.fields[w],
+        worlds.near[w],
+        worlds.near_key[w],
+        worlds.room[w],
+        worlds.here[w],
+    )

@@ -1,0 +1,289 @@
+"""Scenarios as arrays: a batch of worlds as they stand before the first step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from teamformer.base.errors import ScenarioError
+from teamformer.mission.checks.rules import FORESIGHTS, NEW_TASKS, rules_not_played
+from teamformer.mission.checks.windows import window_opens
+from teamformer.mission.model import Scenario, Task, World
+from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.places import believed_place, possible_places
+from teamformer.mission.parts.plane import DECIMALS, Plane
+from teamformer.mission.precedence import tasks_before
+from teamformer.mission.truth import expected_needs
+from teamformer.world.rules.chance import first_state
+from teamformer.world.rules.constants import NEVER, NOBODY
+from teamformer.world.rules.distances import UNREACHABLE, blocked_cells, distance_fields
+from teamformer.world.state.arrays import (
+    ANYWHERE,
+    CELL,
+    COUNT,
+    LATEST,
+    ROBOT,
+    RULES,
+    SPOT,
+    START,
+    TASK,
+    TEAM,
+    Worlds,
+)
+
+
+def pack_worlds(
+    scenarios: Sequence[Scenario],
+    truths: Sequence[Scenario],
+    is_coordinated: Sequence[bool],
+    new_tasks: str,
+    foresight: str,
+) -> Worlds:
+    """Lay scenarios out as they stand before the first step, padded to the largest of them.
+
+    `truths` says what each of them really is, `is_coordinated` which of them have a coordinator.
+    `new_tasks` is what the paper's order does with tasks that appear, `foresight` how needs that
+    nobody knows are treated. Raises `ScenarioError` for missions whose rules are
+    not those of the steps.
+    """
+    problems = [problem for scenario in scenarios for problem in rules_not_played(scenario)]
+    if problems:
+        raise ScenarioError(problems)
+    worlds = _empty_worlds(scenarios, truths)
+    worlds.rules["new_tasks"] = NEW_TASKS.index(new_tasks)
+    worlds.rules["foresight"] = FORESIGHTS.index(foresight)
+    for w, (scenario, truth) in enumerate(zip(scenarios, truths, strict=True)):
+        _pack_rules(worlds, w, scenario)
+        worlds.rules["is_coordinated"][w] = is_coordinated[w]
+        _pack_robots(worlds, w, truth)
+        _pack_tasks(worlds, w, scenario, truth, foresight)
+        if isinstance(scenario.world, Grid) and scenario.world.rows:
+            places = [believed_place(scenario.world, task) for task in scenario.tasks]
+            _pack_map(worlds, w, scenario.world, places)
+            if worlds.rules["has_loads"][w]:
+                _pack_ways_of_loads(worlds, w, scenario.world, scenario.tasks)
+    return worlds
+
+
+def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> Worlds:
+    count = len(scenarios)
+    robots = max(len(s.robots) for s in scenarios)
+    tasks = max(len(s.tasks) for s in scenarios)
+    caps = max(len(s.capabilities) for s in scenarios)
+    cells = max(width * height for width, height, _ in map(_cells_of, scenarios))
+    maps = [s.world for s in scenarios if isinstance(s.world, Grid) and s.world.rows]
+    has_precedence = any(task.after for s in scenarios for task in s.tasks)
+    precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
+    times = max(len(robot.absences) for truth in truths for robot in truth.robots)
+    hides_needs = any(task.may_need for s in scenarios for task in s.tasks)
+    unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
+    hides_places = any(task.within for s in scenarios for task in s.tasks)
+    spots = (count, tasks, max(map(_most_places, scenarios))) if hides_places else (count, 0, 0)
+    walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
+    has_loads = any(task.to is not None for s in scenarios for task in s.tasks)
+    fields = tasks * (2 if has_loads else 1) if walls[0] else 0
+    worlds = Worlds(
+        rules=np.zeros(count, dtype=RULES),
+        count=np.zeros(count, dtype=COUNT),
+        robots=np.zeros((count, robots), dtype=ROBOT),
+        teams=np.zeros((count, robots), dtype=TEAM),
+        tasks=np.zeros((count, tasks), dtype=TASK),
+        cells=np.zeros((count, cells), dtype=CELL),
+        spots=np.zeros(spots, dtype=SPOT),
+        absences=np.full((count, robots, times if times > 1 else 0, 2), NEVER, dtype=np.int32),
+        brings=np.zeros((count, robots, caps), dtype=np.int32),
+        has=np.zeros((count, robots, caps), dtype=np.int32),
+        needs=np.zeros((count, tasks, caps), dtype=np.int32),
+        sure_needs=np.zeros(unsure, dtype=np.int32),
+        true_needs=np.zeros(unsure, dtype=np.int32),
+        expected_needs=np.zeros(unsure, dtype=np.int32),
+        may_need=np.zeros(unsure, dtype=np.float32),
+        precedes=np.zeros(precedes, dtype=np.bool_),
+        demand=np.zeros((count, caps), dtype=np.int32),
+        order=np.full((count, tasks), NOBODY, dtype=np.int32),
+        blocked=np.ones((count, *walls), dtype=np.bool_),
+        fields=np.full((count, fields, *walls), UNREACHABLE, dtype=np.int32),
+        near=np.zeros((count, robots), dtype=np.int32),
+        near_key=np.zeros((count, robots), dtype=np.int64),
+        room=np.zeros((count, caps), dtype=np.int32),
+        here=np.zeros((count, tasks), dtype=np.int32),
+    )
+    worlds.robots["team"] = NOBODY
+    worlds.robots["lost"] = worlds.robots["back"] = NEVER
+    worlds.teams["task"] = NOBODY
+    worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
+    worlds.tasks["appears"] = worlds.tasks["cancelled"] = NEVER
+    for field in ("next_here", "server", "done_at", "done_by"):
+        worlds.tasks[field] = NOBODY
+    for field in ("shown_at", "moved_at", "found_at", "taken_at", "left_at"):
+        worlds.tasks[field] = NOBODY
+    worlds.robots["next"] = NOBODY
+    worlds.count["news"] = START
+    return worlds
+
+
+def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
+    width, height, cells_per_length = _cells_of(scenario)
+    plane = scenario.world if isinstance(scenario.world, Plane) else None
+    here = plane.arrival_radius if plane else 0.0
+    rules = {
+        "robots": len(scenario.robots),
+        "tasks": len(scenario.tasks),
+        "width": width,
+        "height": height,
+        "forming_steps": scenario.forming_steps,
+        "step_limit": scenario.step_limit,
+        "hides_needs": any(task.may_need for task in scenario.tasks),
+        "has_delays": any(robot.delays for robot in scenario.robots),
+        "hides_places": any(task.within for task in scenario.tasks),
+        "has_loads": any(task.to is not None for task in scenario.tasks),
+        "has_walls": bool(scenario.world.rows),
+        "is_plane": plane is not None,
+        "sensing_radius": max(scenario.sensing_radius, here),
+        "join_radius": max(scenario.join_radius, here),
+        "finding_radius": max(scenario.finding_radius, here),
+        "arrival_radius": here,
+        "unit": plane.unit if plane else 1.0,
+        "cells_per_length": cells_per_length,
+    }
+    for name, value in rules.items():
+        worlds.rules[name][w] = value
+    worlds.rules["start_x"][w], worlds.rules["start_y"][w] = _centroid(scenario)
+
+
+def _cells_of(scenario: Scenario) -> tuple[int, int, float]:
+    """Return how many cells across and up, and how many a length; on a plane, to look around.
+
+    There a cell is wider than any finite radius, so that what is near lies in the cells around,
+    and there are no more of them than a few for each robot and task.
+    """
+    world = scenario.world
+    if isinstance(world, Grid):
+        return world.width, world.height, 1.0
+    radii = (scenario.sensing_radius, scenario.join_radius, world.arrival_radius)
+    widest = max((radius for radius in radii if radius < math.inf), default=0.0)
+    most = 4 * (len(scenario.robots) + len(scenario.tasks))
+    area, longest = world.width * world.height, max(world.width, world.height)
+    side = max(1.001 * widest, math.sqrt(area / most), longest / most)
+    return int(world.width / side) + 1, int(world.height / side) + 1, 1 / side
+
+
+def _centroid(scenario: Scenario) -> Place:
+    """Return the place at the robots' centroid; where that is blocked, the nearest robot's."""
+    places = [robot.at for robot in scenario.robots]
+    x = sum(x for x, _ in places) / len(places)
+    y = sum(y for _, y in places) / len(places)
+    if isinstance(scenario.world, Plane):
+        return round(x, DECIMALS), round(y, DECIMALS)
+    cell = (int(x + 0.5), int(y + 0.5))
+    if scenario.world.is_free(cell):
+        return cell
+    return min(places, key=lambda at: (at[0] - x) ** 2 + (at[1] - y) ** 2)
+
+
+def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
+    column = {name: c for c, name in enumerate(scenario.capabilities)}
+    for r, robot in enumerate(scenario.robots):
+        record = worlds.robots[w, r]
+        record["pace"] = scenario.world.pace(robot.speed)
+        times = [
+            (away.lost, NEVER if away.back is None else min(away.back, LATEST))
+            for away in robot.absences
+        ]
+        record["lost"], record["back"] = times[0] if times else (NEVER, NEVER)
+        if worlds.absences.shape[2]:
+            worlds.absences[w, r, : len(times)] = np.reshape(times, (-1, 2))
+        if robot.delays is not None:
+            record["delay"] = robot.delays.chance
+            record["luck"] = first_state(robot.delays.seed or 0)
+        flies_over = robot.flies and scenario.world.rows
+        record["region"] = ANYWHERE if flies_over else scenario.world.region(robot.at)
+        for name, count in scenario.in_units(robot.can).items():
+            worlds.brings[w, r, column[name]] = count
+    for members in scenario.starting_teams:
+        slot, robots = members[0], list(members)
+        team = worlds.teams[w, slot]
+        team["x"], team["y"] = scenario.robots[slot].at
+        team["size"] = len(members)
+        team["pace"] = worlds.robots[w, robots]["pace"].min()
+        team["region"] = worlds.robots[w, robots]["region"].max()
+        worlds.robots["team"][w, robots] = slot
+        worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
+
+
+def _pack_tasks(
+    worlds: Worlds, w: int, scenario: Scenario, truth: Scenario, foresight: str
+) -> None:
+    cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
+    for later, before in tasks_before(scenario.tasks).items():
+        worlds.precedes[w, before, later] = True
+    width, height, cells_per_length = _cells_of(scenario)
+    for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
+        task, record = scenario.tasks[k], worlds.tasks[w, k]
+        place = believed_place(scenario.world, task)
+        record["x"], record["y"] = place
+        record["duration"], record["longest"] = task.duration, task.longest
+        record["takes"], record["hides_needs"] = truth.tasks[k].duration, bool(task.may_need)
+        record["appears"], record["awaits"] = task.appears, len(task.after)
+        record["opens"] = window_opens(task)
+        if task.cancelled is not None:
+            record["cancelled"] = min(task.cancelled, LATEST)
+        if task.to is not None:
+            record["is_load"], record["unload"] = True, task.unload
+            record["to_x"], record["to_y"] = task.to
+        record["region"] = scenario.world.region(place)
+        record["is_open"] = task.appears == 0
+        column, row = (int(along * cells_per_length) for along in place)
+        cell = worlds.cells[w, min(row, height - 1) * width + min(column, width - 1)]
+        record["next_here"], cell["first_task"] = cell["first_task"], k
+        if task.within:
+            _pack_places(worlds, w, k, task, scenario.world, truth.tasks[k].at)
+        believed = expected_needs(task, foresight)
+        for name, count in scenario.in_units(believed).items():
+            worlds.needs[w, k, cap_of[name]] = count
+        if len(worlds.true_needs[w]):
+            worlds.expected_needs[w, k] = worlds.needs[w, k]
+            for name, count in scenario.in_units(task.needs).items():
+                worlds.sure_needs[w, k, cap_of[name]] = count
+            for name, count in scenario.in_units(truth.tasks[k].needs).items():
+                worlds.true_needs[w, k, cap_of[name]] = count
+            for name, probability in task.may_need.items():
+                worlds.may_need[w, k, cap_of[name]] = probability
+    is_known = worlds.tasks["is_open"][w]
+    worlds.demand[w] = (worlds.needs[w, is_known] > 0).sum(axis=0)
+    may_begin = (worlds.tasks["opens"][w] == 0) & (worlds.tasks["awaits"][w] == 0)
+    is_shared_out = is_known & (worlds.rules["is_coordinated"][w] | may_begin)
+    order = np.flatnonzero(is_shared_out)
+    worlds.order[w, : len(order)] = order
+    worlds.count["open"][w] = worlds.count["arrived"][w] = len(order)
+
+
+def _pack_places(worlds: Worlds, w: int, k: int, task: Task, world: World, at: Place) -> None:
+    """Write down where a task may be, where it is believed to be, and where it is: at `at`."""
+    places, record = possible_places(world, task.at, task.within), worlds.tasks[w, k]
+    record["hides_place"], record["within"] = True, task.within
+    record["reach"] = max(math.dist(places[0], place) for place in places)
+    record["lies_in"], record["believed_in"] = places.index(at), 0
+    for number, place in enumerate(places):
+        worlds.spots[w, k, number] = (*place, True)
+
+
+def _most_places(scenario: Scenario) -> int:
+    """Return in how many places a task of a scenario may be at most."""
+    return max(len(possible_places(scenario.world, t.at, t.within)) for t in scenario.tasks)
+
+
+def _pack_map(worlds: Worlds, w: int, grid: Grid, places: Sequence[Place]) -> None:
+    worlds.blocked[w, : grid.height, : grid.width] = blocked_cells(grid)
+    worlds.fields[w, : len(places), : grid.height, : grid.width] = distance_fields(grid, places)
+
+
+def _pack_ways_of_loads(worlds: Worlds, w: int, grid: Grid, tasks: Sequence[Task]) -> None:
+    """Write down how far it is from everywhere to where each load is brought."""
+    for number, task in enumerate(tasks):
+        if task.to is not None:
+            row = worlds.tasks.shape[1] + number
+            field = worlds.fields[w, row, : grid.height, : grid.width]
+            field[:] = distance_fields(grid, [task.to])[0]

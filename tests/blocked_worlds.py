@@ -6,14 +6,14 @@ import numpy as np
 
 from random_worlds import random_decision, random_world, with_loads
 from teamformer.methods.by_name import Player, as_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.trials.trial import decide
 from teamformer.world.env import TeamFormation
 
 
 def blocked_worlds(
     player: Player, count: int, seed: int, is_plane: bool = False, have_loads: bool = False
-) -> list[Scenario]:
+) -> list[Mission]:
     """Return the worlds, of many in which anything may have happened before, that do not end."""
     rng = np.random.default_rng(seed)
     method, blocked = as_method(player), []

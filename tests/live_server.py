@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.cli.terminal.addresses import Address
-from teamformer.files.mission_files import scenario_from_tree
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.cli.terminal.addresses import HostAndPort
+from teamformer.files.mission_files import mission_from_tree
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.session import Session
 from teamformer.live.workshop import Workshop
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.viewer.html import live_page
 
-HERE = Address()
+HERE = HostAndPort()
 
 
 @dataclass
@@ -35,9 +35,9 @@ class Served:
         return f"127.0.0.1:{self.port}"
 
 
-def small_mission() -> Scenario:
+def small_mission() -> Mission:
     """Three robots at the left, three tasks at the right, a wall between; 13 steps."""
-    return scenario_from_tree(
+    return mission_from_tree(
         {
             "teamformer": 1,
             "name": "small",
@@ -59,18 +59,18 @@ def small_mission() -> Scenario:
 
 @contextmanager
 def serving(
-    scenario: Scenario,
+    scenario: Mission,
     folder: Path,
     speed: float = 20.0,
     token: str | None = None,
     method: str = "join-fitting",
-    address: Address = HERE,
+    address: HostAndPort = HERE,
 ) -> Iterator[Served]:
     """Serve a mission that runs by a method while the block runs.
 
     `address` is where the page is to be asked for; it is served here on a free port.
     """
-    mission = Mission(scenario, lambda: load_method(method), 0)
+    mission = RunningMission(scenario, lambda: load_method(method), 0)
     with serving_session(Session(mission, folder, speed), token, address) as served:
         yield served
 
@@ -79,8 +79,8 @@ def serving(
 def serving_editor(folder: Path, speed: float = 20.0) -> Iterator[Served]:
     """Serve the editor, whose missions run by the method `join-fitting`."""
 
-    def start(scenario: Scenario) -> Mission:
-        return Mission(scenario, lambda: load_method("join-fitting"), 0)
+    def start(scenario: Mission) -> RunningMission:
+        return RunningMission(scenario, lambda: load_method("join-fitting"), 0)
 
     with serving_session(Workshop(start, folder, speed)) as served:
         yield served
@@ -91,7 +91,7 @@ def serving_session(
     session: Session | Workshop,
     token: str | None = None,
     port: int = 0,
-    address: Address = HERE,
+    address: HostAndPort = HERE,
 ) -> Iterator[Served]:
     """Serve what pages speak to while the block runs, at a port that is free if none is given."""
     import uvicorn

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.mission.model import (
     Absence,
     Arrivals,
     Breakdown,
     Delays,
+    Mission,
     Robot,
-    Scenario,
     Task,
     World,
 )
@@ -31,7 +31,7 @@ def random_world(
     with_losses: bool = True,
     with_arrivals: bool = True,
     is_plane: bool = False,
-) -> Scenario:
+) -> Mission:
     """Return a small possible world with walls, counts, durations, radii, late tasks, losses.
 
     On a plane some places are hardly more than the arrival radius apart, and some on its edges.
@@ -39,11 +39,11 @@ def random_world(
     while True:
         try:
             return _draw(rng, with_losses, with_arrivals, is_plane)
-        except ScenarioError:  # an island, or a task too hard: draw another
+        except MissionError:  # an island, or a task too hard: draw another
             continue
 
 
-def with_fractions(scenario: Scenario, rng: np.random.Generator) -> Scenario:
+def with_fractions(scenario: Mission, rng: np.random.Generator) -> Mission:
     """Return a scenario in which counts are fractions, of robots, and of tasks finer ones still."""
     caps = scenario.capabilities
     scale = {cap: int(rng.choice([500, 125, 2500, 333, 20_250])) for cap in caps}  # thousandths
@@ -66,7 +66,7 @@ def with_fractions(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     return replace(scenario, robots=robots, tasks=tasks)
 
 
-def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
+def with_surprises(scenario: Mission, rng: np.random.Generator) -> Mission:
     """Return a scenario of which not everything is known: durations, needs, breakdowns."""
     near = totals_by_region(scenario.world, scenario.robots)
     tasks: list[Task] = []
@@ -103,7 +103,7 @@ def with_surprises(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     return replace(scenario, tasks=tuple(tasks), robots=robots, **rules)
 
 
-def with_loads(scenario: Scenario, rng: np.random.Generator) -> Scenario:
+def with_loads(scenario: Mission, rng: np.random.Generator) -> Mission:
     """Return a scenario in which most tasks are carried to where another thing is, or begins."""
     world, tasks = scenario.world, list[Task]()
     places = [thing.at for thing in (*scenario.tasks, *scenario.robots)]
@@ -116,8 +116,8 @@ def with_loads(scenario: Scenario, rng: np.random.Generator) -> Scenario:
 
 
 def with_precedence_and_windows(
-    scenario: Scenario, rng: np.random.Generator, windows: float = 0.4
-) -> Scenario:
+    scenario: Mission, rng: np.random.Generator, windows: float = 0.4
+) -> Mission:
     """Return a scenario in which some tasks come after others, and a share have windows."""
     tasks: list[Task] = []
     for task in scenario.tasks:
@@ -141,7 +141,7 @@ def _absences(robot: int, lost: int | None, back: int | None) -> tuple[Absence, 
 
 def _draw(
     rng: np.random.Generator, with_losses: bool, with_arrivals: bool, is_plane: bool
-) -> Scenario:
+) -> Mission:
     world: World = _plane(rng) if is_plane else _grid(rng)
     free = _points(world, rng) if isinstance(world, Plane) else _free_cells(world)
     caps = tuple(f"c{i}" for i in range(rng.integers(1, 5)))
@@ -167,7 +167,7 @@ def _draw(
         appears = int(rng.integers(0, 20)) if with_arrivals and rng.random() < 0.3 else 0
         tasks.append(Task(f"t{k}", place(), counts(), int(rng.choice([0, 0, 0, 1, 3])), appears))
     sensing = float(rng.choice([0, 1, 1, 2.5, np.inf]))
-    return Scenario(
+    return Mission(
         "random",
         world,
         caps,

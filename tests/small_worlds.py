@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -34,17 +34,17 @@ def task(needs: str, x: int, y: int = 0, duration: int = 0, appears: int = 0) ->
 
 def make(
     robots: Sequence[Robot], tasks: Sequence[Task], world: Grid | None = None, **rules: Any
-) -> Scenario:
+) -> Mission:
     """Return a scenario in a corridor of 20 cells, or elsewhere; names are made distinct."""
     named_robots = (Robot(f"r{r}", *list(vars(one).values())[1:]) for r, one in enumerate(robots))
     named_tasks = (Task(f"t{k}", *list(vars(one).values())[1:]) for k, one in enumerate(tasks))
     grid = world or Grid(20, 1)
-    return Scenario("small", grid, CAPS, tuple(named_robots), tuple(named_tasks), **rules)
+    return Mission("small", grid, CAPS, tuple(named_robots), tuple(named_tasks), **rules)
 
 
-def pair_with_a_task_each_side() -> Scenario:
+def pair_with_a_task_each_side() -> Mission:
     """Robots {a}, {a} in one cell as one team; tasks need a: t0 one cell left, t1 two right."""
-    return Scenario(
+    return Mission(
         "pair",
         Grid(4, 1),
         ("a",),
@@ -54,7 +54,7 @@ def pair_with_a_task_each_side() -> Scenario:
     )
 
 
-def two_robots_one_task(**rules: Any) -> Scenario:
+def two_robots_one_task(**rules: Any) -> Mission:
     """Two that start together must be at the task as one.
 
     a
@@ -64,7 +64,7 @@ def two_robots_one_task(**rules: Any) -> Scenario:
     return make([robot("a", 0), robot("b", 0)], [task("ab", 3)], **rules)
 
 
-def two_apart(pace: float = 1.0, **rules: Any) -> Scenario:
+def two_apart(pace: float = 1.0, **rules: Any) -> Mission:
     """Both walk to the right; who wants to join has to catch up.
 
     a . b . . . . . . T        T needs a, b; b walks at `pace`
@@ -75,7 +75,7 @@ def two_apart(pace: float = 1.0, **rules: Any) -> Scenario:
     return make(robots, [task("ab", 9)], **{**radii, **rules})
 
 
-def walker(speed: float, goal: int = 10) -> Scenario:
+def walker(speed: float, goal: int = 10) -> Mission:
     """One robot on its way.
 
     a . . . . . . . . . T
@@ -83,7 +83,7 @@ def walker(speed: float, goal: int = 10) -> Scenario:
     return make([robot("a", 0, speed=speed)], [task("a", goal)])
 
 
-def two_tasks_two_pairs(**rules: Any) -> Scenario:
+def two_tasks_two_pairs(**rules: Any) -> Mission:
     """The first pair covers the first task, so that the second pair takes the next one.
 
     b a b a
@@ -93,7 +93,7 @@ def two_tasks_two_pairs(**rules: Any) -> Scenario:
     return make(robots, [task("ab", 4), task("ab", 6)], **rules)
 
 
-def detour_on_the_way(**rules: Any) -> Scenario:
+def detour_on_the_way(**rules: Any) -> Mission:
     """The tour begins far right of the robot that can do both tasks.
 
     a . . U . T . . . . . . . . . . . . . b        T and U need a; the centroid is at 10
@@ -102,7 +102,7 @@ def detour_on_the_way(**rules: Any) -> Scenario:
     return make([robot("a", 0), robot("b", 19)], [task("a", 5), task("a", 3)], **rules)
 
 
-def service(duration: int = 3, **rules: Any) -> Scenario:
+def service(duration: int = 3, **rules: Any) -> Mission:
     """A team of two that starts one cell from a task that takes its time.
 
     a
@@ -113,7 +113,7 @@ def service(duration: int = 3, **rules: Any) -> Scenario:
     return make(robots, [task("ab", 1, duration=duration)], teams=((0, 1),), **rules)
 
 
-def late_task(**rules: Any) -> Scenario:
+def late_task(**rules: Any) -> Mission:
     """A second task becomes known after two steps.
 
     U . . a . . . . T        both need a; U appears after 2 steps
@@ -122,14 +122,14 @@ def late_task(**rules: Any) -> Scenario:
     return make([robot("a", 3)], [task("a", 8), task("a", 0, appears=2)], **rules)
 
 
-def late_pair(weights: tuple[float, float] = (1.0, 1.0), **changes: Any) -> Scenario:
+def late_pair(weights: tuple[float, float] = (1.0, 1.0), **changes: Any) -> Mission:
     """Return a robot at 5 of a corridor, and tasks at 0 and 10 that are due in step 1."""
     tasks = tuple(
         Task(name, (x, 0), {"a": 1}, between=(0, 1), weight=weight)
         for name, x, weight in zip(("left", "right"), (0, 10), weights, strict=True)
     )
     robots = (Robot("r", (5, 0), {"a": 1}),)
-    return replace(Scenario("pair", Grid(11, 1), ("a",), robots, tasks), **changes)
+    return replace(Mission("pair", Grid(11, 1), ("a",), robots, tasks), **changes)
 
 
 def reachable(grid: Grid, place: Place) -> frozenset[Place]:
@@ -188,7 +188,7 @@ def order_of(env: TeamFormation) -> list[int]:
     return [int(k) for k in env.worlds.order[0, : env.worlds.count["open"][0]]]
 
 
-def far_from_what_may_be_needed() -> Scenario:
+def far_from_what_may_be_needed() -> Mission:
     """T needs a and may need b, U needs a for 8 steps, V needs b; c has nothing to do.
 
     U . c . T . . . . ab . . . . . . . . . V

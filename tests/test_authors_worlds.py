@@ -14,7 +14,7 @@ import pytest
 from teamformer.files.imports.authors import read_worlds
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.trials.trial import run_trials
 
 AUTHORS = Path(__file__).parents[2] / "shared" / "data" / "authors"
@@ -22,7 +22,7 @@ AUTHORS = Path(__file__).parents[2] / "shared" / "data" / "authors"
 pytestmark = pytest.mark.skipif(not AUTHORS.is_dir(), reason=f"{AUTHORS} is not there")
 
 
-def load(setting: str) -> tuple[list[Scenario], list[int | None]]:
+def load(setting: str) -> tuple[list[Mission], list[int | None]]:
     worlds = read_worlds(AUTHORS / f"{setting}.jsonl")
     return [world.scenario for world in worlds], [world.heuristic for world in worlds]
 

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.files.drawn.smallest import smallest_scenario
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.drawn.smallest import smallest_mission
+from teamformer.files.mission_files import write_mission
 from test_command_line import VERBS
 
 MISSION, ARENA = "smallest.yaml", str(Path(__file__).parents[1] / "examples/robotarium-4.yaml")
@@ -106,9 +106,9 @@ def modules_of_extras() -> list[str]:
 def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[object, str]]:
     """By call, its exit status, or the exception that came through, and what it said."""
     folder = tmp_path_factory.mktemp("bare")
-    first, *others = smallest_scenario().tasks
+    first, *others = smallest_mission().tasks
     unsure = replace(first, duration=1, lasts=(1, 2))
-    write_scenario(replace(smallest_scenario(), tasks=(unsure, *others)), folder / MISSION)
+    write_mission(replace(smallest_mission(), tasks=(unsure, *others)), folder / MISSION)
     (folder / "their.json").write_text(json.dumps(THEIRS))
     calls = {name: words for name, (words, _) in CALLS.items()}
     given = json.dumps([modules_of_extras(), calls])

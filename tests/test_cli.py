@@ -17,10 +17,10 @@ from pathlib import Path
 import pytest
 
 from teamformer.cli.terminal import console
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
 from teamformer.methods.listings import method_listings
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 from typed import FOUR, teamformer
@@ -34,7 +34,7 @@ def test_run_writes_a_record_that_check_accepts(
 ) -> None:
     assert teamformer("run", FOUR, "--method", "join-all", "--out", str(tmp_path)) == 0
     shown = capsys.readouterr().out
-    replay = read_replay(tmp_path / "replay.json")
+    replay = read_record(tmp_path / "replay.json")
     assert f"all done after {replay.end.makespan} steps" in shown
     assert all(task.name in shown for task in replay.scenario.tasks)
     assert "<html" in (tmp_path / "replay.html").read_text(encoding="utf-8").lower()
@@ -90,7 +90,7 @@ def test_a_lost_capability_ends_the_trial_and_names_the_task(
     shown = capsys.readouterr().out
     assert "given up at step 2: t3, t4 can never be done" in shown
     assert "\nlost: r4 in step 2\n" in shown
-    assert read_replay(tmp_path / "replay.json").end.blocked_tasks == ("t3", "t4")
+    assert read_record(tmp_path / "replay.json").end.blocked_tasks == ("t3", "t4")
     assert teamformer("check", str(tmp_path / "replay.json")) == 0
 
 
@@ -100,14 +100,14 @@ def test_check_says_what_is_only_claimed_and_compares_the_scenario(
     words = ("--method", "join-all", "--seed", "3", "--out", str(tmp_path))
     assert teamformer("run", with_step_limit(tmp_path, 900), *words) == 0
     record = str(tmp_path / "replay.json")
-    bound = read_replay(tmp_path / "replay.json").lower_bound
+    bound = read_record(tmp_path / "replay.json").lower_bound
     capsys.readouterr()
     assert teamformer("check", record) == 0
     claims = f"method join-all, seed 3, illegal decisions 0, lower bound {bound}"
     assert f"only claimed by the record: {claims}\n" in capsys.readouterr().out
     assert teamformer("check", record, "--scenario", FOUR, "--json") == 1
     verdict = json.loads(capsys.readouterr().out)
-    limit = read_scenario(Path(FOUR)).step_limit
+    limit = read_mission(Path(FOUR)).step_limit
     assert [finding["message"] for finding in verdict["findings"]] == [
         f"the record is of another scenario than {FOUR}: step_limit is 900, there {limit}"
     ]
@@ -348,7 +348,7 @@ def test_ctrl_c_leaves_a_legal_record_of_what_was_done(
     process = start_slow(tmp_path, pause, "run", FOUR, "--method", "slow:Slow", "--out", "out")
     shown, errors = press_ctrl_c(process, 3, wait, sent)
     assert "Traceback" not in errors
-    replay = read_replay(tmp_path / "out" / "replay.json")
+    replay = read_record(tmp_path / "out" / "replay.json")
     assert judge(replay).findings == ()
     assert replay.end.steps >= 2
     if pause:
@@ -483,7 +483,7 @@ def test_compare_plays_every_method_under_what_it_was_made_for(
     assert teamformer("compare", FOUR, "--methods", ",".join(names), "--json") == 0
     rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [row["method"] for row in rows] == names
-    mission = read_scenario(Path(FOUR))
+    mission = read_mission(Path(FOUR))
     for row in rows:
         end = run_trial(mission, load_method(row["method"])).replay.end
         made = (end.makespan, end.joins, end.splits)
@@ -520,7 +520,7 @@ def test_a_reader_that_has_seen_enough_is_no_fault(command: str, tmp_path: Path)
     assert "Exception" not in done.stderr
     assert done.returncode == 0
     if "out" in command:
-        assert read_replay(tmp_path / "out" / "replay.json").end.status == "completed"
+        assert read_record(tmp_path / "out" / "replay.json").end.status == "completed"
 
 
 def test_generate_overwrites_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

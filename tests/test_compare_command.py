@@ -11,10 +11,10 @@ import pytest
 from teamformer.cli.verbs.missions import compare
 from teamformer.cli.verbs.missions.run import watch_trial
 from teamformer.methods.by_name import Method
-from teamformer.mission.model import Scenario
-from teamformer.record.reading import read_replay
-from teamformer.record.writing import replay_to_tree
-from teamformer.trials.trial import Trial
+from teamformer.mission.model import Mission
+from teamformer.record.reading import read_record
+from teamformer.record.writing import record_to_tree
+from teamformer.trials.trial import PlayedTrial
 from typed import FOUR, teamformer
 
 OWN = """
@@ -108,7 +108,7 @@ def test_records_and_one_page_of_them_are_written(failing: str, tmp_path: Path) 
     }  # fmt: skip
     shown = shown_on(out / "compare.html")
     names = ("join-all", "heuristic")
-    trees = [replay_to_tree(read_replay(out / f"{name}-0.json")) for name in names]
+    trees = [record_to_tree(read_record(out / f"{name}-0.json")) for name in names]
     assert shown["compared"] == json.loads(json.dumps(trees))
     [failed] = shown["failed"]
     assert (failed["method"], failed["seed"]) == (failing, 0)
@@ -186,7 +186,7 @@ def test_ctrl_c_between_trials_keeps_what_was_run(
 ) -> None:
     asked = []
 
-    def presses_at_the_third(mission: Scenario, method: Method, seed: int) -> Trial:
+    def presses_at_the_third(mission: Mission, method: Method, seed: int) -> PlayedTrial:
         asked.append(seed)
         if len(asked) == 3:
             raise KeyboardInterrupt
@@ -204,7 +204,7 @@ def test_ctrl_c_between_trials_keeps_what_was_run(
 def test_ctrl_c_before_any_trial_says_so(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def presses(*_: object) -> Trial:
+    def presses(*_: object) -> PlayedTrial:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(compare, "watch_trial", presses)

@@ -17,18 +17,18 @@ from teamformer.base.errors import TeamformerError
 from teamformer.cli.verbs.records.export import export
 from teamformer.files.imports import import_missions
 from teamformer.fleet.bodies.body import Report
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.process.bodies_by_name import body_maker
 from teamformer.methods.by_name import files_of_own, load_method
 from teamformer.methods.listings import method_listings, method_names, our_method_names
-from teamformer.record.writing import write_replay
+from teamformer.record.writing import save_record
 from teamformer.trials.trial import run_trial
 
 CODE = """
 from teamformer.methods.coordinators.crews import Crews
 from teamformer.fleet.bodies.body import Report
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.files.drawn.smallest import smallest_scenario
+from teamformer.files.drawn.smallest import smallest_mission
 
 
 class Eager(JoinAll):
@@ -59,7 +59,7 @@ class Still:
 
 
 def read(path):
-    return [smallest_scenario()] if path.suffix == ".good" else 3
+    return [smallest_mission()] if path.suffix == ".good" else 3
 
 
 def write(replay, path):
@@ -138,7 +138,7 @@ def test_what_a_package_does_wrong_is_told_by_file_and_line() -> None:
 
 
 def test_bodies_importers_and_exporters_of_packages(tmp_path: Path) -> None:
-    line, fleet = cast(Any, None), Mission(two_robots_one_task())
+    line, fleet = cast(Any, None), FleetMission(two_robots_one_task())
     at = fleet.scenario.robots[1].at
     assert body_maker("still:here")(fleet, 1, line).report() == Report(*map(float, at))
     with pytest.raises(TeamformerError, match="returned str, not a Report"):
@@ -149,7 +149,7 @@ def test_bodies_importers_and_exporters_of_packages(tmp_path: Path) -> None:
         import_missions("ours", tmp_path / "a.bad")
     record, out = tmp_path / "replay.json", tmp_path / "run.steps"
     replay = run_trial(two_robots_one_task(), load_method("plan")).replay
-    write_replay(replay, record)
+    save_record(replay, record)
     assert export(record, [out]) == 0
     assert out.read_text() == str(replay.end.makespan)
     with pytest.raises(TeamformerError) as caught:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import teamformer as tf
-from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.trials.advice.experience import Lesson
 from typed import teamformer
 
@@ -174,10 +174,10 @@ def test_the_verb_writes_the_mission_and_says_what_changed(
     truth = as_it_was(past, [3] * 6, [True] * 4 + [False] * 2)
     monday, empty = tmp_path / "monday", tmp_path / "empty"
     tf.run(past, truth=truth).save(monday)
-    write_scenario(mission([HERE]), file)
+    write_mission(mission([HERE]), file)
     assert teamformer("learn", str(file), str(monday), str(learned)) == 0
     assert "learned 2 of 2 uncertain values from 1 record\n" in capsys.readouterr().out
-    assert read_scenario(learned).tasks[0].lasts == (3, 6)
+    assert read_mission(learned).tasks[0].lasts == (3, 6)
     assert teamformer("learn", str(file), str(monday), str(learned)) == 2
     assert f"{learned}: there is such a file" in capsys.readouterr().err
     empty.mkdir()

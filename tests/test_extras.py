@@ -46,7 +46,7 @@ def test_installed_it_names_where_the_package_came_from(
     if url:
         (note / "direct_url.json").write_text(json.dumps({"url": url}))
     monkeypatch.syspath_prepend(str(package.parent))
-    monkeypatch.setattr(extras, "__file__", str(package / "extras.py"))
+    monkeypatch.setattr(extras, "__file__", str(package / "base" / "extras.py"))
     assert extras.how_to_install("live") == f"pip install '{what}[live]'"
 
 

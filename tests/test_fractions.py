@@ -10,21 +10,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.files.drawn.generate import Spec, generate
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.fleet.agent.planning import first_plan
-from teamformer.fleet.fleet_mission import Mission as FleetMission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Notice, Offer, Post, TaskFact
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.rehearsal.faults import Faults, Order
 from teamformer.fleet.rehearsal.rehearse import play as rehearse
 from teamformer.live.running.incidents import NewTask
 from teamformer.live.running.messages import read_incident
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.methods.by_name import load_method
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Arrivals, Robot, Scenario, Task
+from teamformer.mission.model import Arrivals, Mission, Robot, Task
 from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
@@ -42,14 +42,14 @@ from teamformer.world.multi_agent.parallel_env import TeamFormationParallel
 EXAMPLE = Path(__file__).parents[1] / "examples" / "piano.yaml"
 
 
-def haul(*robots: float, needs: float = 100, **rules: Any) -> Scenario:
+def haul(*robots: float, needs: float = 100, **rules: Any) -> Mission:
     """Return robots in one place that lift so many kilograms, and a task three cells away."""
     fleet = tuple(Robot(f"r{n}", (0, 0), {"lift": can}) for n, can in enumerate(robots))
     safe = Task("safe", (3, 0), {"lift": needs})
-    return Scenario("haul", Grid(8, 1), ("lift",), fleet, (safe,), **rules)
+    return Mission("haul", Grid(8, 1), ("lift",), fleet, (safe,), **rules)
 
 
-def scaled(scenario: Scenario, factors: dict[str, float]) -> Scenario:
+def scaled(scenario: Mission, factors: dict[str, float]) -> Mission:
     """Return a scenario with all counts multiplied, by capability."""
 
     def times(counts: Counts) -> Counts:
@@ -60,7 +60,7 @@ def scaled(scenario: Scenario, factors: dict[str, float]) -> Scenario:
     return replace(scenario, robots=robots, tasks=tasks)
 
 
-def pair_of_worlds() -> tuple[Scenario, Scenario]:
+def pair_of_worlds() -> tuple[Mission, Mission]:
     """Return a mission in ones and twos, and the same in kilograms, litres and grams."""
     drawn = generate(Spec(5, 8, 3), np.random.default_rng(4))
     tasks = tuple(
@@ -107,7 +107,7 @@ def test_no_more_robots_than_this_are_needed_whatever_each_brings() -> None:
 
 
 def test_three_robots_of_33_333_do_not_lift_100() -> None:
-    with pytest.raises(ScenarioError, match=r"needs 100 x lift but .* have 99\.999 x lift"):
+    with pytest.raises(MissionError, match=r"needs 100 x lift but .* have 99\.999 x lift"):
         haul(33.333, 33.333, 33.333)
     replay = run_trial(haul(33.334, 33.334, 33.334), JoinAll()).replay
     assert replay.steps[-1].done == ((0, 0),)
@@ -137,7 +137,7 @@ def test_views_count_in_units() -> None:
 def test_a_whole_one_more_may_be_needed_of_fractions() -> None:
     """One more of 20.25 is 21.25: it is believed where it can be brought, 85 x 0.25."""
     task = Task("safe", (3, 0), {"lift": 20.25}, may_need={"lift": 0.5})
-    with pytest.raises(ScenarioError, match=r"may need 21\.25 x lift but .* lack 0\.25 x lift"):
+    with pytest.raises(MissionError, match=r"may need 21\.25 x lift but .* lack 0\.25 x lift"):
         replace(haul(20.5, 0.5, needs=1), tasks=(task,))
     scenario = replace(haul(20.5, 0.75, needs=1), tasks=(task,))
     assert TeamFormation([scenario]).view().task_needs[0, 0].tolist() == [85]
@@ -146,7 +146,7 @@ def test_a_whole_one_more_may_be_needed_of_fractions() -> None:
 
 def test_what_appears_at_random_needs_a_whole_one() -> None:
     calls = Arrivals(0.5, 20)
-    with pytest.raises(ScenarioError, match=r"bring 0\.75 x lift; add such a robot"):
+    with pytest.raises(MissionError, match=r"bring 0\.75 x lift; add such a robot"):
         haul(0.5, 0.25, needs=0.5, arrivals=calls)
     scenario = haul(0.5, 0.5, needs=0.5, arrivals=calls)
     replay = run_trial(scenario, JoinAll()).replay
@@ -156,7 +156,7 @@ def test_what_appears_at_random_needs_a_whole_one() -> None:
 
 def test_the_example_is_played_by_every_kind_of_policy(tmp_path: Path) -> None:
     """The grand piano takes all four dollies: three and the crawler lift 0.45 too little."""
-    scenario = read_scenario(EXAMPLE)
+    scenario = read_mission(EXAMPLE)
     for policy in ("heuristic", "plan", "teamformer", "deepset-c4"):
         replay = run_trial(scenario, load_method(policy)).replay
         assert replay.end.status == "completed"
@@ -184,7 +184,7 @@ def test_what_learners_are_given_lies_in_its_space() -> None:
 
 def test_an_operators_task_may_be_finer_than_what_robots_bring() -> None:
     """7.401 of 2.5 kilograms take three robots, and are told as they were written."""
-    run = Mission(haul(2.5, 2.5, 2.5, needs=2.5), lambda: load_method("join-all"), 0)
+    run = RunningMission(haul(2.5, 2.5, 2.5, needs=2.5), lambda: load_method("join-all"), 0)
     run.step()
     message = {"task": {"at": [5, 0], "needs": {"lift": 7.401}, "name": "more"}}
     more = read_incident(message, run.scenario)
@@ -223,7 +223,7 @@ def test_a_message_with_a_senseless_count_is_dropped(count: float) -> None:
 
 def test_robots_in_a_ring_are_no_fractions() -> None:
     scenario = replace(haul(12.5, needs=12), world=Plane(3.2, 2.0), step_limit=0)
-    with pytest.raises(ScenarioError) as caught:
+    with pytest.raises(MissionError) as caught:
         check_mission(scenario)
     assert [problem.message for problem in caught.value.problems] == [
         "robot 'r0' can 12.5 x lift; use whole numbers here"

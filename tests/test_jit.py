@@ -164,7 +164,8 @@ class KilledError(BaseException):
 def answer_kernel(path: Path, answer: int) -> Any:
     """Write a module whose only kernel returns a number, and load it as a new process would."""
     path.write_text(
-        f"from teamformer.base.kernels.jit import entry\n\n@entry\ndef reply():\n    return {answer}\n"
+        "from teamformer.base.kernels.jit import entry\n\n@entry\n"
+        f"def reply():\n    return {answer}\n"
     )
     return load_anew(path).reply
 

@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.mission.model import (
     MOST_WAITING,
     MOST_WALKING,
     Absence,
+    Mission,
     Robot,
-    Scenario,
     Task,
     default_step_limit,
 )
@@ -25,7 +25,7 @@ SCANNER = Robot("b", (0, 0), {"scan": 1})
 CRATE = Task("x", (3, 2), {"lift": 1, "scan": 1})
 
 
-def scenario(**changes: Any) -> Scenario:
+def scenario(**changes: Any) -> Mission:
     """Return two robots at [0, 0] of 4 x 3 cells and a task at [3, 2] that needs both."""
     parts: dict[str, Any] = {
         "name": "small",
@@ -34,7 +34,7 @@ def scenario(**changes: Any) -> Scenario:
         "robots": (LIFTER, SCANNER),
         "tasks": (CRATE,),
     }
-    return Scenario(**(parts | changes))
+    return Mission(**(parts | changes))
 
 
 def robots(**changes: Any) -> dict[str, Any]:
@@ -319,7 +319,7 @@ def test_what_is_impossible_is_refused_at_the_edge(
     where: tuple[str | int, ...],
     message: str,
 ) -> None:
-    with pytest.raises(ScenarioError) as caught:
+    with pytest.raises(MissionError) as caught:
         scenario(**wrong)
     assert [(problem.where, problem.message) for problem in caught.value.problems] == [
         (where, message)
@@ -329,7 +329,7 @@ def test_what_is_impossible_is_refused_at_the_edge(
 
 
 def test_without_robots_there_is_nobody_for_the_tasks_either() -> None:
-    with pytest.raises(ScenarioError) as caught:
+    with pytest.raises(MissionError) as caught:
         scenario(robots=())
     assert [problem.where for problem in caught.value.problems] == [
         ("robots",),
@@ -338,7 +338,7 @@ def test_without_robots_there_is_nobody_for_the_tasks_either() -> None:
 
 
 def test_all_problems_are_told_at_once() -> None:
-    with pytest.raises(ScenarioError) as caught:
+    with pytest.raises(MissionError) as caught:
         scenario(
             step_limit=-1,
             **robots(speed=-1.0, absences=(Absence(0),)),
@@ -352,7 +352,7 @@ def test_a_requirement_must_be_met_on_the_tasks_side_of_a_wall() -> None:
     """Each side of the wall has a lifter, but only the left has the scanner."""
     walled = Grid(4, 3, ("..@.",) * 3)
     right = Robot("c", (3, 0), {"lift": 1})
-    with pytest.raises(ScenarioError, match="robots that bring scan"):
+    with pytest.raises(MissionError, match="robots that bring scan"):
         scenario(world=walled, robots=(LIFTER, SCANNER, right))
     lifted = (replace(CRATE, needs={"lift": 1}), Task("y", (1, 2), {"scan": 1}))
     scenario(world=walled, robots=(LIFTER, SCANNER, right), tasks=lifted)
@@ -389,7 +389,7 @@ def test_step_limit_leaves_fast_robots_the_time_to_form() -> None:
     """All three must be at the only task together; at their speed any walk is one step."""
     fast = [Robot(name, (0, 0), {name: 1}, speed=1000.0) for name in "abc"]
     task = Task("all", (3, 2), dict.fromkeys("abc", 1))
-    built = Scenario("fast", Grid(4, 3), tuple("abc"), tuple(fast), (task,))
+    built = Mission("fast", Grid(4, 3), tuple("abc"), tuple(fast), (task,))
     assert built.step_limit == 1 + 4 * 2 * 3  # 4 x 2 walks of 7 cells fit into one step
 
 

@@ -15,10 +15,10 @@ import pytest
 import teamformer as tf
 from small_worlds import make, robot, task
 from teamformer.base.errors import (
+    MissionError,
     Problem,
     ReaderGoneError,
-    ReplayError,
-    ScenarioError,
+    RecordError,
     TeamformerError,
     UndoableError,
 )
@@ -35,9 +35,9 @@ Kind = TypeVar("Kind")
 
 ERRORS: list[Exception] = [
     TeamformerError("it is wrong", "mend it"),
-    ScenarioError([Problem(("name",), "no name"), Problem(("world",), "no world")], ["f:1: no"]),
+    MissionError([Problem(("name",), "no name"), Problem(("world",), "no world")], ["f:1: no"]),
     UndoableError("nobody can", "add robots"),
-    ReplayError("it is no record", "name one"),
+    RecordError("it is no record", "name one"),
     ReaderGoneError(),
     DamageError("damaged"),
     StopReadingError(),
@@ -76,7 +76,7 @@ def load_what_is_no_mission(name: str) -> Any:
 def test_a_bad_mission_file_is_told_by_who_asked_a_process_to_load_it(tmp_path: Path) -> None:
     file = tmp_path / "bad.yaml"
     file.write_text("teamformer: 1\nnmae: x\n")
-    with pytest.raises(ScenarioError, match=r"bad\.yaml:2: the file has no key 'nmae'") as told:
+    with pytest.raises(MissionError, match=r"bad\.yaml:2: the file has no key 'nmae'") as told:
         list(work_in_processes(load_what_is_no_mission, [str(file)], 1))
     assert ("nmae",) in [problem.where for problem in told.value.problems]
 

@@ -15,7 +15,7 @@ import pytest
 import yaml
 
 from others_rules import dcmrta_makespan, hetero_mrta_makespan, hhcrsp_cost, sadcher_makespan
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.planning.continuous.rules import warm_up
 from typed import FOUR, teamformer
 
@@ -112,7 +112,7 @@ def test_run_refuses_what_is_only_planned(
 def test_missions_in_steps_are_planned_too(capsys: pytest.CaptureFixture[str]) -> None:
     row = plan(Path(FOUR), capsys, "--time-limit", "1")
     stops = [stop for route in row["routes"] for stop in route["stops"]]
-    assert {stop["task"] for stop in stops} == {t.name for t in read_scenario(Path(FOUR)).tasks}
+    assert {stop["task"] for stop in stops} == {t.name for t in read_mission(Path(FOUR)).tasks}
     assert max(stop["end"] for stop in stops) == row["makespan"]
     assert all(stop["arrive"] <= stop["start"] <= stop["end"] for stop in stops)
 

@@ -15,8 +15,8 @@ import numpy as np
 
 import teamformer as tf
 from teamformer.mission.parts.places import possible_places
-from teamformer.mission.model import Scenario, Task
-from teamformer.record.record import Ending, Replay, Step
+from teamformer.mission.model import Mission, Task
+from teamformer.record.record import Ending, Record, Step
 from teamformer.mission.truth import draw_truth
 
 AFTER = (5, 20, 100)
@@ -43,7 +43,7 @@ class Site:
         tasks = tuple(_open(task, rng) for task in plain.tasks)
         self.mission = replace(plain, tasks=tasks, step_limit=0)
 
-    def as_it_is(self, mission: Scenario) -> Scenario:
+    def as_it_is(self, mission: Mission) -> Mission:
         """Return a mission with what holds at the site instead of what its file says."""
         return replace(mission, tasks=tuple(map(self._known, mission.tasks)), step_limit=0)
 
@@ -54,11 +54,11 @@ class Site:
         chances = {cap: self._often[quarter, cap] for cap in task.may_need}
         return replace(task, lasts=(middle - 1, middle + 1), may_need=chances)
 
-    def records(self, count: int) -> list[Replay]:
+    def records(self, count: int) -> list[Record]:
         """Return what earlier missions showed in which all was done."""
         return [self._record(number) for number in range(count)]
 
-    def _record(self, number: int) -> Replay:
+    def _record(self, number: int) -> Record:
         rng = np.random.default_rng([79, self.seed, number])
         places = [task.at for task in self.mission.tasks]
         moved = []
@@ -72,7 +72,7 @@ class Site:
         step = Step(done=tuple((task, 0) for task in numbers), shown=tuple(numbers))
         end = Ending("completed", 1, 1, len(moved), 0, 0, 0)
         truth = draw_truth(self.as_it_is(past), number)
-        return Replay(past, "none", number, (), (), (step,), end, truth=truth)
+        return Record(past, "none", number, (), (), (step,), end, truth=truth)
 
 
 def _open(task: Task, rng: np.random.Generator) -> Task:
@@ -84,7 +84,7 @@ def _open(task: Task, rng: np.random.Generator) -> Task:
     return replace(task, needs=needs, may_need=may_need, lasts=LASTS)
 
 
-def covering(mission: Scenario, truth: Scenario) -> Scenario:
+def covering(mission: Mission, truth: Mission) -> Mission:
     """Return a mission whose ranges reach to what really was: a run allows nothing else."""
     durations = (int(task.duration) for task in truth.tasks)
     tasks = (

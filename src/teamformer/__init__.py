@@ -13,16 +13,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     from teamformer.base.errors import TeamformerError as TeamformerError
     from teamformer.methods.by_name import Method as Method
     from teamformer.methods.seam.protocol import Policy as Policy
     from teamformer.mission.coordination import Coordinator as Coordinator
     from teamformer.mission.coordination import Known as Known
     from teamformer.mission.coordination import Plan as Plan
+    from teamformer.mission.model import Mission as Mission
     from teamformer.mission.model import Robot as Robot
-    from teamformer.mission.model import Scenario
     from teamformer.mission.model import Task as Task
     from teamformer.mission.parts.grid import Grid as Grid
     from teamformer.mission.parts.plane import Plane as Plane
@@ -48,8 +46,6 @@ if TYPE_CHECKING:
     )
     from teamformer.world.view import View as View
 
-    Mission: TypeAlias = Scenario
-
 _HOMES = {
     "Advice": "trials.advice.suggestions:Advice",
     "Experience": "trials.advice.experience:Experience",
@@ -70,7 +66,7 @@ _HOMES = {
     "Grid": "mission.parts.grid:Grid",
     "Known": "mission.coordination:Known",
     "Method": "methods.by_name:Method",
-    "Mission": "mission.model:Scenario",
+    "Mission": "mission.model:Mission",
     "Plan": "mission.coordination:Plan",
     "Plane": "mission.parts.plane:Plane",
     "Policy": "methods.seam.protocol:Policy",

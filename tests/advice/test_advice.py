@@ -13,13 +13,13 @@ import pytest
 import teamformer as tf
 from small_worlds import make, robot, task
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import write_scenario
-from teamformer.mission.model import Absence, Scenario
+from teamformer.files.mission_files import write_mission
+from teamformer.mission.model import Absence, Mission
 from teamformer.mission.orders import in_order
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.trials.advice.advise import advise_on
 from teamformer.trials.advice.changes import changes_of
-from teamformer.trials.advice.measuring import Search, search, searched
+from teamformer.trials.advice.measuring import PlannedSearch, search, searched
 from teamformer.trials.advice.suggestions import Advice
 from teamformer.trials.noise import Noise
 from teamformer.viewer.advice_page import advice_page
@@ -28,7 +28,7 @@ from typed import teamformer
 PLENTY = 1000.0  # seconds
 
 
-def two_far_tasks() -> Scenario:
+def two_far_tasks() -> Mission:
     """Robots r0 and r1 can a, r2 can b, all at 0; tasks: a at 10, a at 12 with 4 of work, b at 3.
 
     t1 takes 12 and 4: 16. r0 does t0, r1 t1, r2 t2.
@@ -83,7 +83,7 @@ def test_changes_are_what_they_say() -> None:
 def test_missions_in_steps_that_have_a_cost_are_measured_by_it() -> None:
     """t2 is done after 3 steps, t0 after 10, t1 after 12 and 4 of work: the mean of 16 and 29."""
     mission = replace(two_far_tasks(), cost={"makespan": 1, "completion": 1})
-    assert search(Search(0, mission, "plan")).value == (16 + (3 + 10 + 16)) / 2
+    assert search(PlannedSearch(0, mission, "plan")).value == (16 + (3 + 10 + 16)) / 2
 
 
 def test_a_robot_that_is_lost_could_be_kept() -> None:
@@ -236,7 +236,7 @@ def test_the_first_advice_on_the_warehouse_is_confirmed_by_running_it() -> None:
 @pytest.mark.slow  # each process loads everything
 def test_processes_find_the_same() -> None:
     jobs = [
-        Search(number, change.mission, "plan", order)
+        PlannedSearch(number, change.mission, "plan", order)
         for number, change in enumerate(changes_of(two_far_tasks()))
         if change.mission is not None
         for order in (0, 1)
@@ -250,7 +250,7 @@ def test_the_command_prints_and_draws_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file, page = tmp_path / "mission.yaml", tmp_path / "advice.html"
-    write_scenario(two_far_tasks(), file)
+    write_mission(two_far_tasks(), file)
     assert teamformer("advise", str(file), str(page), "--json") == 0
     row = json.loads(capsys.readouterr().out)
     assert row["makespan"] == 16
@@ -278,7 +278,7 @@ def test_the_command_advises_on_missions_whose_tasks_are_called_off(
 ) -> None:
     mission = two_far_tasks()
     gone = replace(mission.tasks[0], name="gone", cancelled=3)
-    write_scenario(replace(mission, tasks=(*mission.tasks, gone)), tmp_path / "mission.yaml")
+    write_mission(replace(mission, tasks=(*mission.tasks, gone)), tmp_path / "mission.yaml")
     assert teamformer("advise", str(tmp_path / "mission.yaml"), "--json") == 0
     row = json.loads(capsys.readouterr().out)
     assert "without task gone" in [change["change"] for change in row["advice"]]
@@ -288,7 +288,7 @@ def test_the_command_writes_no_page_over_a_mission(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "mission.yaml"
-    write_scenario(two_far_tasks(), file)
+    write_mission(two_far_tasks(), file)
     before = file.read_bytes()
     assert teamformer("advise", str(file), str(file)) == 2
     assert "mission.yaml: the advice is a page" in capsys.readouterr().err

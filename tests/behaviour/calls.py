@@ -13,8 +13,8 @@ import numpy as np
 
 import teamformer as tf
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.trees.writer import scenario_to_tree
-from teamformer.fleet.fleet_mission import Mission as FleetMission
+from teamformer.files.trees.writer import mission_to_tree
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.rehearsal.rehearse import judge, set_stage
 from teamformer.methods.by_name import load_method
 from teamformer.planning.bounds.makespan import lower_bound
@@ -81,7 +81,7 @@ def check_row(mission: Mission) -> str:
 
 def drawn_row(setting: str) -> str:
     """Draw three missions of a setting."""
-    return short([scenario_to_tree(world_of(setting, seed)) for seed in range(3)])
+    return short([mission_to_tree(world_of(setting, seed)) for seed in range(3)])
 
 
 def view_row(mission: Mission) -> str:

@@ -10,7 +10,7 @@ import pytest
 from teamformer.files.drawn.named_settings import new_tasks_of, world_of
 from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.listings import our_method_names
-from teamformer.mission.model import Scenario, Task
+from teamformer.mission.model import Mission, Task
 from teamformer.trials.trial import begin, decide
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.view import View
@@ -19,7 +19,7 @@ MINE = [name for name in our_method_names() if not load_method(name).needs_every
 FITTING = [name for name in MINE if not name.endswith(("-c8", "-c100", "-ppo"))]  # networks once
 
 
-def with_another_future(scenario: Scenario, kept: int) -> Scenario:
+def with_another_future(scenario: Mission, kept: int) -> Mission:
     """Move the late tasks, change what they need, and leave some of them out."""
     known = [task for task in scenario.tasks if task.appears == 0]
     late = [task for task in scenario.tasks if task.appears > 0]
@@ -29,7 +29,7 @@ def with_another_future(scenario: Scenario, kept: int) -> Scenario:
     return replace(scenario, tasks=(*known, *others))
 
 
-def play(scenario: Scenario, method: Method, steps: int) -> list[tuple[View, Decision]]:
+def play(scenario: Mission, method: Method, steps: int) -> list[tuple[View, Decision]]:
     """Return what is seen and decided in the first steps."""
     begin(method, [scenario], [scenario], seed=0)
     env = TeamFormation([scenario], coordinator=method.coordinator, new_tasks=method.new_tasks)

@@ -24,7 +24,7 @@ from teamformer.files.drawn.named_settings import world_of
 from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.task_times import cost_of_record
@@ -236,7 +236,7 @@ def test_plans_made_in_more_time_are_not_mixed_with_others(tmp_path: Path) -> No
 
 def test_the_list_schedule_of_two_tasks_in_a_row() -> None:
     """Robot at 0, tasks at 2 and 5: done in steps 2 and 5, whatever forming costs."""
-    scenario = Scenario(
+    scenario = Mission(
         "row",
         Grid(9, 1),
         ("a",),

@@ -18,7 +18,7 @@ from teamformer.methods.coordinators.replayed import Replayed
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.mission.coordination import NEWS, Known, Plan
-from teamformer.mission.model import Absence, Scenario
+from teamformer.mission.model import Absence, Mission
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial, run_trials
 from teamformer.world.env import Decision, TeamFormation
@@ -38,7 +38,7 @@ class Told:
         return SharedPlan().update(known, plan)
 
 
-def two_sides() -> Scenario:
+def two_sides() -> Mission:
     """
     T . . A . . . U     A has two robots that can do both, r1 is lost in step 2; V appears after 1
     """
@@ -64,7 +64,7 @@ def test_a_coordinator_is_told_what_happened_and_what_everybody_knows() -> None:
     assert done == ended[:-1]  # after the last there is nothing to plan
 
 
-def chain() -> Scenario:
+def chain() -> Mission:
     """
     A T . U . V . . .    A begins there; U comes after T, V after U, and T takes two steps
     """

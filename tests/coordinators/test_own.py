@@ -9,9 +9,9 @@ import pytest
 
 from teamformer.base.errors import TeamformerError
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.live.running.incidents import LostRobot, NewTask
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.methods.by_name import load_method
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
@@ -64,7 +64,7 @@ def test_run_compare_and_a_fleet_take_it(capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_a_live_mission_goes_by_it_and_leaves_a_legal_record() -> None:
-    run = Mission(read_scenario(WAREHOUSE), lambda: load_method(NAME), seed=0)
+    run = RunningMission(read_mission(WAREHOUSE), lambda: load_method(NAME), seed=0)
     for step in range(500):
         if not run.is_running:
             break

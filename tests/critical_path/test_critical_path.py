@@ -13,7 +13,7 @@ import teamformer as tf
 from random_worlds import random_world, with_loads, with_precedence_and_windows, with_surprises
 from small_worlds import make, robot, task
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Absence, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Task
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.planning.problem.routes import MissionPlan
@@ -23,16 +23,16 @@ from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.moments import moments
 from teamformer.record.phases import AT_WORK
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.trials.trial import run_trial
 from teamformer.world.rules.constants import NOBODY
 
 
-def played(mission: Scenario, method: str = "plan", seed: int = 0) -> Replay:
+def played(mission: Mission, method: str = "plan", seed: int = 0) -> Record:
     return run_trial(mission, load_method(method), seed).replay
 
 
-def planned(mission: Scenario) -> MissionPlan:
+def planned(mission: Mission) -> MissionPlan:
     made = plan_continuous(pose_mission(mission), "plan", 0.1)
     assert made is not None
     return made
@@ -180,7 +180,7 @@ def test_in_words_and_rows() -> None:
     }
 
 
-def continuous(mission: Scenario, **rules: Any) -> Scenario:
+def continuous(mission: Mission, **rules: Any) -> Mission:
     return replace(mission, time="continuous", **rules)
 
 
@@ -228,7 +228,7 @@ def test_a_task_that_must_not_start_too_long_before_another_waits_for_it() -> No
 METHODS = ("plan", "crews", "heuristic", "join-all", "teamformer")
 
 
-def random_mission(seed: int) -> Scenario:
+def random_mission(seed: int) -> Mission:
     """Return a mission with everything in it, on a plane every third time."""
     rng = np.random.default_rng(seed)
     mission = random_world(rng, is_plane=seed % 3 == 0)

@@ -17,26 +17,26 @@ from teamformer.base.errors import TeamformerError
 from teamformer.cli.verbs.records.export import export
 from teamformer.methods.by_name import load_method
 from teamformer.methods.coordinators.shared_plan import SharedPlan
-from teamformer.mission.model import Absence, Breakdown, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Breakdown, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.record.export.csv_tables import write_tables
 from teamformer.record.export.moments import moments
 from teamformer.record.export.plans_in_force import PlansInForce
 from teamformer.record.export.reasons import explain, story_lines
 from teamformer.record.phases import FORMING, IDLE, LOST, SERVING, WAITING, WALKING
-from teamformer.record.reading import read_replay
-from teamformer.record.record import Ending, Replay, SharedPlanMade, Step, TeamAt
+from teamformer.record.reading import read_record
+from teamformer.record.record import Ending, Record, SharedPlanMade, Step, TeamAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import write_replay
+from teamformer.record.writing import save_record
 from teamformer.trials.trial import run_trial
 
 
-def two_lifters() -> Replay:
+def two_lifters() -> Record:
     """Two walk a cell to a beam and wait, join, lift for two steps; then one is lost.
 
     a..B..b   steps: walk, walk, join, serve, serve, lost
     """
-    scenario = Scenario(
+    scenario = Mission(
         name="beam",
         world=Grid(5, 2, rows=(".....", "@@@@@")),
         capabilities=("lift",),
@@ -59,7 +59,7 @@ def two_lifters() -> Replay:
     )
     end = Ending("interrupted", None, 6, 1, 1, 0, 0)
     start = ((0, (0,), 0, 0), (1, (1,), 3, 0))
-    return Replay(scenario, "by hand", 0, ((0, (0,)),), start, steps, end)
+    return Record(scenario, "by hand", 0, ((0, (0,)),), start, steps, end)
 
 
 def test_every_step_of_every_robot_has_its_phase() -> None:
@@ -121,7 +121,7 @@ class CountedSteps(tuple[Step, ...]):
         return found
 
 
-def much_happens(steps: int) -> Replay:
+def much_happens(steps: int) -> Record:
     """Three robots break down again and again beside a task that waits for who is away for good."""
     lame = replace(robot("a", 1), breaks=Breakdown(0.1, (2, 5)))
     away = replace(robot("b", 5), absences=(Absence(3, 900_000),))
@@ -232,7 +232,7 @@ def test_the_table_of_tasks_has_windows_precedence_loads_and_lateness(tmp_path: 
     assert {key: second[key] for key in told} == told
 
 
-def carried() -> Replay:
+def carried() -> Record:
     """A robot that walks 2 to a load, takes 3 to load it, carries it 4 and unloads it for 2."""
     load = replace(task("a", 2, duration=3), to=(6, 0), unload=2)
     mission = make([robot("a", 0)], [load])
@@ -298,12 +298,12 @@ def test_the_mcap_file_holds_frames_scene_map_and_log(tmp_path: Path) -> None:
 
 
 def test_the_record_becomes_a_scenario_again(tmp_path: Path) -> None:
-    from teamformer.files.mission_files import read_scenario
+    from teamformer.files.mission_files import read_mission
 
     record = tmp_path / "replay.json"
-    write_replay(two_lifters(), record)
+    save_record(two_lifters(), record)
     assert export(record, [tmp_path / "again.yaml"]) == 0
-    assert read_scenario(tmp_path / "again.yaml") == two_lifters().scenario
+    assert read_mission(tmp_path / "again.yaml") == two_lifters().scenario
     with pytest.raises(TeamformerError, match=r"again\.yaml: there is such a file"):
         export(record, [tmp_path / "again.yaml", tmp_path / "tables"])
     assert not (tmp_path / "tables").exists()
@@ -311,7 +311,7 @@ def test_the_record_becomes_a_scenario_again(tmp_path: Path) -> None:
 
 def test_export_says_what_it_wrote(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = tmp_path / "replay.json"
-    write_replay(replace(two_lifters(), seed=3), record)
+    save_record(replace(two_lifters(), seed=3), record)
     assert export(record, [tmp_path / "tables", tmp_path / "again.yaml"]) == 0
     files = [Path(line.removeprefix("file: ")) for line in capsys.readouterr().err.splitlines()]
     assert [file.name for file in files] == [
@@ -339,7 +339,7 @@ def test_a_record_that_cannot_be_read_leaves_nothing_behind(
 )
 def test_what_cannot_be_exported_is_refused(name: str, told: str, tmp_path: Path) -> None:
     record = tmp_path / "replay.json"
-    write_replay(two_lifters(), record)
+    save_record(two_lifters(), record)
     before = record.read_bytes()
     with pytest.raises(TeamformerError, match=re.escape(told)):
         export(record, [tmp_path / "good.yaml", tmp_path / name])
@@ -351,7 +351,7 @@ def test_a_gif_shows_every_step(tmp_path: Path) -> None:
     """Cells are 40 pixels; robots 0 and 1 are grey, then walk to the beam in its colour."""
     image = pytest.importorskip("PIL.Image", reason="the extra `gif` is not installed")
     record, path = tmp_path / "replay.json", tmp_path / "mission.gif"
-    write_replay(two_lifters(), record)
+    save_record(two_lifters(), record)
     assert export(record, [path]) == 0
     with image.open(path) as film:
         assert film.size == (280, 2 * 40 + 20 + 26)  # wide enough for what the caption says
@@ -381,7 +381,7 @@ def test_a_long_mission_has_no_more_frames_than_can_be_watched(tmp_path: Path) -
         assert long.n_frames == 401  # every third moment and the last
 
 
-def news_each_step(coordination: str = "paper") -> Replay:
+def news_each_step(coordination: str = "paper") -> Record:
     """A slow robot walks two cells to its task in eight steps, after each of which one appears."""
     calls = [task("b", 19, appears=steps) for steps in range(1, 8)]
     robots = [robot("a", 0, speed=0.25), robot("b", 19)]
@@ -400,8 +400,8 @@ def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(
     assert [moment.phase[0] for moment in seen[1:9]] == ["walking"] * 8
     assert [moment.pursued[0] for moment in seen[1:9]] == [0] * 8
     assert explain(replay, 0)[0].what == "walks to t0"
-    write_replay(replay, tmp_path / "replay.json")
-    assert read_replay(tmp_path / "replay.json") == replay
+    save_record(replay, tmp_path / "replay.json")
+    assert read_record(tmp_path / "replay.json") == replay
 
 
 @pytest.mark.parametrize(

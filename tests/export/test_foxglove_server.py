@@ -24,14 +24,14 @@ from test_export import two_lifters
 from teamformer.base.errors import TeamformerError
 from teamformer.fleet.process.fleet import free_ports
 from teamformer.record.export.foxglove_server import Follower, Player
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 
 ROOT = Path(__file__).parents[2]
 SECOND = 1_000_000_000
 
 
 @contextmanager
-def playing(replay: Replay) -> Iterator[str]:
+def playing(replay: Record) -> Iterator[str]:
     player = Player(replay, free_ports(1)[0])
     thread = threading.Thread(target=player.run)
     thread.start()

@@ -6,31 +6,31 @@ from small_worlds import make, robot, task
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.bodies.body import Report
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import Message, Notice, Post
 from teamformer.fleet.planner import CoordinatedPlanner
 
 PLANNER = CoordinatedPlanner()
 
 
-def pair() -> Mission:
+def pair() -> FleetMission:
     """Return `a` at 0 and `b` at 4 with a task for both at 6: a..b...T"""
     scenario = make([robot("a", 0), robot("b", 4)], [task("ab", 6, duration=2)])
-    return Mission(scenario)
+    return FleetMission(scenario)
 
 
-def trio() -> Mission:
+def trio() -> FleetMission:
     """Return `a`, `b` and `c` in one place, with tasks for one, two and all of them."""
     robots = [robot("a", 5), robot("b", 5), robot("c", 5)]
     tasks = [task("a", 2), task("bc", 9), task("abc", 5), task("c", 15), task("ab", 12)]
-    return Mission(make(robots, tasks))
+    return FleetMission(make(robots, tasks))
 
 
-def plan_of(mission: Mission) -> FleetPlan:
+def plan_of(mission: FleetMission) -> FleetPlan:
     return first_plan(mission, PLANNER)
 
 
-def agents_of(mission: Mission, now: float = 0.0) -> list[Agent]:
+def agents_of(mission: FleetMission, now: float = 0.0) -> list[Agent]:
     plan = plan_of(mission)
     return [Agent(mission, r, PLANNER, plan, now) for r in range(mission.robots)]
 
@@ -41,7 +41,7 @@ def standing(agent: Agent, number: int) -> Report:
     return Report(x, y, agent.command.leg, number=number)
 
 
-def opened(mission: Mission, sender: int, notices: list[Notice]) -> list[Message]:
+def opened(mission: FleetMission, sender: int, notices: list[Notice]) -> list[Message]:
     """Return notices as the messages that others receive."""
     post = Post(mission.number, mission.robots)
     messages = [post.open(post.seal(sender, notice)) for notice in notices]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Decision
 from teamformer.world.view import View
 
@@ -16,7 +16,7 @@ class Alone:
 
     needs_everything = False
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+    def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         self.rng = rng
         self.asked = 0
 

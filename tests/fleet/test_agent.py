@@ -10,7 +10,7 @@ from fleets import agents_of, opened, pair, standing, trio
 from small_worlds import make, robot, task
 from teamformer.fleet.agent.agent import NAMESAKES, Agent
 from teamformer.fleet.bodies.body import Report
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import (
     EVERYBODY,
     LIFE,
@@ -120,7 +120,7 @@ def test_who_is_stuck_goes_on_trying_where_it_did_not_get() -> None:
 
 def test_who_is_unfit_by_its_body_is_not_counted_on_until_it_is_fit_again() -> None:
     """Robot 0 serves the only task, and robot 1 comes for it when the other one cannot."""
-    mission = Mission(make([robot("a", 2), robot("a", 9)], [task("a", 2, duration=60)]))
+    mission = FleetMission(make([robot("a", 2), robot("a", 9)], [task("a", 2, duration=60)]))
     agents = agents_of(mission)
     places: list[tuple[float, float]] = [(2.0, 0.0), (9.0, 0.0)]
     inbox: list[list[Message]] = [[], []]
@@ -145,7 +145,7 @@ def test_who_is_unfit_by_its_body_is_not_counted_on_until_it_is_fit_again() -> N
 
 
 def test_a_lone_robot_that_is_unfit_leaves_its_task_until_it_is_fit_again() -> None:
-    [agent] = agents_of(Mission(make([robot("a", 2)], [task("a", 2, duration=60)])))
+    [agent] = agents_of(FleetMission(make([robot("a", 2)], [task("a", 2, duration=60)])))
     served = []
     for tick in range(1, 200):
         report = standing(agent, tick)._replace(is_unfit=50 < tick <= 100)

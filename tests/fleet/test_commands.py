@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 
 from fleets import trio
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.mission_files import write_mission
 from typed import teamformer
 
 
 @pytest.fixture
 def mission(tmp_path: Path) -> str:
-    write_scenario(trio().scenario, tmp_path / "trio.yaml")
+    write_mission(trio().scenario, tmp_path / "trio.yaml")
     return str(tmp_path / "trio.yaml")
 
 
@@ -110,7 +110,7 @@ def test_a_fleet_of_processes_survives_a_kill(tmp_path: Path) -> None:
     path = tmp_path / "mission.yaml"
     robots = [*mission.robots, *mission.robots]
     named = tuple(replace(robot, name=f"r{number}") for number, robot in enumerate(robots))
-    write_scenario(replace(mission, robots=named), path)
+    write_mission(replace(mission, robots=named), path)
     command = [sys.executable, "-m", "teamformer.cli", "fleet", "start", str(path), "--json"]
     with subprocess.Popen(
         [*command, "--time-limit", "240"], stdout=-1, stderr=-1, text=True

@@ -8,8 +8,8 @@ import pytest
 
 from fleets import PLANNER, pair, plan_of, trio
 from small_worlds import make, robot, task
-from teamformer.files.mission_files import read_scenario
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.files.mission_files import read_mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import Notice, Post
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.rehearsal.faults import Crash, Faults
@@ -20,7 +20,7 @@ from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.model import Absence
 from teamformer.record.export.events import events
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.trials.trial import run_trial
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -29,7 +29,7 @@ Doers = dict[str, tuple[int, ...]]
 """The robots that did each task, by its name."""
 
 
-def credited(replay: Replay) -> Doers:
+def credited(replay: Record) -> Doers:
     """Return whom the readers of a record hold to have done its tasks."""
     names = [task.name for task in replay.scenario.tasks]
     done = [event for event in events(replay) if event.kind == "done"]
@@ -41,15 +41,15 @@ def really_did(rehearsal: Rehearsal) -> Doers:
     return {world.tasks[key].name: done.robots for key, done in world.done.items()}
 
 
-def relay() -> Mission:
+def relay() -> FleetMission:
     """Return two pairs that go on at once, in turns with one another: a.b.....T"""
     robots = [robot("a", 0), robot("a", 2), robot("b", 0), robot("b", 2)]
     tasks = [task("ab", 6), task("ab", 9, duration=3), task("a", 12), task("aabb", 16)]
-    return Mission(make([*robots], [*tasks, task("b", 14, duration=1)]))
+    return FleetMission(make([*robots], [*tasks, task("b", 14, duration=1)]))
 
 
 @pytest.mark.parametrize("mission", [pair(), trio(), relay()], ids=["pair", "trio", "relay"])
-def test_over_a_perfect_network_it_is_who_does_it_in_the_simulator(mission: Mission) -> None:
+def test_over_a_perfect_network_it_is_who_does_it_in_the_simulator(mission: FleetMission) -> None:
     trace = Trace()
     rehearsal = Rehearsal(mission, PLANNER, plan_of(mission), Faults(), trace)
     record = record_of(rehearsal, rehearsal.run(300.0), trace.events, 0)
@@ -67,8 +67,8 @@ def test_over_a_perfect_network_it_is_who_does_it_in_the_simulator(mission: Miss
 @pytest.mark.thorough
 def test_under_faults_it_is_who_did_it(schedule: int) -> None:
     """Schedule 12 of seed 7 had robot 0 do 13 of 16 tasks, since the doers had gone on."""
-    scenario = read_scenario(EXAMPLES / "warehouse.yaml")
-    stage = set_stage(Mission(scenario, scenario.seconds_a_step))
+    scenario = read_mission(EXAMPLES / "warehouse.yaml")
+    stage = set_stage(FleetMission(scenario, scenario.seconds_a_step))
     faults, trace = faults_of(stage, 7, schedule), Trace()
     rehearsal, outcome, _ = play(stage.mission, stage.plan, faults, trace, stage.method)
     record = record_of(rehearsal, outcome, trace.events, 7)
@@ -83,7 +83,7 @@ def test_who_is_lost_after_several_tasks_in_a_step_did_them_all() -> None:
     """
     robots = [robot("b", 0), robot("a", 0), robot("a", 0), robot("ab", 0)]
     tasks = [task("a", 0), task("a", 0), task("bb", 0)]
-    mission, trace = Mission(make(robots, tasks, forming_steps=0)), Trace()
+    mission, trace = FleetMission(make(robots, tasks, forming_steps=0)), Trace()
     crashes = Crash(1, 0.0, 1.0), Crash(2, 0.0, 1.0), Crash(3, 1.0, keeps_facts=False)
     rehearsal = Rehearsal(mission, PLANNER, plan_of(mission), Faults(crashes=crashes), trace)
     record = record_of(rehearsal, rehearsal.run(300.0), trace.events, 0)
@@ -101,7 +101,7 @@ def test_who_leaves_a_team_that_loses_its_lowest_robot_parts_from_it_before() ->
 class Watched(Rehearsal):
     """A rehearsal that somebody hears who looks once a step."""
 
-    def __init__(self, mission: Mission) -> None:
+    def __init__(self, mission: FleetMission) -> None:
         self.watch = Watch(mission)
         self._onlooker = Post(mission.number, mission.robots)
         super().__init__(mission, PLANNER, plan_of(mission), Faults())
@@ -116,7 +116,7 @@ class Watched(Rehearsal):
 
 
 @pytest.mark.parametrize("mission", [pair(), trio(), relay()], ids=["pair", "trio", "relay"])
-def test_who_hears_the_fleet_knows_who_did_it(mission: Mission) -> None:
+def test_who_hears_the_fleet_knows_who_did_it(mission: FleetMission) -> None:
     rehearsal = Watched(mission)
     rehearsal.run(300.0)
     rehearsal.watch.step()
@@ -124,8 +124,8 @@ def test_who_hears_the_fleet_knows_who_did_it(mission: Mission) -> None:
 
 
 def test_who_hears_a_fleet_of_an_example_knows_who_did_it() -> None:
-    scenario = read_scenario(EXAMPLES / "warehouse.yaml")
-    rehearsal = Watched(Mission(scenario, scenario.seconds_a_step))
+    scenario = read_mission(EXAMPLES / "warehouse.yaml")
+    rehearsal = Watched(FleetMission(scenario, scenario.seconds_a_step))
     rehearsal.run(300.0)
     rehearsal.watch.step()
     assert credited(rehearsal.watch.record()) == really_did(rehearsal)

@@ -13,7 +13,7 @@ from small_worlds import make, robot, task
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.world import FleetWorld, Lifted, Walked
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import READY, SERVE, Beat, FactsNote, LoadFact, Message, Word
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.rehearsal.checker import Checker
@@ -23,12 +23,12 @@ from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.record import Deed, record_of, teams_shown
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Trace, Worked
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 from teamformer.record.record import TaskAt, TeamAt
-from teamformer.record.writing import write_replay
+from teamformer.record.writing import save_record
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -36,13 +36,13 @@ def load(needs: str, x: int, to: int, duration: int = 0, unload: int = 0) -> Tas
     return replace(task(needs, x, duration=duration), to=(to, 0), unload=unload)
 
 
-def three_carriers(needs: str = "aa") -> Mission:
+def three_carriers(needs: str = "aa") -> FleetMission:
     """Return three robots at a load, the last at half the pace: L..........D"""
     robots = [robot("a", 2), robot("a", 2), robot("a", 2, speed=0.5)]
-    return Mission(make(robots, [load(needs, 2, 10, duration=3, unload=2)]))
+    return FleetMission(make(robots, [load(needs, 2, 10, duration=3, unload=2)]))
 
 
-def at_work(mission: Mission, who: Sequence[int]) -> FleetWorld:
+def at_work(mission: FleetMission, who: Sequence[int]) -> FleetWorld:
     """Return robots that have been told to serve the first task, at time 0."""
     world = FleetWorld(mission)
     for number in who:
@@ -117,7 +117,7 @@ def test_on_a_plane_a_load_goes_straight_on() -> None:
     crate = Task("crate", (1.0, 1.0), {"a": 1}, 2, to=(4.0, 5.0))
     mover = Robot("mover", (1.1, 1.0), {"a": 1}, 0.5)
     field = Plane(9.0, 9.0, arrival_radius=0.2)
-    world = FleetWorld(Mission(Scenario("field", field, ("a",), (mover,), (crate,))))
+    world = FleetWorld(FleetMission(Mission("field", field, ("a",), (mover,), (crate,))))
     world.command(0, Command(1, None, 0, 0, True))
     world.advance(7.0)  # it stands near enough; half of the 10 s that 5 m take
     assert world.place_of(0) == pytest.approx((2.5, 3.0))
@@ -127,7 +127,9 @@ def test_on_a_plane_a_load_goes_straight_on() -> None:
 
 
 def test_a_robot_sees_a_load_near_it_and_that_it_is_gone() -> None:
-    mission = Mission(make([robot("a", 0), robot("a", 2)], [load("a", 2, 9)], sensing_radius=1.0))
+    mission = FleetMission(
+        make([robot("a", 0), robot("a", 2)], [load("a", 2, 9)], sensing_radius=1.0)
+    )
     world = FleetWorld(mission)
     world.command(0, Command(1, (2, 0), 0))
     world.advance(1.0)
@@ -138,7 +140,7 @@ def test_a_robot_sees_a_load_near_it_and_that_it_is_gone() -> None:
     assert (report.load, report.is_gone) == (None, True)
 
 
-def outcome_of(mission: Mission, faults: Faults) -> tuple[Outcome, Rehearsal]:
+def outcome_of(mission: FleetMission, faults: Faults) -> tuple[Outcome, Rehearsal]:
     rehearsal, outcome, violations = play(mission, plan_of(mission), faults)
     assert violations == []
     return outcome, rehearsal
@@ -147,7 +149,7 @@ def outcome_of(mission: Mission, faults: Faults) -> tuple[Outcome, Rehearsal]:
 def test_a_fleet_carries_as_by_hand() -> None:
     """4 s there, 3 s to take it up, 8 s on the way, 2 s to unload, and word gets round."""
     robots = [robot("a", 0), robot("a", 6)]
-    outcome, _ = outcome_of(Mission(make(robots, [load("aa", 4, 12, 3, 2)])), Faults())
+    outcome, _ = outcome_of(FleetMission(make(robots, [load("aa", 4, 12, 3, 2)])), Faults())
     assert outcome.makespan is not None
     assert 17.0 <= outcome.makespan <= 17.0 + 1.6
 
@@ -155,7 +157,7 @@ def test_a_fleet_carries_as_by_hand() -> None:
 def test_who_stays_takes_it_up_again_with_who_comes() -> None:
     """Robot 1 breaks down as it carries, after 9 s; robot 2 comes from far to where it lies."""
     robots = [robot("a", 3), robot("a", 3), robot("a", 17)]
-    mission = Mission(make(robots, [load("aa", 3, 9, 2)]))
+    mission = FleetMission(make(robots, [load("aa", 3, 9, 2)]))
     outcome, rehearsal = outcome_of(mission, Faults(crashes=(Crash(1, 6.5),)))
     assert (outcome.status, rehearsal.world.done[0].robots) == ("ended", (0, 2))
 
@@ -165,7 +167,7 @@ def test_a_load_that_nobody_can_tell_of_is_looked_for_on_its_way() -> None:
     robots = [robot("a", 2), robot("b", 2)]
     tasks = [load("a", 2, 15, 1), task("b", 2, duration=1)]
     spare = robot("a", 0, speed=0.5)
-    mission = Mission(make([*robots, spare], tasks, sensing_radius=0.0))
+    mission = FleetMission(make([*robots, spare], tasks, sensing_radius=0.0))
     outcome, rehearsal = outcome_of(mission, Faults(crashes=(Crash(0, 9.0),)))
     assert (outcome.status, rehearsal.world.done[0].robots) == ("ended", (2,))
     assert 2 < lifts_of(rehearsal.world)[1].place[0] < 15
@@ -179,7 +181,7 @@ def test_who_carries_and_does_not_get_on_lets_go(stuck: int, begin: float) -> No
     Whoever of the two lets go first, the one that is stuck has to notice it.
     """
     robots = [robot("a", 3), robot("a", 3), robot("a", 17)]
-    mission = Mission(make(robots, [load("aa", 3, 12, 2)]))
+    mission = FleetMission(make(robots, [load("aa", 3, 12, 2)]))
     outcome, rehearsal = outcome_of(mission, Faults(stuck=(Spell(stuck, begin, None),)))
     assert (outcome.status, rehearsal.world.done[0].robots) == ("ended", (1 - stuck, 2))
 
@@ -187,17 +189,17 @@ def test_who_carries_and_does_not_get_on_lets_go(stuck: int, begin: float) -> No
 def carried_record(tmp_path: Path) -> tuple[Rehearsal, Path]:
     """Return a rehearsal with a load that is set down and taken up again, and its record."""
     robots = [robot("a", 3), robot("a", 3), robot("a", 17)]
-    mission = Mission(make(robots, [load("aa", 3, 9, 2)]))
+    mission = FleetMission(make(robots, [load("aa", 3, 9, 2)]))
     trace = Trace()
     rehearsal, outcome, _ = play(mission, plan_of(mission), Faults(crashes=(Crash(1, 6.5),)), trace)
     path = tmp_path / "replay.json"
-    write_replay(record_of(rehearsal, outcome, trace.events, 0), path)
+    save_record(record_of(rehearsal, outcome, trace.events, 0), path)
     return rehearsal, path
 
 
 def test_the_record_of_a_rehearsal_has_what_was_carried(tmp_path: Path) -> None:
     rehearsal, path = carried_record(tmp_path)
-    steps = read_replay(path).steps
+    steps = read_record(path).steps
     first, down, again = lifts_of(rehearsal.world)
     assert [row for step in steps for row in step.left] == [TaskAt(0, *down.place)]
     taken = [number for number, step in enumerate(steps, start=1) if step.taken]
@@ -209,18 +211,18 @@ def test_the_record_of_a_rehearsal_has_what_was_carried(tmp_path: Path) -> None:
 
 def test_a_load_that_is_set_down_where_it_was_taken_up_is_recorded(tmp_path: Path) -> None:
     """Robot 1 breaks down in the moment in which they set out."""
-    mission = Mission(make([robot("a", 3), robot("a", 3)], [load("aa", 3, 9, 2)]))
+    mission = FleetMission(make([robot("a", 3), robot("a", 3)], [load("aa", 3, 9, 2)]))
     trace = Trace()
     rehearsal, outcome, _ = play(mission, plan_of(mission), Faults(crashes=(Crash(1, 3.3),)), trace)
     assert lifts_of(rehearsal.world)[1].place == (3, 0)
-    write_replay(record_of(rehearsal, outcome, trace.events, 0), tmp_path / "replay.json")
-    [left] = [row for step in read_replay(tmp_path / "replay.json").steps for row in step.left]
+    save_record(record_of(rehearsal, outcome, trace.events, 0), tmp_path / "replay.json")
+    [left] = [row for step in read_record(tmp_path / "replay.json").steps for row in step.left]
     assert left == TaskAt(0, 3, 0)
 
 
 def test_a_load_that_is_taken_up_and_done_in_one_step_is_only_done(tmp_path: Path) -> None:
     """It is brought to where it lies."""
-    mission = Mission(make([robot("a", 3)], [load("a", 3, 3)]))
+    mission = FleetMission(make([robot("a", 3)], [load("a", 3, 3)]))
     trace = Trace()
     rehearsal, outcome, _ = play(mission, plan_of(mission), Faults(), trace)
     assert len(lifts_of(rehearsal.world)) == 1
@@ -233,7 +235,7 @@ def test_a_load_that_is_taken_up_after_something_was_done_is_shown_in_the_next_s
     """Both happen in the first second; in a step a robot is drawn in one place."""
     carrier = Robot("r", (0.0, 0.5), {"a": 1})
     tasks = [Task("job", (0.0, 0.5), {"a": 1}), Task("load", (0.7, 0.5), {"a": 1}, to=(2.5, 0.5))]
-    mission = Mission(Scenario("plane", Plane(3.0, 1.0), ("a",), (carrier,), tuple(tasks)))
+    mission = FleetMission(Mission("plane", Plane(3.0, 1.0), ("a",), (carrier,), tuple(tasks)))
     trace = Trace()
     rehearsal, outcome, _ = play(mission, plan_of(mission), Faults(), trace)
     assert 0.7 < lifts_of(rehearsal.world)[0].at < 1.0
@@ -265,7 +267,7 @@ def test_an_onlooker_tells_who_carries_and_where_a_load_was_set_down() -> None:
 
 def test_who_takes_up_a_load_is_recorded_as_its_team() -> None:
     """Robot 1 is with 0 in a team, as both say, and it alone is at work on the load."""
-    mission = Mission(make([robot("a", 2), robot("a", 2)], [load("a", 2, 5)]))
+    mission = FleetMission(make([robot("a", 2), robot("a", 2)], [load("a", 2, 5)]))
     said = {0: (0, (2, 0)), 1: (0, (2, 0))}
     places, teams, doers = teams_shown(said, (), (Deed(0, (2, 0), (1,)),))
     assert (places[1], teams, doers) == ((2, 0), {0: (0,), 1: (1,)}, set())
@@ -310,7 +312,7 @@ def test_a_task_without_a_load_stays_where_it_is() -> None:
 
 def test_a_load_behind_a_wall_is_refused() -> None:
     world = Grid(20, 3, ("." * 20, "@" * 20, "." * 20))
-    mission = Mission(make([robot("a", 2)], [load("a", 2, 10)], world))
+    mission = FleetMission(make([robot("a", 2)], [load("a", 2, 10)], world))
     knowledge = Knowledge(mission, 0, Remembered())
     assert not knowledge.take_load(LoadFact(0, 1, 5.0, 2.0))
     assert knowledge.take_load(LoadFact(0, 1, 5.0, 0.0))

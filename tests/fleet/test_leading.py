@@ -14,7 +14,7 @@ from teamformer.files.drawn.generate import Spec, generate
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.leading import PATIENCE, warm_up
 from teamformer.fleet.agent.sight import Company, companies, view_of
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import Word
 from teamformer.fleet.methods import policy_of
 from teamformer.fleet.rehearsal.faults import Faults, draw_faults
@@ -33,7 +33,7 @@ def test_a_robot_sees_what_the_simulator_shows_its_team() -> None:
     rng = np.random.default_rng(5)
     compared = 0
     for robots, tasks, radius in ((5, 7, 3.0), (8, 20, 2.0), (20, 6, 9.0)):
-        mission = Mission(generate(Spec(robots, tasks, 3, sensing_radius=radius), rng))
+        mission = FleetMission(generate(Spec(robots, tasks, 3, sensing_radius=radius), rng))
         env, policy = TeamFormation([mission.scenario]), JoinAll()
         while env.is_running.any():
             view = env.view()

@@ -19,8 +19,8 @@ from fleets import plan_of, trio
 from live_server import serving_session
 from loops import run_apart
 from small_worlds import make, robot, task
-from teamformer.files.mission_files import write_scenario
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.files.mission_files import write_mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import (
     LIFE,
     LOST,
@@ -49,13 +49,13 @@ from teamformer.fleet.process.fleet import free_ports
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.record.export.events import events
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 from teamformer.record.record import FLEET, TeamAt
 from teamformer.world.rules.constants import NOBODY
 
 SMALL = make([robot("a", 0), robot("a", 1), robot("b", 9)], [task("a", 3), task("ab", 7)])
-MISSION = Mission(SMALL)
-FAST = Mission(SMALL, step=0.1)
+MISSION = FleetMission(SMALL)
+FAST = FleetMission(SMALL, step=0.1)
 EXTRA = TaskFact(7 << 24, "extra", 5.0, 0.0, (1, 0, 0))
 
 
@@ -273,7 +273,7 @@ def test_a_task_that_a_page_adds_is_published_and_told_once_it_is_held(
     assert incident["record"]["scenario"]["tasks"][2]["name"] == "late"
     assert incident["is_fleet"]
     assert {task.name for task in transport.offered} == {"late"}
-    record = read_replay(tmp_path / "replay.json")
+    record = read_record(tmp_path / "replay.json")
     assert record.method == "fleet"
     assert [step["kind"] for step in told].count("step") >= 1
 
@@ -338,7 +338,7 @@ def test_robots_that_are_not_heard_are_named_until_they_are() -> None:
     assert silence.alerts(17.0) == []
 
 
-DEADLINE = Mission(
+DEADLINE = FleetMission(
     replace(SMALL, tasks=(SMALL.tasks[0], replace(SMALL.tasks[1], between=(0, 30)))), step=2.0
 )
 """t1, which needs a and b, is due after 30 steps, which are 60 s."""
@@ -436,7 +436,7 @@ def test_page_and_terminal_are_told_which_robots_are_not_heard(
 @pytest.mark.thorough
 def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
     """Nobody answers; whoever started the tests may have Ctrl-C ignored, the child may not."""
-    write_scenario(MISSION.scenario, tmp_path / "small.yaml")
+    write_mission(MISSION.scenario, tmp_path / "small.yaml")
     (port, endpoint) = free_ports(2)
     command = [sys.executable, "-m", "teamformer.cli", "fleet", "watch"]
     command += [str(tmp_path / "small.yaml"), "--connect", f"tcp/127.0.0.1:{endpoint}"]
@@ -457,7 +457,7 @@ def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
     assert lines[1] == "Ctrl-C ends it and saves what was done\n"
     assert f"saved: {tmp_path / 'replay.json'}\n" in more
     assert live.returncode == 0
-    assert read_replay(tmp_path / "replay.json").method == FLEET
+    assert read_record(tmp_path / "replay.json").method == FLEET
 
 
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from teamformer.files.drawn.generate import Spec, generate
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.process.fleet import LocalFleet
-from teamformer.mission.model import Absence, Scenario
+from teamformer.mission.model import Absence, Mission
 from teamformer.mission.parts.grid import Grid
 
 ROBOTS = TASKS = 20
@@ -28,7 +28,7 @@ STOPPED, GOES_ON = 34, 44
 LIMIT = 300
 
 
-def draw(seed: int) -> tuple[Scenario, list[int]]:
+def draw(seed: int) -> tuple[Mission, list[int]]:
     """Return a mission with a robot that is away for a while, and four robots to be disturbed.
 
     The first two are to be killed; without them all tasks can be done. Then comes the one that is
@@ -38,7 +38,7 @@ def draw(seed: int) -> tuple[Scenario, list[int]]:
     while True:
         scenario = generate(Spec(ROBOTS, TASKS, 4, requirements=2, world=WORLD), rng)
         who = rng.permutation(ROBOTS)[:4].tolist()
-        mission, left = Mission(scenario), set(range(ROBOTS)) - set(who[:2])
+        mission, left = FleetMission(scenario), set(range(ROBOTS)) - set(who[:2])
         if all(mission.can_do(left, task) for task in mission.tasks):
             break
     robots = list(scenario.robots)
@@ -81,7 +81,7 @@ def test_a_fleet_survives_kills_a_stop_and_lost_messages() -> None:
             (GOES_ON, names[3], signal.SIGCONT),
         ]
     )
-    result = LocalFleet(Mission(scenario), disturber.tell, drop=DROP).run(LIMIT)
+    result = LocalFleet(FleetMission(scenario), disturber.tell, drop=DROP).run(LIMIT)
     assert result.completed, disturber.told
     assert result.robots_alive == ROBOTS - 2
     assert max(done.at for done in result.done) > GOES_ON

@@ -15,7 +15,7 @@ from small_worlds import make, robot, task
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.fleet import operator
 from teamformer.fleet.agent.planning import FleetPlan
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import OPERATOR, PlanNote, TaskFact
 from teamformer.fleet.rehearsal.benchmark import bench_fleet, summarise
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell, draw_faults
@@ -28,8 +28,8 @@ from teamformer.fleet.rehearsal.trace import Sent, Trace, Walked, Worked
 from teamformer.mission.model import Absence
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.reading import read_replay
-from teamformer.record.writing import write_replay
+from teamformer.record.reading import read_record
+from teamformer.record.writing import save_record
 
 ALL_KINDS = {
     *("loss", "twice", "delay", "radio", "junk", "skew", "drift", "lag", "stutter"),
@@ -37,7 +37,7 @@ ALL_KINDS = {
 }
 
 
-def outcome_of(mission: Mission, faults: Faults) -> Outcome:
+def outcome_of(mission: FleetMission, faults: Faults) -> Outcome:
     _, outcome, violations = play(mission, plan_of(mission), faults)
     assert violations == []
     return outcome
@@ -99,7 +99,7 @@ def test_who_misses_somebody_stays_on_its_side_of_a_wall() -> None:
     world = Grid(6, 3, ("......", "@@@@@@", "......"))
     robots = [robot("a", 0), robot("a", 3), robot("b", 0, 2)]
     tasks = [task("a", 5), task("b", 5, 2, appears=40)]
-    outcome = outcome_of(Mission(make(robots, tasks, world)), Faults(crashes=(Crash(1, 1.0),)))
+    outcome = outcome_of(FleetMission(make(robots, tasks, world)), Faults(crashes=(Crash(1, 1.0),)))
     assert (outcome.status, outcome.tasks_done) == ("ended", 2)
     assert outcome.makespan is not None
     assert outcome.makespan < 50
@@ -111,7 +111,7 @@ def test_who_parts_where_its_next_task_is_stays_there() -> None:
     tasks = [task("ab", 6), task("b", 6)]
     world = Plane(20.0, 20.0, arrival_radius=0.9)
     trace = Trace()
-    mission = Mission(make(robots, tasks, world))
+    mission = FleetMission(make(robots, tasks, world))
     plan = FleetPlan(PlanNote(0, 0, live=(0, 1), order=(0, 1), coalitions=((0, 1), (1,))))
     _, outcome, violations = play(mission, plan, Faults(), trace)
     assert (outcome.status, violations) == ("ended", [])
@@ -123,7 +123,7 @@ def test_who_is_left_alone_goes_on_once_it_can_move_again() -> None:
     """Robot 0 hears nobody when it gets free: it is unfit by its own word before and after."""
     scenario = make([robot("a", 4), robot("a", 0)], [task("a", 8)])
     faults = Faults(crashes=(Crash(1, 0.5),), stuck=(Spell(0, 2.0, 40.0),))
-    outcome = outcome_of(Mission(scenario), faults)
+    outcome = outcome_of(FleetMission(scenario), faults)
     assert (outcome.status, outcome.tasks_done) == ("ended", 1)
 
 
@@ -132,7 +132,7 @@ def test_who_is_stuck_beside_its_task_may_go_the_rest_of_the_way_while_it_serves
     scenario = make([robot("a", 0), robot("b", 0)], [task("ab", 0, duration=8)], Plane(0.3, 0.3))
     near = replace(scenario.tasks[0], at=(0.04, 0.0))
     faults = Faults(stuck=(Spell(1, 0.0, 5.0),))
-    mission = Mission(replace(scenario, tasks=(near,)))
+    mission = FleetMission(replace(scenario, tasks=(near,)))
     trace = Trace()
     _, outcome, violations = play(mission, plan_of(mission), faults, trace)
     assert (outcome.status, violations) == ("ended", [])
@@ -143,7 +143,7 @@ def test_who_is_stuck_beside_its_task_may_go_the_rest_of_the_way_while_it_serves
 def test_robots_of_different_speed_that_lose_each_other_on_the_way_get_there_all_the_same() -> None:
     """Their radios reach 3 cells; the task that needs both is 45 away, where they lose touch."""
     robots = [robot("a", 0), robot("b", 0, speed=0.4)]
-    mission = Mission(make(robots, [task("ab", 45)], Grid(50, 1)))
+    mission = FleetMission(make(robots, [task("ab", 45)], Grid(50, 1)))
     faults = Faults(radio=3.0)
     assert outcome_of(mission, faults).status == "ended"
     with patch("teamformer.fleet.agent.membership.MORE_PATIENT", 1.0):
@@ -183,7 +183,9 @@ def test_an_accepted_task_outlives_its_holders_if_one_keeps_its_facts(
     scenario = make([robot("a", 0), robot("a", 1)], [task("a", 3)])
     extra = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
     crashes = (Crash(0, 5.0, 20.0, keeps_facts), Crash(1, 5.0, 20.0, keeps_facts=False))
-    outcome = outcome_of(Mission(scenario), Faults(crashes=crashes, orders=(Order(1.0, extra),)))
+    outcome = outcome_of(
+        FleetMission(scenario), Faults(crashes=crashes, orders=(Order(1.0, extra),))
+    )
     assert outcome.status == status
     assert outcome.blocked_tasks == (() if keeps_facts else ("extra",))
 
@@ -192,7 +194,7 @@ def test_an_accepted_task_is_lost_only_if_nobody_is_left_who_knows_it() -> None:
     """Both that acknowledged it forget it; the third one heard of it from them, and does it."""
     scenario = make([robot("a", 0), robot("a", 1), robot("a", 18)], [task("a", 3)])
     extra = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
-    orders, mission = (Order(1.0, extra),), Mission(scenario)
+    orders, mission = (Order(1.0, extra),), FleetMission(scenario)
     crashes = (Crash(0, 3.0), Crash(1, 3.0))
     with patch.object(operator, "COPIES", 2):
         for cuts, status in (
@@ -214,10 +216,10 @@ def test_a_mind_thinks_when_it_is_due_however_late_its_body_reports() -> None:
     assert max(after - before for before, after in itertools.pairwise(heard)) < 1.1
 
 
-def small_missions() -> list[Mission]:
+def small_missions() -> list[FleetMission]:
     rng = np.random.default_rng(11)
     return [
-        Mission(generate(Spec(robots=robots, tasks=tasks, capabilities=3), rng))
+        FleetMission(generate(Spec(robots=robots, tasks=tasks, capabilities=3), rng))
         for robots, tasks in ((4, 4), (5, 8), (6, 6))
     ]
 
@@ -247,8 +249,8 @@ def test_a_rehearsal_becomes_a_record(tmp_path: Path) -> None:
     rehearsal = Rehearsal(trio(), PLANNER, plan_of(trio()), faults, trace)
     outcome = rehearsal.run(300.0)
     record = record_of(rehearsal, outcome, trace.events, 7)
-    write_replay(record, tmp_path / "replay.json")
-    assert read_replay(tmp_path / "replay.json") == record
+    save_record(record, tmp_path / "replay.json")
+    assert read_record(tmp_path / "replay.json") == record
     assert record.scenario.tasks[5].name == "extra"
     assert record.scenario.tasks[5].appears == 3
     assert record.scenario.robots[1].lost_for_good == 10
@@ -276,7 +278,7 @@ def test_a_rehearsal_becomes_a_record(tmp_path: Path) -> None:
 def test_shrinking_takes_away_all_that_is_not_needed() -> None:
     """A made-up failure: a crash of robot 1, with task t4 in the mission."""
 
-    def fails(mission: Mission, faults: Faults) -> bool:
+    def fails(mission: FleetMission, faults: Faults) -> bool:
         has_task = any(each.name == "t4" for each in mission.scenario.tasks)
         return has_task and any(crash.robot == 1 for crash in faults.crashes)
 
@@ -330,5 +332,5 @@ def test_two_robots_meet_though_nine_messages_of_ten_are_lost_and_radios_are_sho
     )
     crash = Crash(robot=1, at=0.0, back=4.0, keeps_facts=True)
     faults = Faults(seed=seed, loss=0.9, delay=0.3, radio=1.2, crashes=(crash,))
-    outcome = outcome_of(Mission(scenario, 1.0), faults)
+    outcome = outcome_of(FleetMission(scenario, 1.0), faults)
     assert (outcome.status, outcome.tasks_done) == ("ended", 2)

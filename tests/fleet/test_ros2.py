@@ -31,19 +31,19 @@ from test_msgs.action import Fibonacci
 from visualization_msgs.msg import Marker, MarkerArray
 
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.mission_files import write_mission
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.ros2.address import read_address
 from teamformer.fleet.bodies.ros2.body import Nav2Body
 from teamformer.fleet.bodies.ros2.goals import ByAction, State, pose_at
-from teamformer.fleet.bodies.ros2.graph import Graph, Whereabouts
+from teamformer.fleet.bodies.ros2.graph import RosNode, Whereabouts
 from teamformer.fleet.bodies.ros2.markers import BLUE, GREEN, GREY, WAY, Markers
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.fleet import free_ports
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 
 pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")  # of rosidl
@@ -51,7 +51,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"
 ROBOT = Path(__file__).parent / "ros_robot.py"
 
 
-def yard() -> Mission:
+def yard() -> FleetMission:
     """Return two lifters and a scanner, with tasks for one and tasks for both kinds."""
     robots = (
         Robot("r1", (1.0, 1.0), {"lift": 1}, 2.0),
@@ -65,7 +65,7 @@ def yard() -> Mission:
         Task("far", (18.0, 10.0), {"lift": 1}, 1),
         Task("end", (10.0, 8.0), {"lift": 1, "scan": 1}, 1),
     )
-    return Mission(Scenario("yard", Plane(20.0, 20.0), ("lift", "scan"), robots, tasks))
+    return FleetMission(Mission("yard", Plane(20.0, 20.0), ("lift", "scan"), robots, tasks))
 
 
 @contextmanager
@@ -83,7 +83,7 @@ def running(command: list[str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
             process.wait()
 
 
-def robot_node(mission: Mission, number: int, folder: Path, name: str = "") -> list[str]:
+def robot_node(mission: FleetMission, number: int, folder: Path, name: str = "") -> list[str]:
     robot = mission.scenario.robots[number]
     x, y = robot.at
     goals = folder / f"{robot.name}.goals"
@@ -148,7 +148,7 @@ def test_a_goal_that_nobody_takes_up_is_sent_again(tmp_path: Path) -> None:
             Nav2Body(address, mission, 0)
         body = Nav2Body(read_address("late?odom=/other/odom", "r1"), mission, 0)
         heard: list[PoseStamped] = []
-        graph = Graph("/late")
+        graph = RosNode("/late")
         try:
             body.command(Command(1, (4.0, 5.0), 0))
             graph.node.create_subscription(PoseStamped, "goal_pose", heard.append, 10)
@@ -169,7 +169,7 @@ def test_a_goal_that_nobody_takes_up_is_sent_again(tmp_path: Path) -> None:
 def test_rviz_is_shown_tasks_and_the_way(tmp_path: Path) -> None:
     """Task 4 is at [10, 8]; the robot stands at [1, 1] and is told to go there, then to stay."""
     mission, shown = yard(), list[dict[int, Any]]()
-    graph = Graph("/r1")
+    graph = RosNode("/r1")
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     graph.node.create_subscription(
         MarkerArray,
@@ -201,7 +201,7 @@ def test_rviz_is_shown_tasks_and_the_way(tmp_path: Path) -> None:
 
 def test_a_graph_without_the_robot_is_told(tmp_path: Path) -> None:
     mission = yard()
-    graph = Graph("/r1")
+    graph = RosNode("/r1")
     try:
         where = Whereabouts(graph, read_address("", "r1"))
         with pytest.raises(TeamformerError, match=r"no odometry from /r1/odom within 1 s") as told:
@@ -217,7 +217,7 @@ def test_a_graph_without_the_robot_is_told(tmp_path: Path) -> None:
 
 
 def test_an_agent_without_its_robot_ends_with_a_hint(tmp_path: Path) -> None:
-    write_scenario(yard().scenario, tmp_path / "yard.yaml")
+    write_mission(yard().scenario, tmp_path / "yard.yaml")
     command = [
         sys.executable,
         "-m",
@@ -281,7 +281,7 @@ class Server:
 
 def test_goals_go_through_an_action_server() -> None:
     """The plumbing of NavigateToPose: the goal of each pose is its x as a Fibonacci order."""
-    graph = Graph("/r1")
+    graph = RosNode("/r1")
     goals = ByAction(
         graph.node, Fibonacci, lambda pose: Fibonacci.Goal(order=int(pose.pose.position.x))
     )
@@ -321,7 +321,7 @@ def test_a_fleet_in_a_ros_graph_survives_the_loss_of_one(
 ) -> None:
     """Three robots, two tasks that need two of them; r3 is killed on its way to a third."""
     mission = yard()
-    write_scenario(mission.scenario, tmp_path / "yard.yaml")
+    write_mission(mission.scenario, tmp_path / "yard.yaml")
     first_plan(mission, CoordinatedPlanner())  # so that no agent has to compile what plans
     ports = free_ports(3)
     names = [robot.name for robot in mission.scenario.robots]

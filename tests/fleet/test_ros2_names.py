@@ -10,8 +10,8 @@ import pytest
 
 from fleets import pair
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import write_scenario
-from teamformer.fleet.bodies.ros2.address import Address, read_address
+from teamformer.files.mission_files import write_mission
+from teamformer.fleet.bodies.ros2.address import RosAddress, read_address
 from teamformer.fleet.bodies.ros2.coordinates import metres_of, place_of
 from teamformer.mission.parts.frame import Frame
 from teamformer.mission.parts.grid import Grid
@@ -20,10 +20,10 @@ from typed import teamformer
 
 
 def test_the_namespace_is_the_robots_name_by_default() -> None:
-    assert read_address("", "r1") == Address("/r1", "map", "odom", "", 0.5, "")
+    assert read_address("", "r1") == RosAddress("/r1", "map", "odom", "", 0.5, "")
     assert read_address("/fleet/r1?radius=0.4&odom=/odom&frame=world", "x").namespace == "/fleet/r1"
     address = read_address("fleet/r1?radius=0.4&odom=/odom&frame=world&serve=work", "no name!")
-    assert address == Address("/fleet/r1", "world", "/odom", "", 0.4, "work")
+    assert address == RosAddress("/fleet/r1", "world", "/odom", "", 0.4, "work")
     assert (address.topic("odom"), address.topic("/odom")) == ("/fleet/r1/odom", "/odom")
     assert read_address("/", "r1").topic("goal_pose") == "/goal_pose"
 
@@ -107,6 +107,6 @@ def test_a_python_without_ros_is_told(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def agent_with(body: str, folder: Path) -> int:
-    write_scenario(pair().scenario, folder / "pair.yaml")
+    write_mission(pair().scenario, folder / "pair.yaml")
     words = ("fleet", "agent", str(folder / "pair.yaml"), "r0", "--body", body)
     return teamformer(*words, "--listen", "tcp/127.0.0.1:1")

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from fleets import PLANNER, agents_of, opened, pair, plan_of, standing, trio
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Message, Notice, Offer, TaskFact
 from teamformer.fleet.process.telling import Telling
 from teamformer.fleet.rehearsal.faults import Faults
@@ -23,7 +23,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 class Terminals(Rehearsal):
     """A rehearsal over a perfect network in which every agent has a terminal."""
 
-    def __init__(self, mission: Mission) -> None:
+    def __init__(self, mission: FleetMission) -> None:
         super().__init__(mission, PLANNER, plan_of(mission), Faults())
         self.lines: dict[str, list[str]] = {robot.name: [] for robot in mission.scenario.robots}
         for agent in self.agents:
@@ -56,9 +56,9 @@ def deeds_told(lines: dict[str, list[str]]) -> dict[str, dict[str, set[str]]]:
     return told
 
 
-def of_example(name: str) -> Mission:
-    scenario = read_scenario(EXAMPLES / f"{name}.yaml")
-    return Mission(scenario, scenario.seconds_a_step)
+def of_example(name: str) -> FleetMission:
+    scenario = read_mission(EXAMPLES / f"{name}.yaml")
+    return FleetMission(scenario, scenario.seconds_a_step)
 
 
 @pytest.mark.parametrize("name", ["pair", "trio", "warehouse", "late-tasks"])

@@ -23,7 +23,7 @@ import pytest
 from paho.mqtt import client as mqtt
 from paho.mqtt.enums import CallbackAPIVersion
 
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.mission_files import write_mission
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.vda5050.body import Vda5050Body
@@ -202,7 +202,7 @@ def test_two_vehicles_do_a_mission(tmp_path: Path) -> None:
     if shutil.which("mosquitto") is None or modules is None:
         pytest.skip("needs mosquitto, node and vda-5050-lib")
     mission = two_vehicles()
-    write_scenario(mission.scenario, tmp_path / "yard.yaml")
+    write_mission(mission.scenario, tmp_path / "yard.yaml")
     first_plan(mission, CoordinatedPlanner())  # so that no agent has to compile what plans
     broker, *ports = free_ports(3)
     with ExitStack() as stack:

@@ -8,14 +8,14 @@ from fleets import pair
 from small_worlds import make, robot, task
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.world import FleetWorld
-from teamformer.fleet.fleet_mission import Mission
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
 
 
 def test_a_robot_is_in_a_cell_until_it_is_in_the_next() -> None:
-    world = FleetWorld(Mission(make([robot("a", 0, speed=0.5)], [task("a", 3)])))
+    world = FleetWorld(FleetMission(make([robot("a", 0, speed=0.5)], [task("a", 3)])))
     world.command(0, Command(1, (3, 0), 0))
     for now, x in [(1.9, 0), (2.0, 1), (5.9, 2), (6.0, 3), (9.0, 3)]:
         world.advance(now)
@@ -23,7 +23,7 @@ def test_a_robot_is_in_a_cell_until_it_is_in_the_next() -> None:
 
 
 def test_who_turns_round_in_a_cell_stays_in_it() -> None:
-    world = FleetWorld(Mission(make([robot("a", 0)], [task("a", 9)])))
+    world = FleetWorld(FleetMission(make([robot("a", 0)], [task("a", 9)])))
     world.command(0, Command(1, (9, 0), 0))
     world.advance(2.5)
     world.command(0, Command(2, (2, 0), 0))
@@ -34,7 +34,7 @@ def test_who_turns_round_in_a_cell_stays_in_it() -> None:
 
 def test_ways_go_round_walls() -> None:
     grid = Grid(3, 3, ("...", ".@.", "..."))
-    world = FleetWorld(Mission(make([robot("a", 0, 1)], [task("a", 2, 1)], grid)))
+    world = FleetWorld(FleetMission(make([robot("a", 0, 1)], [task("a", 2, 1)], grid)))
     world.command(0, Command(1, (2, 1), 0))
     world.advance(3.99)
     assert world.place(0) != (2, 1)
@@ -43,14 +43,14 @@ def test_ways_go_round_walls() -> None:
 
 
 def test_a_plane_is_crossed_straight_on() -> None:
-    scenario = Scenario(
+    scenario = Mission(
         "field",
         Plane(9.0, 9.0),
         ("a",),
         (Robot("r", (0.0, 0.0), {"a": 1}, 0.5),),
         (Task("t", (3.0, 4.0), {"a": 1}),),
     )
-    world = FleetWorld(Mission(scenario))
+    world = FleetWorld(FleetMission(scenario))
     world.command(0, Command(1, (3.0, 4.0), 0))
     world.advance(5.0)
     assert world.place(0) == pytest.approx((1.5, 2.0))

@@ -18,9 +18,9 @@ from paho.mqtt.enums import CallbackAPIVersion
 
 from teamformer.fleet.bodies.body import Report
 from teamformer.fleet.bodies.vda5050.body import Vda5050Body
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.process.fleet import free_ports
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 
 TURNED = 0.35
@@ -156,14 +156,14 @@ def wait_for(body: Vda5050Body, vehicle: Vehicle, is_so: Callable[[Report], bool
     raise AssertionError("never reported")
 
 
-def a_load() -> Mission:
+def a_load() -> FleetMission:
     """Return a vehicle with a load to bring from where it stands to [9, 3]."""
     load = Task("crate", (1.0, 1.0), {"lift": 1}, 2, to=(9.0, 3.0), unload=3)
     robot = Robot("v1", (1.0, 1.0), {"lift": 1}, 2.0)
-    return Mission(Scenario("yard", Plane(20.0, 20.0), ("lift",), (robot,), (load,)))
+    return FleetMission(Mission("yard", Plane(20.0, 20.0), ("lift",), (robot,), (load,)))
 
 
-def two_vehicles() -> Mission:
+def two_vehicles() -> FleetMission:
     """Return a lifter and a scanner 10 m apart, with a task for each and one for both."""
     robots = (Robot("v1", (1.0, 1.0), {"lift": 1}, 2.0), Robot("v2", (11.0, 1.0), {"scan": 1}, 2.0))
     tasks = (
@@ -171,7 +171,7 @@ def two_vehicles() -> Mission:
         Task("one", (2.0, 3.0), {"lift": 1}, 1),
         Task("other", (9.0, 3.0), {"scan": 1}, 1),
     )
-    return Mission(Scenario("yard", Plane(20.0, 20.0), ("lift", "scan"), robots, tasks))
+    return FleetMission(Mission("yard", Plane(20.0, 20.0), ("lift", "scan"), robots, tasks))
 
 
 @contextmanager
@@ -191,7 +191,7 @@ def driving(
     stays: bool = False,
     part: float = 0.0,
     heading: float = 0.0,
-    mission: Mission | None = None,
+    mission: FleetMission | None = None,
 ) -> Iterator[tuple[Vda5050Body, Vehicle]]:
     """Yield the body of a vehicle, with a load unless told otherwise, and it, over a broker."""
     [port] = free_ports(1)

@@ -7,8 +7,8 @@ from functools import cache
 from hypothesis import strategies as st
 
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Scenario
-from teamformer.trials.trial import Trial, run_trial
+from teamformer.mission.model import Mission
+from teamformer.trials.trial import PlayedTrial, run_trial
 
 DEFAULT = "plan"
 SCRIPTED = ("crews", "join-all", "heuristic", "join-fitting", "teamformer")
@@ -22,6 +22,6 @@ method_of = cache(load_method)
 """Returns a method by its name."""
 
 
-def play(scenario: Scenario, method: str, seed: int, bound: int | None = None) -> Trial:
+def play(scenario: Mission, method: str, seed: int, bound: int | None = None) -> PlayedTrial:
     """Run a trial as `teamformer run` does."""
     return run_trial(scenario, method_of(method), seed, bound)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY
 
@@ -15,7 +15,7 @@ MOST_TRIED = 600
 """Steps that are tried; with more of them nobody waits for the end."""
 
 
-def fewest_steps(scenario: Scenario) -> int | None:
+def fewest_steps(scenario: Mission) -> int | None:
     """Return in how few steps a mission can be done; None where that was not found out."""
     states, tried = [TeamFormation([scenario])], 0
     for step in range(1, scenario.step_limit + 1):

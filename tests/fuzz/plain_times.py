@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from teamformer.mission.model import Robot, Scenario
+from teamformer.mission.model import Mission, Robot
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 
@@ -39,7 +39,7 @@ class Times:
 class Ways:
     """How long robots take from place to place."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Mission) -> None:
         self._world = scenario.world
         self._fields: dict[Place, dict[Place, int]] = {}
 
@@ -76,13 +76,13 @@ class Ways:
         return field
 
 
-def _end_of(scenario: Scenario, task: int) -> Place:
+def _end_of(scenario: Mission, task: int) -> Place:
     """Return where robots are once they have done a task."""
     wanted = scenario.tasks[task]
     return wanted.at if wanted.to is None else wanted.to
 
 
-def _takes(scenario: Scenario, task: int, crew: Sequence[int], ways: Ways) -> float:
+def _takes(scenario: Mission, task: int, crew: Sequence[int], ways: Ways) -> float:
     """Return how long robots take for a task: a load goes as fast as its slowest carrier."""
     wanted = scenario.tasks[task]
     if wanted.to is None:
@@ -91,7 +91,7 @@ def _takes(scenario: Scenario, task: int, crew: Sequence[int], ways: Ways) -> fl
     return wanted.duration + max(carried, default=0.0) + wanted.unload
 
 
-def times_of(scenario: Scenario, routes: Routes, ways: Ways) -> Times | None:
+def times_of(scenario: Mission, routes: Routes, ways: Ways) -> Times | None:
     """Return the times of a plan; None if robots wait for one another for ever."""
     tasks, robots = scenario.tasks, scenario.robots
     number_of = {task.name: number for number, task in enumerate(tasks)}
@@ -121,7 +121,7 @@ def times_of(scenario: Scenario, routes: Routes, ways: Ways) -> Times | None:
 
 
 def _told(
-    scenario: Scenario, routes: Routes, ways: Ways, start: list[float], takes: list[float]
+    scenario: Mission, routes: Routes, ways: Ways, start: list[float], takes: list[float]
 ) -> Times:
     tasks = scenario.tasks
     back, travel = [], 0.0
@@ -149,7 +149,7 @@ def _told(
     return Times(start, takes, back, travel, late, cost)
 
 
-def all_plans(scenario: Scenario, ways: Ways) -> Iterator[Times]:
+def all_plans(scenario: Mission, ways: Ways) -> Iterator[Times]:
     """Return every plan of a tiny mission: all orders, and all coalitions that are able."""
     tasks, robots = scenario.tasks, range(len(scenario.robots))
     able = (able_crews(scenario, task) for task in range(len(tasks)))
@@ -163,21 +163,21 @@ def all_plans(scenario: Scenario, ways: Ways) -> Iterator[Times]:
                 yield times
 
 
-def able_crews(scenario: Scenario, task: int) -> list[tuple[int, ...]]:
+def able_crews(scenario: Mission, task: int) -> list[tuple[int, ...]]:
     """Return all coalitions that can do a task, those with robots to spare, too."""
     robots = range(len(scenario.robots))
     crews = [c for n in robots for c in itertools.combinations(robots, n + 1)]
     return [c for c in crews if _is_able(scenario, c, scenario.tasks[task].needs)]
 
 
-def _is_able(scenario: Scenario, crew: Sequence[int], needs: object) -> bool:
+def _is_able(scenario: Mission, crew: Sequence[int], needs: object) -> bool:
     return all(
         round(sum(scenario.robots[r].can.get(cap, 0) for r in crew) * 1000) >= round(n * 1000)
         for cap, n in needs.items()
     )
 
 
-def _are_apart(scenario: Scenario, crews: Sequence[Sequence[int]]) -> bool:
+def _are_apart(scenario: Mission, crews: Sequence[Sequence[int]]) -> bool:
     """Say whether tasks whose starts are linked with one another are done by different robots."""
     number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
     pairs = [(k, number_of[o]) for k, task in enumerate(scenario.tasks) for o in task.starts]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from hypothesis import strategies as st
 
 from drawing import now_and_then, pick
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell
 
@@ -16,7 +16,7 @@ LENGTHS = (5.0, 0.5, 12.0, 35.0)
 
 
 @st.composite
-def schedules(draw: st.DrawFn, mission: Mission) -> Faults:
+def schedules(draw: st.DrawFn, mission: FleetMission) -> Faults:
     """Return a schedule of faults: every kind of them, none in the simplest case."""
     robots = mission.robots
     across = max(mission.scenario.world.width, mission.scenario.world.height)
@@ -57,7 +57,7 @@ def _cuts(draw: st.DrawFn, robots: int) -> Iterator[Cut]:
         yield Cut(senders, others, begin, begin + pick(draw, LENGTHS))
 
 
-def _crashes(draw: st.DrawFn, mission: Mission) -> Iterator[Crash]:
+def _crashes(draw: st.DrawFn, mission: FleetMission) -> Iterator[Crash]:
     """Return the losses that the file says, and others."""
     for number, robot in enumerate(mission.scenario.robots):
         for away in robot.absences:
@@ -77,7 +77,7 @@ def _spells(draw: st.DrawFn, robots: int, can_last: bool) -> Iterator[Spell]:
             yield Spell(robot, begin, begin + pick(draw, LENGTHS) if is_over else None)
 
 
-def _orders(draw: st.DrawFn, mission: Mission) -> Iterator[Order]:
+def _orders(draw: st.DrawFn, mission: FleetMission) -> Iterator[Order]:
     """Return tasks that operators add, each like one of the mission's."""
     for key in range(1, 1 + pick(draw, (0, 0, 0, 1, 2, 3))):
         like, lasts = pick(draw, mission.tasks), pick(draw, (0.0, 2.0))

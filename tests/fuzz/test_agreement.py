@@ -29,16 +29,16 @@ from small_worlds import task as task_at
 from teamformer.cli.terminal.console import out
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import scenario_from_tree, write_scenario
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.files.mission_files import mission_from_tree, write_mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.live.running.incidents import LostRobot
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
-from teamformer.record.writing import write_replay
+from teamformer.record.writing import save_record
 from test_verbs import typed
 from texts import text_of
 from told import (
@@ -221,7 +221,7 @@ def test_outputs_of_simulated_missions_agree(
 def test_outputs_of_missions_that_people_have_agree(
     setting: str, method: str, tmp_path: Path, page: Any
 ) -> None:
-    write_scenario(world_of(setting, 1), tmp_path / "mission.yaml")
+    write_mission(world_of(setting, 1), tmp_path / "mission.yaml")
     with_gif = setting == "warehouse-lost"  # the others are long
     outputs = outputs_of_run(tmp_path / "mission.yaml", tmp_path, method, 0, with_gif)
     lines = assert_all_agree(page, outputs)
@@ -236,14 +236,14 @@ def test_outputs_of_rehearsals_agree(
     mission: Any, data: st.DataObject, folder: Path, page: Any
 ) -> None:
     """And with what the bodies of the robots really did."""
-    scenario = scenario_from_tree(mission)
-    fleet = Mission(scenario, scenario.seconds_a_step)
+    scenario = mission_from_tree(mission)
+    fleet = FleetMission(scenario, scenario.seconds_a_step)
     stage = set_stage(fleet)
     noted["faults"] = faults = data.draw(schedules(fleet))
     trace = Trace(with_messages=True)
     rehearsal, outcome, _ = play(fleet, stage.plan, faults, trace)
     record = record_of(rehearsal, outcome, trace.events, faults.seed)
-    write_replay(record, folder / "replay.json")
+    save_record(record, folder / "replay.json")
     lines = assert_all_agree(page, Outputs(folder, with_gif=False))
     names = [robot.name for robot in record.scenario.robots]
     really = sorted(
@@ -296,7 +296,7 @@ def test_outputs_of_a_load_that_is_called_off_on_its_way_agree(tmp_path: Path, p
     load = replace(task_at("a", 1), to=(4, 0), cancelled=5, after=("t0",))
     robots = [robot("a", 4), robot("a", 0), robot("a", 0)]
     mission = make(robots, [task_at("a", 0), load, task_at("a", 0)], Grid(5, 1))
-    write_scenario(mission, tmp_path / "mission.yaml")
+    write_mission(mission, tmp_path / "mission.yaml")
     assert_all_agree(
         page, outputs_of_run(tmp_path / "mission.yaml", tmp_path, "join-all", 0, with_gif=False)
     )
@@ -304,11 +304,11 @@ def test_outputs_of_a_load_that_is_called_off_on_its_way_agree(tmp_path: Path, p
     assert last == {"r0": "waiting", "r1": "carrying", "r2": "walking"}
 
 
-def _bars_of_rehearsal(page: Any, folder: Path, mission: Scenario, crash: Crash) -> list[Bar]:
+def _bars_of_rehearsal(page: Any, folder: Path, mission: Mission, crash: Crash) -> list[Bar]:
     """Rehearse a mission in which a robot crashes; compare all outputs, and return its bars."""
-    fleet, trace = Mission(mission), Trace(with_messages=True)
+    fleet, trace = FleetMission(mission), Trace(with_messages=True)
     rehearsal, outcome, _ = play(fleet, set_stage(fleet).plan, Faults(crashes=(crash,)), trace)
-    write_replay(record_of(rehearsal, outcome, trace.events, 0), folder / "replay.json")
+    save_record(record_of(rehearsal, outcome, trace.events, 0), folder / "replay.json")
     assert_all_agree(page, Outputs(folder, with_gif=False))
     return bars_of(folder)
 
@@ -418,7 +418,7 @@ def _compare_page_of_the_moment(watching: Opened, mission: Any) -> None:
     assert ("Lost" in told) == bool(lost)
 
 
-def _script(rng: np.random.Generator, scenario: Scenario) -> Iterator[dict[str, Any]]:
+def _script(rng: np.random.Generator, scenario: Mission) -> Iterator[dict[str, Any]]:
     """Return what a page asks for, and in the end to play on.
 
     Steps, tasks, a robot lost and back, a task called off; to undo some of it, at once or steps
@@ -469,7 +469,7 @@ def test_outputs_of_fleets_agree(number: int, page: Any, tmp_path: Path) -> None
 
     spec = Spec(3, 5, 2, requirements=2, world=Grid(7, 7))
     scenario = generate(spec, np.random.default_rng(number))
-    fleet = Mission(scenario, scenario.seconds_a_step)
+    fleet = FleetMission(scenario, scenario.seconds_a_step)
     told: Queue[str] = Queue()
     local = LocalFleet(fleet, told.put)
     with ThreadPoolExecutor(2) as threads:

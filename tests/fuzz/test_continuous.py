@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from missions import continuous_missions
 from plain_times import Times, Ways, all_plans, times_of
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import scenario_from_tree
-from teamformer.mission.model import Scenario
+from teamformer.files.mission_files import mission_from_tree
+from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.planning.problem.routes import MissionPlan
@@ -41,7 +41,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("plans")
 
 
-def planned(scenario: Scenario, method: str) -> MissionPlan | None:
+def planned(scenario: Mission, method: str) -> MissionPlan | None:
     """Return a plan; None where it is told that there is none.
 
     That is where linked tasks need robots that cannot be had at once, which no check foresees.
@@ -54,7 +54,7 @@ def planned(scenario: Scenario, method: str) -> MissionPlan | None:
         return None
 
 
-def plainly_timed(scenario: Scenario, made: MissionPlan) -> Times:
+def plainly_timed(scenario: Mission, made: MissionPlan) -> Times:
     """Return the times of a plan's routes by a second evaluator."""
     routes = [[stop.task for stop in route.stops] for route in made.routes]
     times = times_of(scenario, routes, Ways(scenario))
@@ -64,7 +64,7 @@ def plainly_timed(scenario: Scenario, made: MissionPlan) -> Times:
 
 @fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)
 def test_a_plan_takes_as_long_as_it_says(mission: Any, method: str) -> None:
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     made = planned(scenario, method)
     if made is None:
         return
@@ -85,7 +85,7 @@ def test_a_plan_takes_as_long_as_it_says(mission: Any, method: str) -> None:
 
 @fuzzed(15, PLAN, mission=continuous_missions(3, 3), method=METHODS)
 def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: str) -> None:
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     made = planned(scenario, method)
     plans = list(all_plans(scenario, Ways(scenario)))
     if made is None:
@@ -105,7 +105,7 @@ def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: 
 
 @fuzzed(6, "plan FILE --method central", mission=continuous_missions())
 def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     plan, best = (planned(scenario, method) for method in ("plan", "central"))
     if plan is None:
         return
@@ -117,7 +117,7 @@ def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
 @fuzzed(15, "plan FILE --from PLAN --time-limit 0", mission=continuous_missions(), method=METHODS)
 def test_what_begins_with_a_plan_is_never_worse(mission: Any, method: str, folder: Path) -> None:
     """Whoever made that plan: it is written, read, judged as any other, and given back if best."""
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     made = planned(scenario, method)
     if made is None:
         return
@@ -132,7 +132,7 @@ def test_what_begins_with_a_plan_is_never_worse(mission: Any, method: str, folde
 
 @fuzzed(10, PLAN, mission=continuous_missions(), method=st.just("plan"))
 def test_the_default_cost_written_out_makes_the_same_plan(mission: Any, method: str) -> None:
-    scenario = replace(scenario_from_tree(mission), cost=None)
+    scenario = replace(mission_from_tree(mission), cost=None)
     if not any(task.between for task in scenario.tasks):
         return
     written = replace(scenario, cost={"makespan": 1, "tardiness": 2})
@@ -143,7 +143,7 @@ def test_the_default_cost_written_out_makes_the_same_plan(mission: Any, method: 
 @fuzzed(6, "plan FILE --method central", mission=continuous_missions(ROBOTS, TASKS))
 def test_no_tiny_mission_has_a_better_plan(mission: Any) -> None:
     """Orders, and coalitions with robots to spare or without."""
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     if count_plans(scenario) <= MOST_PLANS_IN_STEPS:
         assert gap_in_continuous_time(scenario, "central", 10 * SECONDS) == 0.0
 
@@ -151,7 +151,7 @@ def test_no_tiny_mission_has_a_better_plan(mission: Any) -> None:
 @fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)
 def test_the_critical_path_adds_up(mission: Any, method: str) -> None:
     """It goes forward, but where a start that is linked with a later one waits for that."""
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     made = planned(scenario, method)
     if made is None or not made.makespan:
         return

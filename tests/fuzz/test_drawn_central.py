@@ -13,16 +13,16 @@ from methods import DEFAULT, play
 from missions import SEEDS, missions
 from plain_search import fewest_steps
 from teamformer.base.errors import UndoableError
-from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.methods.central.policy import Central
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import done_steps
 from teamformer.trials.planned import PlannedMission, plan_mission, rules_not_planned
 from teamformer.trials.start_plan import read_start_plan
-from teamformer.trials.trial import Trial, run_trial
+from teamformer.trials.trial import PlayedTrial, run_trial
 from watching import fuzzed
 
 SECONDS = st.sampled_from([0.0, 0.05, 0.2])
@@ -34,12 +34,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("plans")
 
 
-def play_centrally(mission: Any, seed: int, seconds: float) -> Trial:
+def play_centrally(mission: Any, seed: int, seconds: float) -> PlayedTrial:
     central = Central(seconds, workers=1)
-    return run_trial(scenario_from_tree(mission), central, seed)
+    return run_trial(mission_from_tree(mission), central, seed)
 
 
-def worth(replay: Replay) -> float:
+def worth(replay: Record) -> float:
     """Return what a mission that was completed is judged by: its makespan, or what it costs."""
     weights, makespan = judged_by(replay.mission), replay.end.makespan
     assert makespan is not None
@@ -50,7 +50,7 @@ def worth(replay: Replay) -> float:
 
 @fuzzed(6, RUN, mission=missions(has_cancelled=False), seed=SEEDS, seconds=SECONDS)
 def test_central_is_never_worse_than_the_default(mission: Any, seed: int, seconds: float) -> None:
-    played = play(scenario_from_tree(mission), DEFAULT, seed).replay
+    played = play(mission_from_tree(mission), DEFAULT, seed).replay
     usual = played.end
     trial = play_centrally(mission, seed, seconds)
     best = trial.replay.end
@@ -69,7 +69,7 @@ def test_central_is_never_worse_than_the_default(mission: Any, seed: int, second
 @fuzzed(4, "plan FILE --from PLAN", mission=missions(has_cancelled=False), seconds=SECONDS)
 def test_what_begins_with_a_plan_is_never_worse(mission: Any, seconds: float, folder: Path) -> None:
     """What is handed in is what `plan` printed: its routes are read, and played by the mission."""
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     if list(rules_not_planned(scenario)):
         return
     try:
@@ -98,7 +98,7 @@ def worth_of(made: PlannedMission) -> float:
 def test_nothing_is_faster_than_every_play_of_a_tiny_mission(
     mission: Any, seed: int, seconds: float
 ) -> None:
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     fewest = fewest_steps(scenario)
     if fewest is None:
         return

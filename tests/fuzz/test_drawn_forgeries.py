@@ -11,10 +11,10 @@ from forgeries import FORGERIES, edited_records, forgeries
 from methods import METHODS, play
 from missions import SEEDS, missions
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import scenario_from_tree
-from teamformer.record.reading import replay_from_tree
+from teamformer.files.mission_files import mission_from_tree
+from teamformer.record.reading import record_from_tree
 from teamformer.record.referee import judge
-from teamformer.record.writing import replay_to_tree
+from teamformer.record.writing import record_to_tree
 from test_forged_fields import FORGERIES as FIELDS
 from watching import fuzzed, noted
 
@@ -22,13 +22,13 @@ RUN = "run FILE --method {method} --seed {seed} --out O; then forge O/replay.jso
 
 
 def record_of(mission: Any, method: str, seed: int) -> Any:
-    return replay_to_tree(play(scenario_from_tree(mission), method, seed).replay)
+    return record_to_tree(play(mission_from_tree(mission), method, seed).replay)
 
 
 def findings_in(record: Any) -> list[str]:
     """Return what `check` tells of a record, be it that it cannot be read."""
     try:
-        return [finding.message for finding in judge(replay_from_tree(record, "record")).findings]
+        return [finding.message for finding in judge(record_from_tree(record, "record")).findings]
     except TeamformerError as error:
         return str(error).splitlines()
 
@@ -63,7 +63,7 @@ def test_a_forgery_is_found(
 def test_a_forged_field_is_found(
     mission: Any, method: str, seed: int, field: str, data: st.DataObject
 ) -> None:
-    forged = list(FIELDS[field](play(scenario_from_tree(mission), method, seed).replay))
+    forged = list(FIELDS[field](play(mission_from_tree(mission), method, seed).replay))
     if forged:
         noted["forged"] = one = pick(data.draw, forged)
         assert judge(one).findings, f"{field} is not found"

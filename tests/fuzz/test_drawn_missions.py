@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import given, settings
 
 from missions import continuous_missions, missions
-from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.mission.keys.mission_keys import ARRIVALS_KEYS, MISSION_KEYS
 from teamformer.mission.keys.robot_keys import BREAKS_KEYS, DELAYS_KEYS, ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
@@ -39,7 +39,7 @@ def test_every_key_of_the_format_is_drawn() -> None:
     @given(mission=missions(), continuous=continuous_missions())
     def look(mission: Any, continuous: Any) -> None:
         for tree in (mission, continuous):
-            scenario_from_tree(tree)
+            mission_from_tree(tree)
             drawn.update(keys_of(tree))
 
     look()

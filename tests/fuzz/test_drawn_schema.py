@@ -11,7 +11,7 @@ from jsonschema import Draft202012Validator
 from edits import edited_trees
 from missions import continuous_missions, missions
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.files.schema import mission_schema
 
 VALIDATOR = Draft202012Validator(mission_schema())
@@ -22,7 +22,7 @@ FOUND = 0.85
 def is_accepted(tree: Any) -> bool:
     """Say whether the reader accepts a tree."""
     try:
-        scenario_from_tree(tree)
+        mission_from_tree(tree)
     except TeamformerError:
         return False
     return True

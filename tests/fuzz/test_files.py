@@ -16,9 +16,9 @@ from methods import DEFAULT, play
 from missions import SEEDS, continuous_missions, missions
 from plain_times import Ways, times_of
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import read_scenario, scenario_from_tree, write_scenario
+from teamformer.files.mission_files import mission_from_tree, read_mission, write_mission
 from teamformer.mission.checks.rules import rules_not_played
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.record.referee import judge
@@ -38,7 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("files")
 
 
-def is_told(read: Callable[[], Scenario], source: str) -> Scenario | None:
+def is_told(read: Callable[[], Mission], source: str) -> Mission | None:
     """Return what is read, or None where a person is told what is wrong."""
     try:
         return read()
@@ -52,7 +52,7 @@ def is_told(read: Callable[[], Scenario], source: str) -> Scenario | None:
 
 @fuzzed(50, "run FILE --seed {seed}", mission=edited_trees(), seed=SEEDS)
 def test_an_edited_file_is_refused_or_can_be_done(mission: Any, seed: int) -> None:
-    scenario = is_told(lambda: scenario_from_tree(mission), "scenario: ")
+    scenario = is_told(lambda: mission_from_tree(mission), "scenario: ")
     if scenario is None or not is_small(scenario):
         return
     scenario = replace(scenario, step_limit=min(scenario.step_limit, 40))
@@ -62,7 +62,7 @@ def test_an_edited_file_is_refused_or_can_be_done(mission: Any, seed: int) -> No
         can_be_done(scenario)
 
 
-def is_small(scenario: Scenario) -> bool:
+def is_small(scenario: Mission) -> bool:
     """Say whether an edited mission can be done in a moment."""
     world, arrivals = scenario.world, scenario.arrivals
     tasks = len(scenario.tasks) + (arrivals.until if arrivals else 0)
@@ -71,7 +71,7 @@ def is_small(scenario: Scenario) -> bool:
     return len(scenario.robots) * tasks <= MOST and cells <= MOST and looks <= 10
 
 
-def can_be_done(scenario: Scenario) -> None:
+def can_be_done(scenario: Mission) -> None:
     """Plan a mission in continuous time, unless a person is told why that cannot be."""
     try:
         made = plan_continuous(pose_mission(scenario), "plan", 0.0)
@@ -87,22 +87,22 @@ def can_be_done(scenario: Scenario) -> None:
 def test_a_damaged_file_is_refused_or_read(damaged: bytes, folder: Path) -> None:
     path = folder / "damaged.yaml"
     path.write_bytes(damaged)
-    is_told(lambda: read_scenario(path), str(path))
+    is_told(lambda: read_mission(path), str(path))
 
 
 @fuzzed(20, "run FILE", mission=ALL)
 def test_what_is_written_is_read_back(mission: Any, folder: Path) -> None:
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     (folder / "unnamed.yaml").write_text(text_of(mission), encoding="utf-8")
-    assert read_scenario(folder / "unnamed.yaml") == scenario
+    assert read_mission(folder / "unnamed.yaml") == scenario
     for name in ("written.yaml", "written.json"):
-        write_scenario(scenario, folder / name)
-        assert read_scenario(folder / name) == scenario
+        write_mission(scenario, folder / name)
+        assert read_mission(folder / name) == scenario
 
 
 @fuzzed(20, "run FILE", mission=ALL)
 def test_the_order_of_keys_means_nothing(mission: Any) -> None:
-    assert scenario_from_tree(turned(mission)) == scenario_from_tree(mission)
+    assert mission_from_tree(turned(mission)) == mission_from_tree(mission)
 
 
 def turned(tree: Any) -> Any:
@@ -114,7 +114,7 @@ def turned(tree: Any) -> Any:
 
 @fuzzed(20, "run FILE", mission=missions())
 def test_a_map_in_another_file_is_the_map_in_this_one(mission: Any, folder: Path) -> None:
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     if not scenario.world.rows:
         return
     rows = scenario.world.rows
@@ -122,10 +122,10 @@ def test_a_map_in_another_file_is_the_map_in_this_one(mission: Any, folder: Path
     (folder / "cells.map").write_text(header + "\n".join(rows) + "\n")
     (folder / "unnamed.yaml").write_text(text_of(mission | {"world": {"map": "cells.map"}}))
     same = replace(scenario.world, y_axis="down", frame=None)
-    assert read_scenario(folder / "unnamed.yaml") == replace(scenario, world=same)
+    assert read_mission(folder / "unnamed.yaml") == replace(scenario, world=same)
     pixels = "\n".join(" ".join("255" if c == "." else "0" for c in row) for row in rows[::-1])
     (folder / "cells.pgm").write_text(f"P2\n{len(rows[0])} {len(rows)}\n255\n{pixels}\n")
     told = "image: cells.pgm\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n"
     (folder / "cells.yaml").write_text(told + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
     (folder / "unnamed.yaml").write_text(text_of(mission | {"world": {"map": "cells.yaml"}}))
-    assert read_scenario(folder / "unnamed.yaml").world.rows == rows
+    assert read_mission(folder / "unnamed.yaml").world.rows == rows

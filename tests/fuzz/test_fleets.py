@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 
 from missions import missions
 from schedules import schedules
-from teamformer.files.mission_files import scenario_from_tree
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.files.mission_files import mission_from_tree
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
-from teamformer.record.reading import read_replay
-from teamformer.record.writing import write_replay
+from teamformer.record.reading import read_record
+from teamformer.record.writing import save_record
 from watching import fuzzed, noted
 
 
@@ -32,8 +32,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     data=st.data(),
 )
 def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) -> None:
-    scenario = scenario_from_tree(mission)
-    fleet = Mission(scenario, scenario.seconds_a_step)
+    scenario = mission_from_tree(mission)
+    fleet = FleetMission(scenario, scenario.seconds_a_step)
     stage = set_stage(fleet)
     assert stage.undisturbed.status != "blocked"
     noted["faults"] = faults = data.draw(schedules(fleet))
@@ -45,5 +45,5 @@ def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) 
         assert outcome.status != "blocked", outcome.blocked_tasks
     assert traces[0].events == traces[1].events
     record = record_of(rehearsal, outcome, traces[1].events, faults.seed)
-    write_replay(record, folder / "replay.json")
-    assert read_replay(folder / "replay.json") == record
+    save_record(record, folder / "replay.json")
+    assert read_record(folder / "replay.json") == record

@@ -6,7 +6,7 @@ from typing import Any
 
 from methods import METHODS, play
 from missions import SEEDS, missions
-from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.critical_path.of_record import path_of_record
@@ -19,7 +19,7 @@ RUN = "run FILE --method {method} --seed {seed}"
 
 @fuzzed(45, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_a_record_is_legal(mission: Any, method: str, seed: int) -> None:
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     replay = play(scenario, method, seed).replay
     findings = judge(replay).findings
     assert not findings, findings[0].message
@@ -28,7 +28,7 @@ def test_a_record_is_legal(mission: Any, method: str, seed: int) -> None:
 
 @fuzzed(25, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_nothing_is_faster_than_its_bound(mission: Any, method: str, seed: int) -> None:
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     end = play(scenario, method, seed).replay.end
     bound = lower_bound(draw_truth(scenario, seed))
     if end.makespan is not None:
@@ -38,7 +38,7 @@ def test_nothing_is_faster_than_its_bound(mission: Any, method: str, seed: int) 
 
 @fuzzed(25, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_the_critical_path_adds_up(mission: Any, method: str, seed: int) -> None:
-    replay = play(scenario_from_tree(mission), method, seed).replay
+    replay = play(mission_from_tree(mission), method, seed).replay
     path = path_of_record(replay)
     if replay.end.makespan is None or not replay.steps[-1].done:  # the last task was called off
         assert path == ()

@@ -13,15 +13,15 @@ from hypothesis import strategies as st
 
 from methods import DEFAULT, METHODS, SCRIPTED, method_of, play
 from missions import SEEDS, missions
-from teamformer.files.mission_files import scenario_from_tree
-from teamformer.mission.model import Scenario
+from teamformer.files.mission_files import mission_from_tree
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.reading import replay_from_tree
-from teamformer.record.record import Replay
+from teamformer.record.reading import record_from_tree
+from teamformer.record.record import Record
 from teamformer.record.task_times import cost_of_record
-from teamformer.record.writing import replay_to_tree
+from teamformer.record.writing import record_to_tree
 from teamformer.trials.trial import run_trials
 from watching import fuzzed, is_everyday
 
@@ -31,7 +31,7 @@ WITHOUT_NETWORKS = st.sampled_from([DEFAULT, DEFAULT, *SCRIPTED])
 
 
 def record_of(mission: Any, method: str, seed: int) -> dict[str, Any]:
-    return replay_to_tree(play(scenario_from_tree(mission), method, seed).replay)
+    return record_to_tree(play(mission_from_tree(mission), method, seed).replay)
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_the_same_seed_gives_the_same_record(
 ) -> None:
     first = record_of(mission, method, seed)
     assert elsewhere(mission, method, seed) == first
-    assert replay_to_tree(replay_from_tree(first, "record")) == first
+    assert record_to_tree(record_from_tree(first, "record")) == first
 
 
 @fuzzed(
@@ -64,7 +64,7 @@ def test_the_same_seed_gives_the_same_record(
     seed=SEEDS,
 )
 def test_in_a_batch_all_end_as_alone(mission: Any, method: str, seed: int) -> None:
-    scenarios = [scenario_from_tree(one) for one in mission]
+    scenarios = [mission_from_tree(one) for one in mission]
     replays = [play(scenario, method, seed).replay for scenario in scenarios]
     alone = [{**vars(it.end), "cost": cost_of_record(it)} for it in replays]
     for threads in (1, 2):
@@ -76,12 +76,12 @@ def test_in_a_batch_all_end_as_alone(mission: Any, method: str, seed: int) -> No
 
 @fuzzed(15, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_names_mean_nothing(mission: Any, method: str, seed: int) -> None:
-    scenario = scenario_from_tree(mission)
+    scenario = mission_from_tree(mission)
     one, other = (play(which, method, seed).replay for which in (scenario, renamed(scenario)))
     assert what_happens(one) == what_happens(other)
 
 
-def renamed(scenario: Scenario) -> Scenario:
+def renamed(scenario: Mission) -> Mission:
     """Return a mission in which robots, tasks and capabilities have plain names."""
     caps = {name: f"c{number}" for number, name in enumerate(scenario.capabilities)}
     tasks = {task.name: f"t{number}" for number, task in enumerate(scenario.tasks)}
@@ -112,7 +112,7 @@ def test_what_nobody_needs_means_nothing(mission: Any, method: str, seed: int) -
     No walls where robots fly: in a map with walls these are of another kind, and searches go on
     otherwise.
     """
-    scenario = replace(scenario_from_tree(mission), arrivals=None)
+    scenario = replace(mission_from_tree(mission), arrivals=None)
     one, other = (play(which, method, seed).replay for which in (scenario, padded(scenario)))
     assert what_happens(one) == what_happens(other)
 
@@ -120,7 +120,7 @@ def test_what_nobody_needs_means_nothing(mission: Any, method: str, seed: int) -
 @fuzzed(15, RUN, mission=missions(), method=WITHOUT_NETWORKS, seed=SEEDS)
 def test_the_order_of_capabilities_means_nothing(mission: Any, method: str, seed: int) -> None:
     """But for tasks that appear, whose needs are drawn in that order."""
-    scenario = replace(scenario_from_tree(mission), arrivals=None)
+    scenario = replace(mission_from_tree(mission), arrivals=None)
     turned = replace(scenario, capabilities=scenario.capabilities[::-1])
     one, other = (play(which, method, seed).replay for which in (scenario, turned))
     assert what_happens(one) == what_happens(other)
@@ -128,7 +128,7 @@ def test_the_order_of_capabilities_means_nothing(mission: Any, method: str, seed
     assert lower_bound(truths[0]) == lower_bound(truths[1])
 
 
-def padded(scenario: Scenario) -> Scenario:
+def padded(scenario: Mission) -> Mission:
     """Return a mission with a capability that nobody has, and walls at the edges of its map."""
     caps = (*scenario.capabilities, "nobody has this")
     world = scenario.world
@@ -139,7 +139,7 @@ def padded(scenario: Scenario) -> Scenario:
     return replace(scenario, capabilities=caps, world=world)
 
 
-def what_happens(replay: Replay) -> Any:
+def what_happens(replay: Record) -> Any:
     """Return a record without its names."""
     end = replace(replay.end, blocked_tasks=())
     return (

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import watching
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 
 MISSION = {
     "teamformer": 1,
@@ -51,7 +51,7 @@ def test_an_example_that_fails_is_kept_as_small_as_it_gets(
     head, *told = (folder / name).read_text().splitlines()[:3]
     assert head == "# teamformer run FILE --seed 4: ValueError: seed 4 is 'too' large"
     assert told == ["# seed = 4", "# forged = [4]"]
-    assert read_scenario(folder / name).world.rows == ("..", ".@")
+    assert read_mission(folder / name).world.rows == ("..", ".@")
 
     monkeypatch.setenv(watching.KNOWN, name)  # the next round
     watched(mission=MISSION, seed=77)

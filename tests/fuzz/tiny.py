@@ -20,9 +20,9 @@ from hypothesis import HealthCheck, given, seed, settings
 from missions import continuous_missions, missions
 from plain_times import Times, Ways, able_crews, all_plans
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.mission.checks.links import is_linked
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous, warm_up
 from teamformer.planning.problem.routes import MissionPlan
@@ -42,13 +42,13 @@ NEAR = 1e-5
 """Times are told in whole ticks, of which there are a million and more in all."""
 
 
-def count_plans(scenario: Scenario) -> int:
+def count_plans(scenario: Mission) -> int:
     """Return how many orders with coalitions a mission has."""
     able = (len(able_crews(scenario, task)) for task in range(len(scenario.tasks)))
     return math.factorial(len(scenario.tasks)) * math.prod(able)
 
 
-def worth_of(scenario: Scenario, made: MissionPlan | Times) -> float:
+def worth_of(scenario: Mission, made: MissionPlan | Times) -> float:
     """Return what a plan is judged by: its cost, or the makespan and twice how late tasks are."""
     if made.cost is not None:
         return made.cost
@@ -57,7 +57,7 @@ def worth_of(scenario: Scenario, made: MissionPlan | Times) -> float:
     )
 
 
-def gap_in_continuous_time(scenario: Scenario, method: str, seconds: float) -> float:
+def gap_in_continuous_time(scenario: Mission, method: str, seconds: float) -> float:
     """Return by which share of the best plan a method's is worse; 0 where it finds none."""
     try:
         made = plan_continuous(pose_mission(scenario), method, seconds)
@@ -70,7 +70,7 @@ def gap_in_continuous_time(scenario: Scenario, method: str, seconds: float) -> f
     return gap / max(best, NEAR) if gap > NEAR * max(1.0, best) else 0.0
 
 
-def gap_in_steps(scenario: Scenario, seconds: float) -> float:
+def gap_in_steps(scenario: Mission, seconds: float) -> float:
     """Return by which share of the least cost that of the search for `central` is worse.
 
     Every plan is timed as plans in steps are.
@@ -87,7 +87,7 @@ def gap_in_steps(scenario: Scenario, seconds: float) -> float:
     return max(0.0, (race.plan.cost - best) / best)
 
 
-def _costs_in_steps(scenario: Scenario, situation: Situation) -> Iterator[int]:
+def _costs_in_steps(scenario: Mission, situation: Situation) -> Iterator[int]:
     tasks = range(len(scenario.tasks))
     for crews in itertools.product(*(able_crews(scenario, task) for task in tasks)):
         for order in itertools.permutations(tasks):
@@ -101,7 +101,7 @@ def main(kind: str, count: int, seconds: float) -> int:
     most = MOST_PLANS if is_continuous else MOST_PLANS_IN_STEPS
 
     def check(mission: Any) -> None:
-        scenario, text = scenario_from_tree(mission), text_of(mission)
+        scenario, text = mission_from_tree(mission), text_of(mission)
         if text in tried or not 1 < count_plans(scenario) <= most:
             return
         tried.add(text)

@@ -18,7 +18,7 @@ import pytest
 from live_server import small_mission
 from small_worlds import late_pair
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.mission_files import write_mission
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.keeping.autosave import NAME, Autosave, Identity
 from teamformer.live.keeping.resuming import (
@@ -39,22 +39,22 @@ from teamformer.live.running.incidents import (
     RobotBack,
     search_plan,
 )
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.methods.by_name import load_method
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Known, Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 METHODS = ("plan", "crews", "join-fitting")
 
 
 def start(
-    mission: Scenario, plans: Sequence[tuple[int, Plan]] = (), method: str = "plan"
-) -> Mission:
-    return Mission(mission, lambda: load_method(method), 0, plans)
+    mission: Mission, plans: Sequence[tuple[int, Plan]] = (), method: str = "plan"
+) -> RunningMission:
+    return RunningMission(mission, lambda: load_method(method), 0, plans)
 
 
-def kept_while(folder: Path, deeds: Sequence[Happening | int | str], method: str) -> Mission:
+def kept_while(folder: Path, deeds: Sequence[Happening | int | str], method: str) -> RunningMission:
     """Return a mission to which deeds were done, each kept: incidents, numbers of steps, undo."""
     mission = start(small_mission(), method=method)
     autosave = Autosave(folder / NAME, Identity("its own", Draft({"name": "small"}, "small.yaml")))
@@ -83,7 +83,7 @@ DEEDS: Sequence[Happening | int | str] = (
 """Two tasks at one moment, robots lost and back, a task called off, a loss that is undone."""
 
 
-def play_on(mission: Mission) -> None:
+def play_on(mission: RunningMission) -> None:
     while mission.is_running:
         mission.step()
 
@@ -258,7 +258,7 @@ class Command:
 @pytest.mark.thorough
 def test_a_server_that_is_killed_and_started_again_goes_on(tmp_path: Path) -> None:
     path, out = tmp_path / "small.yaml", tmp_path / "out"
-    write_scenario(small_mission(), path)
+    write_mission(small_mission(), path)
     first = Command(out, path)
     name = first.hear("mission")["id"]
     step, lose = {"do": "step"}, {"do": "happen", "lost": "r2"}

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.files.yaml import reader
 from teamformer.live.drawing.comments import rewrite
 from teamformer.live.drawing.drafts import open_draft, write_draft
@@ -72,4 +72,4 @@ def test_a_file_opened_and_saved_keeps_its_comments(tmp_path: Path) -> None:
     path = write_draft(tree, "again.yaml", tmp_path, TEXT)
     changed = TEXT.replace("needs: [lift, scan]}", "needs: [lift, scan], duration: 3}")
     assert path.read_text(encoding="utf-8") == changed
-    assert read_scenario(path).tasks[0].duration == 3
+    assert read_mission(path).tasks[0].duration == 3

@@ -10,7 +10,7 @@ import pytest
 
 from small_worlds import late_pair, make, robot, task
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import read_scenario, scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree, read_mission
 from teamformer.live.running import forecasts
 from teamformer.live.running.forecasts import Forecast, forecast, possible_truth
 from teamformer.live.running.incidents import (
@@ -23,12 +23,12 @@ from teamformer.live.running.incidents import (
     RobotBack,
     search_plan,
 )
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.central.policy import Central
 from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Absence, Breakdown, Delays, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Breakdown, Delays, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.record.export.reasons import explain
@@ -38,12 +38,12 @@ from teamformer.trials.trial import run_trial
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-def mission(example: str = "late-tasks", method: str = "join-fitting") -> Mission:
-    scenario = read_scenario(EXAMPLES / f"{example}.yaml")
-    return Mission(scenario, lambda: load_method(method), seed=0)
+def mission(example: str = "late-tasks", method: str = "join-fitting") -> RunningMission:
+    scenario = read_mission(EXAMPLES / f"{example}.yaml")
+    return RunningMission(scenario, lambda: load_method(method), seed=0)
 
 
-def play(run: Mission, incidents: dict[int, Incident]) -> None:
+def play(run: RunningMission, incidents: dict[int, Incident]) -> None:
     """Play a mission to its end; the keys are the steps made when incidents happen."""
     while run.is_running:
         if run.steps in incidents:
@@ -52,9 +52,9 @@ def play(run: Mission, incidents: dict[int, Incident]) -> None:
 
 
 @pytest.fixture
-def carried() -> Scenario:
+def carried() -> Mission:
     """A robot on a ring around a wall; the load at its left is brought to the right."""
-    return scenario_from_tree(
+    return mission_from_tree(
         {
             "teamformer": 1,
             "world": {"rows": [".......", ".@@@@@.", "......."]},
@@ -65,8 +65,8 @@ def carried() -> Scenario:
     )
 
 
-def test_a_mission_with_loads_is_as_it_was_after_it_was_played_ahead(carried: Scenario) -> None:
-    run = Mission(carried, lambda: load_method("plan"), seed=0)
+def test_a_mission_with_loads_is_as_it_was_after_it_was_played_ahead(carried: Mission) -> None:
+    run = RunningMission(carried, lambda: load_method("plan"), seed=0)
     assert forecast(run.past()) == forecast(run.past())
     play(run, {})
     assert run.record().steps == run_trial(carried, load_method("plan")).replay.steps
@@ -101,7 +101,7 @@ def test_a_forecast_is_what_then_comes() -> None:
     assert None in disturbed.done_at
 
 
-def ends_of_tasks(run: Mission) -> tuple[int | None, ...]:
+def ends_of_tasks(run: RunningMission) -> tuple[int | None, ...]:
     """Return by task the step in which the record has it done."""
     ends = {task: n for n, it in enumerate(run.record().steps, 1) for task, _ in it.done}
     return tuple(ends.get(task) for task in range(len(run.scenario.tasks)))
@@ -141,7 +141,7 @@ def test_a_mission_anew_is_as_it_was_drawn() -> None:
     assert run_to_its_end(again).record() == run_to_its_end(mission()).record()
 
 
-def run_to_its_end(run: Mission) -> Mission:
+def run_to_its_end(run: RunningMission) -> RunningMission:
     play(run, {})
     return run
 
@@ -226,12 +226,12 @@ def test_who_is_not_back_after_all_stays_lost() -> None:
         run.happen(LostRobot(name))
 
 
-STORM = read_scenario(EXAMPLES / "storm.yaml")
+STORM = read_mission(EXAMPLES / "storm.yaml")
 
 
-def called(method: str) -> Mission:
+def called(method: str) -> RunningMission:
     """A mission in which tasks appear at random: after steps 3, 14 and 38."""
-    return Mission(STORM, lambda: load_method(method), seed=4)
+    return RunningMission(STORM, lambda: load_method(method), seed=4)
 
 
 @pytest.mark.parametrize("method", ["join-fitting", "plan"])
@@ -277,7 +277,9 @@ def test_who_plans_with_everything_is_not_surprised() -> None:
     class KnowsEverything(JoinFitting):
         needs_everything = True
 
-    run = Mission(mission().scenario, lambda: Method("knows", policy=KnowsEverything()), seed=0)
+    run = RunningMission(
+        mission().scenario, lambda: Method("knows", policy=KnowsEverything()), seed=0
+    )
     with pytest.raises(TeamformerError, match="run it by another method"):
         run.happen(NewTask((0, 0), {"lift": 1}, "late"))
 
@@ -288,21 +290,21 @@ def test_who_plans_with_everything_knows_what_an_uncertain_mission_is(seed: int)
     robots = [replace(robot("a", x), delays=Delays(0.5)) for x in (0, 9)]
     tasks = [replace(task("aa", x), lasts=(0, 9)) for x in (2, 7)]
     central = Central(time_limit=0.0)
-    run = Mission(make(robots, tasks), lambda: Method("central", policy=central), seed)
+    run = RunningMission(make(robots, tasks), lambda: Method("central", policy=central), seed)
     play(run, {})
     assert (run.tally().status, run.steps) == ("completed", central.plans[0].makespan)
     assert judge(run.record()).findings == ()
 
 
-def planned(policy: str = "plan") -> Mission:
+def planned(policy: str = "plan") -> RunningMission:
     """Return a mission of two lifters and five tasks whose robots go by a shared plan."""
     robots = [robot("a", 0), robot("a", 9)]
     tasks = [task("a", x, duration=2) for x in (1, 3, 5, 7, 8)]
     scenario = make(robots, tasks)
-    return Mission(scenario, lambda: load_method(policy), seed=0)
+    return RunningMission(scenario, lambda: load_method(policy), seed=0)
 
 
-def swapped(run: Mission) -> Plan:
+def swapped(run: RunningMission) -> Plan:
     """Return the plan that holds with its robots exchanged."""
     old = run.past().env.plan()
     return replace(old, coalitions=tuple(tuple(1 - r for r in robots) for robots in old.coalitions))
@@ -368,12 +370,12 @@ def test_only_a_shared_plan_can_be_another() -> None:
         search_plan(past, 0.1)
 
 
-def uncertain() -> Mission:
+def uncertain() -> RunningMission:
     """Return a mission of one robot with four tasks in its place, of one to nine steps each."""
     tasks = [replace(task("a", 0), name=f"t{n}", lasts=(1, 9)) for n in range(2)]
     tasks += [task("a", 1)]
     scenario = make([robot("a", 0)], tasks)
-    return Mission(scenario, lambda: load_method("plan"), seed=4)
+    return RunningMission(scenario, lambda: load_method("plan"), seed=4)
 
 
 def test_an_uncertain_mission_is_forecast_as_a_band_that_narrows() -> None:
@@ -410,7 +412,7 @@ def test_in_futures_a_task_is_where_nobody_has_looked_yet() -> None:
     """It is within 4 of 10 in a corridor; the robot comes from 0 and sees a cell ahead."""
     hidden = replace(task("a", 10), within=4)
     scenario = make([robot("a", 0)], [hidden])
-    run = Mission(scenario, lambda: load_method("plan"), seed=1)
+    run = RunningMission(scenario, lambda: load_method("plan"), seed=1)
     (real,) = draw_truth(scenario, 1).tasks
     before: set[float] = set(range(6, 15))
     while run.is_running:
@@ -427,7 +429,7 @@ def test_in_futures_a_task_is_where_nobody_has_looked_yet() -> None:
 def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
     lame = replace(robot("a", 0), breaks=Breakdown(0.05, (5, 30)))
     scenario = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
-    run = Mission(scenario, lambda: load_method("join-fitting"), seed=3)
+    run = RunningMission(scenario, lambda: load_method("join-fitting"), seed=3)
     real = draw_truth(scenario, 3).robots[0].absences
     while run.steps < steps:
         run.step()
@@ -447,7 +449,7 @@ def test_in_futures_nobody_breaks_down_after_the_trial() -> None:
     """A robot that is repaired for a billion steps is sound again when no step is left."""
     lame = replace(robot("a", 0), breaks=Breakdown(1.0, (10**9, 10**9)))
     scenario = make([lame, robot("a", 0)], [task("a", 15)], step_limit=10**9)
-    run = Mission(scenario, lambda: load_method("join-fitting"), seed=3)
+    run = RunningMission(scenario, lambda: load_method("join-fitting"), seed=3)
     for _ in range(3):
         run.step()
     for seed in range(3):
@@ -458,7 +460,7 @@ def test_in_futures_nobody_breaks_down_after_the_trial() -> None:
 def test_nobody_foresees_when_a_robot_stands_still() -> None:
     slow = replace(robot("a", 0), delays=Delays(0.5))
     scenario = make([slow], [task("a", 15)])
-    run = Mission(scenario, lambda: load_method("plan"), seed=3)
+    run = RunningMission(scenario, lambda: load_method("plan"), seed=3)
     for _ in range(3):
         run.step()
     early = forecast(run.past())
@@ -471,7 +473,7 @@ def test_nobody_foresees_when_a_robot_stands_still() -> None:
 def test_incidents_make_sure_what_was_not() -> None:
     lame = replace(robot("a", 0), breaks=Breakdown(0.05, (5, 30)))
     scenario = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
-    run = Mission(scenario, lambda: load_method("join-fitting"), seed=3)
+    run = RunningMission(scenario, lambda: load_method("join-fitting"), seed=3)
     play(run, {2: LostRobot("r0"), 4: RobotBack("r0")})
     assert run.scenario.robots[0].breaks is None
     assert run.scenario.robots[0].absences == (Absence(3, 5),)
@@ -519,7 +521,7 @@ def test_a_task_that_is_called_off_is_in_the_record_that_run_makes_too(method: s
 def test_calling_off_what_can_never_be_done_lets_the_mission_end() -> None:
     """One of two tasks needs `b`, who is lost in step 2, so that the mission is given up."""
     scenario = make([robot("a", 0), robot("b", 1)], [task("b", 9), task("a", 5)])
-    run = Mission(scenario, lambda: load_method("plan"), seed=0)
+    run = RunningMission(scenario, lambda: load_method("plan"), seed=0)
     run.step()
     run.happen(LostRobot(scenario.robots[1].name))
     run.step()
@@ -534,7 +536,7 @@ def test_calling_off_what_can_never_be_done_lets_the_mission_end() -> None:
 def test_a_weight_that_is_raised_makes_another_plan() -> None:
     """From 5 the heavy one first; two steps to it, the other becomes heavier: 7 to it, 10 back."""
     scenario = late_pair((3.0, 1.0), cost={"tardiness": 1})
-    run = Mission(scenario, lambda: load_method("plan"), seed=0)
+    run = RunningMission(scenario, lambda: load_method("plan"), seed=0)
     for _ in range(2):
         run.step()
     run.happen(NewWeight("right", 99.0))
@@ -561,7 +563,7 @@ def test_a_weight_counts_for_crews_also_where_tasks_come_after_others(later: int
         Task("far", (20, 0), {"a": 1}, between=(0, 15)),
         Task("last", (0, 0), {"a": 1}, after=("near",)),
     )
-    scenario = Scenario(
+    scenario = Mission(
         "order",
         Grid(30, 1),
         ("a",),
@@ -569,7 +571,7 @@ def test_a_weight_counts_for_crews_also_where_tasks_come_after_others(later: int
         tasks,
         cost={"makespan": 1.0, "tardiness": 0.1},
     )
-    run = Mission(scenario, lambda: load_method("crews"), seed=0)
+    run = RunningMission(scenario, lambda: load_method("crews"), seed=0)
     for _ in range(3 + later):  # in the third step `near` is done: crews deal `last` out
         run.step()
     run.happen(NewWeight("far", 1000.0))
@@ -597,7 +599,7 @@ def test_what_cannot_happen_to_a_task_is_refused(incident: Incident, why: str) -
         Task("gone", (8, 0), {"a": 1}, cancelled=3),
     )
     scenario = replace(late_pair(), tasks=tasks)
-    run = Mission(scenario, lambda: load_method("plan"), seed=0)
+    run = RunningMission(scenario, lambda: load_method("plan"), seed=0)
     for _ in range(3):
         run.step()
     with pytest.raises(TeamformerError, match=why):
@@ -607,6 +609,6 @@ def test_what_cannot_happen_to_a_task_is_refused(incident: Incident, why: str) -
 
 def test_a_weight_counts_only_where_there_is_a_plan() -> None:
     scenario = late_pair(cost={"tardiness": 1})
-    run = Mission(scenario, lambda: load_method("join-all"), seed=0)
+    run = RunningMission(scenario, lambda: load_method("join-all"), seed=0)
     with pytest.raises(TeamformerError, match="by this method robots go by no plan"):
         run.happen(NewWeight("left", 2.0))

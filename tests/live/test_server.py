@@ -21,21 +21,21 @@ import pytest
 from live_server import Served, serving, serving_editor, serving_session, small_mission
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal import addresses
-from teamformer.cli.terminal.addresses import Address, address_of
-from teamformer.files.mission_files import scenario_to_tree
+from teamformer.cli.terminal.addresses import HostAndPort, address_of
+from teamformer.files.mission_files import mission_to_tree
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.running.incidents import Incident
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.what_if import IsOver, WhatIf, what_if
 from teamformer.live.workshop import Workshop
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.export.csv_tables import write_tables
 from teamformer.record.export.mcap_file import write_mcap
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 from teamformer.record.referee import judge
-from teamformer.record.writing import replay_to_tree
+from teamformer.record.writing import record_to_tree
 from teamformer.viewer.html import write_page
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")
@@ -121,7 +121,7 @@ def test_a_server_with_a_token_wants_it(tmp_path: Path) -> None:
 
 def test_at_a_wildcard_address_the_token_decides_under_every_name(tmp_path: Path) -> None:
     """As at the machine's own address, a container's published port, or a name of the network."""
-    anywhere = Address("0.0.0.0")
+    anywhere = HostAndPort("0.0.0.0")
     with serving(small_mission(), tmp_path, token="secret", address=anywhere) as server:
         for host in (server.address, "192.168.1.5:8765", "localhost:9000", "desk.lan", "[fe80::1]"):
             assert get(server, host, "/?token=secret")[0] == 200
@@ -266,7 +266,7 @@ def test_the_lower_bound_is_that_of_a_run(served: Served) -> None:
         assert told == lower_bound(served.session.mission.scenario) > bound
         page.ask(do="save")
         record = Path(page.hear("saved")["paths"][0])
-        assert read_replay(record).lower_bound == told
+        assert read_record(record).lower_bound == told
 
 
 def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
@@ -292,7 +292,7 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
         while "end" not in page.hear("step"):
             pass
         page.ask(do="save")
-        record = read_replay(Path(page.hear("saved")["paths"][0]))
+        record = read_record(Path(page.hear("saved")["paths"][0]))
     assert judge(record).findings == ()
     assert record.end.status == "completed"
     assert guess["steps"] <= record.end.steps
@@ -306,7 +306,7 @@ class Long:
         self.is_begun, self.may_end = threading.Event(), threading.Event()
         self.was_given_up = threading.Event()
 
-    def __call__(self, now: Mission, incident: Incident, is_over: IsOver) -> WhatIf:
+    def __call__(self, now: RunningMission, incident: Incident, is_over: IsOver) -> WhatIf:
         self.is_begun.set()
         while not self.may_end.wait(0.01):
             if is_over():
@@ -448,7 +448,7 @@ def test_a_plan_is_searched_for_offered_and_taken_over(tmp_path: Path) -> None:
         page.ask(do="save")
         saved = page.hear("saved")
         assert "a scenario holds no plans" in saved["note"]
-    assert judge(read_replay(Path(saved["paths"][0]))).findings == ()
+    assert judge(read_record(Path(saved["paths"][0]))).findings == ()
 
 
 def test_a_plan_for_robots_that_go_by_none_is_refused(tmp_path: Path) -> None:
@@ -537,30 +537,30 @@ def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
     with serving(small_mission(), tmp_path / "out") as server, Page(server) as page:
         page.ask(do="step")
         page.hear("step")
-    record = read_replay(tmp_path / "out" / "replay.json")
+    record = read_record(tmp_path / "out" / "replay.json")
     assert (record.end.status, len(record.steps)) == ("interrupted", 1)
 
 
 def test_a_port_in_use_is_refused_with_another(tmp_path: Path) -> None:
-    from teamformer.cli.verbs.missions.live import Options, live
-    from teamformer.files.mission_files import write_scenario
+    from teamformer.cli.verbs.missions.live import LiveOptions, live
+    from teamformer.files.mission_files import write_mission
 
     path = tmp_path / "small.yaml"
-    write_scenario(small_mission(), path)
+    write_mission(small_mission(), path)
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        options = Options("join-fitting", 0, Address("127.0.0.1", port), tmp_path / "out")
+        options = LiveOptions("join-fitting", 0, HostAndPort("127.0.0.1", port), tmp_path / "out")
         with pytest.raises(TeamformerError, match=f"127.0.0.1:{port} cannot be used") as error:
             live(path, options)
     assert "--port" in (error.value.hint or "")
 
 
 def test_an_address_is_a_port_with_or_without_a_host() -> None:
-    assert address_of("80") == Address("127.0.0.1", 80)
-    assert address_of("0.0.0.0:8765") == Address("0.0.0.0", 8765)
-    assert address_of("[::1]:8765") == Address("::1", 8765)
+    assert address_of("80") == HostAndPort("127.0.0.1", 80)
+    assert address_of("0.0.0.0:8765") == HostAndPort("0.0.0.0", 8765)
+    assert address_of("[::1]:8765") == HostAndPort("::1", 8765)
     for wrong in ("", "web", "0", "65536", "8765:"):
         with pytest.raises(TeamformerError, match="is no port"):
             address_of(wrong)
@@ -617,7 +617,7 @@ def test_downloads_are_what_the_command_line_writes(served: Served, tmp_path: Pa
             pass
         page.ask(do="save")
         saved, scenario = map(Path, page.hear("saved")["paths"])
-    record = read_replay(saved)
+    record = read_record(saved)
 
     def content(name: str) -> bytes:
         status, came = fetch(served, served.address, f"/download/{name}")
@@ -626,7 +626,7 @@ def test_downloads_are_what_the_command_line_writes(served: Served, tmp_path: Pa
 
     assert content("replay.json") == saved.read_bytes()
     assert content("mission.yaml") == scenario.read_bytes()
-    write_page(replay_to_tree(record), tmp_path / "page.html")
+    write_page(record_to_tree(record), tmp_path / "page.html")
     assert content("replay.html") == (tmp_path / "page.html").read_bytes()
     with zipfile.ZipFile(io.BytesIO(content("tables.zip"))) as tables:
         for path in write_tables(record, tmp_path):
@@ -655,17 +655,17 @@ class Slow:
         self.may_start = threading.Event()
         self.has_ended = False
 
-    def __call__(self, scenario: Scenario) -> Mission:
+    def __call__(self, scenario: Mission) -> RunningMission:
         self.may_start.wait(20)
         self.has_ended = True
         if len(scenario.robots) == 1:
             raise TeamformerError("one robot is too few for this method")
-        return Mission(scenario, lambda: load_method("join-fitting"), 0)
+        return RunningMission(scenario, lambda: load_method("join-fitting"), 0)
 
 
 def test_pages_are_served_before_the_first_plan_is_made(tmp_path: Path) -> None:
     start, said = Slow(), list[str]()
-    tree = scenario_to_tree(small_mission())
+    tree = mission_to_tree(small_mission())
     shop = Workshop(start, tmp_path, 20.0, Draft(tree, "small.yaml"), small_mission(), said.append)
     with serving_session(shop) as server:
         with Page(server) as page:
@@ -738,7 +738,7 @@ def test_no_page_draws_over_what_it_has_not_seen(
 
 def test_a_server_ends_while_a_first_plan_is_made(tmp_path: Path) -> None:
     start = Slow()
-    tree = scenario_to_tree(small_mission())
+    tree = mission_to_tree(small_mission())
     shop = Workshop(start, tmp_path, 20.0, Draft(tree), small_mission())
     with serving_session(shop) as server, Page(server) as page:
         page.hear("starting")

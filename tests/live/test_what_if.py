@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from small_worlds import make, robot, task
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.live.running.forecasts import Forecast, forecast
 from teamformer.live.running.incidents import CancelledTask, Incident, LostRobot, NewTask
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.what_if import WhatIf, luck_of, what_if
 from teamformer.methods.by_name import Method, load_method
 from teamformer.mission.coordination import Coordinator, Known, Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -34,13 +34,13 @@ class Nearest:
         return Plan(known.open_tasks, ((first,),) * len(known.open_tasks))
 
 
-def far_and_near() -> Scenario:
+def far_and_near() -> Mission:
     """A robot 9 cells from the task, and one 2 cells from it."""
     return make([robot("a", 0), robot("a", 7)], [task("a", 9)])
 
 
-def mission(scenario: Scenario, coordinator: Coordinator) -> Mission:
-    return Mission(scenario, lambda: Method("own", coordinator=coordinator), 0)
+def mission(scenario: Mission, coordinator: Coordinator) -> RunningMission:
+    return RunningMission(scenario, lambda: Method("own", coordinator=coordinator), 0)
 
 
 def test_a_loss_that_helps_is_luck_and_the_search_tells_how_much() -> None:
@@ -55,7 +55,7 @@ def test_a_loss_that_helps_is_luck_and_the_search_tells_how_much() -> None:
 
 
 def test_what_no_order_changes_is_no_luck() -> None:
-    run = Mission(far_and_near(), lambda: load_method("plan"), 0)
+    run = RunningMission(far_and_near(), lambda: load_method("plan"), 0)
     weighed = what_if(run, LostRobot("r1"), never)
     assert weighed.found.ends[0] > weighed.without.ends[0]
     assert not weighed.is_luck
@@ -83,8 +83,8 @@ def test_only_luck_moves_an_end_the_wrong_way(incident: Incident, more: int, is_
 @pytest.mark.parametrize("method", ["plan", "crews"])
 def test_in_other_orders_the_same_mission_is_planned(method: str) -> None:
     """Teams, services under way and loads are there; whatever is planned can be done."""
-    scenario = read_scenario(EXAMPLES / "warehouse.yaml")
-    run = Mission(scenario, lambda: load_method(method), 0)
+    scenario = read_mission(EXAMPLES / "warehouse.yaml")
+    run = RunningMission(scenario, lambda: load_method(method), 0)
     for _ in range(12):
         run.step()
     sooner = forecast(run.past())

@@ -8,16 +8,16 @@ from itertools import combinations
 
 import numpy as np
 
-from teamformer.base.errors import ScenarioError
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.base.errors import MissionError
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
-from teamformer.planning.relaxation.schedule import Schedule
+from teamformer.planning.relaxation.schedule import RelaxedSchedule
 
 
 class PlainWorld:
     """A scenario with its distances, found by walking."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Mission) -> None:
         self.robots, self.tasks = scenario.robots, scenario.tasks
         self._grid = scenario.world
         self._fields: dict[Place, dict[Place, int]] = {}
@@ -71,7 +71,7 @@ class Stay:
         return Stay(task.at, arrives, arrives)
 
 
-def fastest_makespan(scenario: Scenario) -> int | None:
+def fastest_makespan(scenario: Mission) -> int | None:
     """Return the least makespan of all orders and crews, None if none is in time."""
     world = PlainWorld(scenario)
     crews = [list(world.crews(task)) for task in world.tasks]
@@ -108,7 +108,7 @@ def serve(world: PlainWorld, task: Task, crew: tuple[int, ...], stays: list[Stay
     return end
 
 
-def find_faults(scenario: Scenario, schedule: Schedule) -> list[str]:
+def find_faults(scenario: Mission, schedule: RelaxedSchedule) -> list[str]:
     """Return everything that is wrong with a schedule."""
     world, faults = PlainWorld(scenario), []
     for k, task in enumerate(world.tasks):
@@ -135,16 +135,16 @@ def find_faults(scenario: Scenario, schedule: Schedule) -> list[str]:
 
 def tiny_world(
     rng: np.random.Generator, speeds: tuple[float, ...] = (1.0, 1.0, 2.0), losses: float = 0.0
-) -> Scenario:
+) -> Mission:
     """Return a possible world with up to 3 robots and 4 tasks, often two in one place."""
     while True:
         try:
             return _draw(rng, speeds, losses)
-        except ScenarioError:
+        except MissionError:
             continue
 
 
-def _draw(rng: np.random.Generator, speeds: tuple[float, ...], losses: float) -> Scenario:
+def _draw(rng: np.random.Generator, speeds: tuple[float, ...], losses: float) -> Mission:
     side, caps = int(rng.integers(2, 7)), ("a", "b")
     is_blocked = rng.random((side, side)) < rng.choice([0.0, 0.2])
     grid = Grid(side, side, tuple("".join(BLOCKED if b else FREE for b in y) for y in is_blocked))
@@ -170,4 +170,4 @@ def _draw(rng: np.random.Generator, speeds: tuple[float, ...], losses: float) ->
         Task(f"t{k}", place(), counts(2), int(rng.choice([0, 0, 1, 4])), int(rng.choice([0, 0, 7])))
         for k in range(rng.integers(1, 5))
     ]
-    return Scenario("tiny", grid, caps, tuple(robots), tuple(tasks), forming_steps=0)
+    return Mission("tiny", grid, caps, tuple(robots), tuple(tasks), forming_steps=0)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.problem.team_plan import TeamPlan
 
 
-def slow_ends(scenario: Scenario, problem: Relaxed, plan: TeamPlan) -> list[int]:
+def slow_ends(scenario: Mission, problem: Relaxed, plan: TeamPlan) -> list[int]:
     """Time a plan with sets: each group is its robots, where they are, and since when."""
     tasks, names = len(scenario.tasks), [task.name for task in scenario.tasks]
     together = [

@@ -12,7 +12,7 @@ from teamformer.methods.by_name import load_method
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.methods.seam.protocol import Policy
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import bound_makespan, lower_bound
 from teamformer.planning.problem.relaxed_problem import relax
@@ -20,7 +20,7 @@ from teamformer.planning.relaxation.solve import solve
 from teamformer.trials.trial import run_trial, run_trials
 
 
-def walking_bound(scenario: Scenario) -> int:
+def walking_bound(scenario: Mission) -> int:
     """Return the bound that holds if forming is free, too."""
     return bound_makespan(relax(scenario))
 
@@ -106,7 +106,7 @@ def test_a_load_that_is_set_down_is_brought_by_several_teams_and_bounded_all_the
         Robot("c", (10, 0), {"lift": 1}),
     )
     crate = Task("crate", (1, 0), {"lift": 2}, to=(11, 0))
-    scenario = Scenario("relay", Grid(12, 1), ("lift",), robots, (crate,))
+    scenario = Mission("relay", Grid(12, 1), ("lift",), robots, (crate,))
     makespan = run_trial(scenario, load_method("plan"), 0).replay.end.makespan
     assert makespan is not None
     assert lower_bound(scenario) <= makespan < 9 + 1 + 10

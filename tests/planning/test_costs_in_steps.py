@@ -8,23 +8,23 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.methods.by_name import load_method
 from teamformer.mission.checks.costs import cost_in_steps
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.record.referee.judge import judge
 from teamformer.record.task_times import cost_of_record, done_steps
-from teamformer.trials.trial import Trial, run_trial
+from teamformer.trials.trial import PlayedTrial, run_trial
 
 PLANNERS = ("plan", "crews", "central")
 
 
-def corridor(start: int, tasks: list[Task], **rules: object) -> Scenario:
+def corridor(start: int, tasks: list[Task], **rules: object) -> Mission:
     """One robot that does "a" in a corridor."""
     robot = Robot("r", (start, 0), {"a": 1})
-    return Scenario("corridor", Grid(40, 1), ("a",), (robot,), tuple(tasks), **rules)  # type: ignore[arg-type]
+    return Mission("corridor", Grid(40, 1), ("a",), (robot,), tuple(tasks), **rules)  # type: ignore[arg-type]
 
 
 def task(x: int, due: float | None = None, weight: float = 1.0, duration: int = 0) -> Task:
@@ -32,7 +32,7 @@ def task(x: int, due: float | None = None, weight: float = 1.0, duration: int = 
     return Task(f"t{x}", (x, 0), {"a": 1}, duration, between=between, weight=weight)
 
 
-def played(scenario: Scenario, method: str) -> Trial:
+def played(scenario: Mission, method: str) -> PlayedTrial:
     trial = run_trial(scenario, load_method(method, time_limit=0.3), 0)
     verdict = judge(trial.replay)
     assert verdict.findings == ()
@@ -116,7 +116,7 @@ def test_no_order_of_one_robot_costs_less() -> None:
             assert cost_of_record(played(mission, method).replay) == pytest.approx(best)
 
 
-def time_by_hand(mission: Scenario, order: tuple[int, ...]) -> float:
+def time_by_hand(mission: Mission, order: tuple[int, ...]) -> float:
     """Return what an order costs; a task on the way that takes no time is done in passing."""
     at, now, ends = mission.robots[0].at[0], 0, dict[int, float]()
     for number in order:
@@ -147,5 +147,5 @@ def test_the_family_is_cheaper_when_its_cost_is_planned_for() -> None:
 
 
 def test_weights_that_are_none() -> None:
-    with pytest.raises(ScenarioError, match=r"the weight of task 't3' is 0; use 0\.001 to 1e"):
+    with pytest.raises(MissionError, match=r"the weight of task 't3' is 0; use 0\.001 to 1e"):
         corridor(5, [task(3, weight=0.0)])

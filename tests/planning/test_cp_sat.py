@@ -7,7 +7,7 @@ import pytest
 
 from plain_plans import fastest_makespan, find_faults, tiny_world
 from small_worlds import make, robot, task
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.cp_sat import (
     build_circuits,
@@ -15,10 +15,10 @@ from teamformer.planning.relaxation.cp_sat import (
     make_solver,
     minimise,
 )
-from teamformer.planning.relaxation.schedule import Schedule
+from teamformer.planning.relaxation.schedule import RelaxedSchedule
 
 
-def solve_alone(scenario: Scenario) -> tuple[int | None, list[Schedule]]:
+def solve_alone(scenario: Mission) -> tuple[int | None, list[RelaxedSchedule]]:
     """Return the least makespan and all schedules seen on the way."""
     problem, seen = relax(scenario), []
     horizon = latest_makespan(problem)

@@ -11,7 +11,7 @@ from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.mission.coordination import Known
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.earliest import earliest_formed
 from teamformer.planning.bounds.makespan import bound_makespan
@@ -32,7 +32,7 @@ def table(counts: list[dict[str, int]], caps: tuple[str, ...]) -> np.ndarray:
     return np.array([[count.get(cap, 0) for cap in caps] for count in counts], dtype=np.int64)
 
 
-def shared_of(scenario: Scenario, is_one_team: bool = False) -> Shared:
+def shared_of(scenario: Mission, is_one_team: bool = False) -> Shared:
     """Return what is known at the start, each robot alone, or all together."""
     robots, tasks, world = scenario.robots, scenario.tasks, scenario.world
     places = [task.at for task in tasks] + [robot.at for robot in robots]
@@ -58,7 +58,7 @@ def shared_of(scenario: Scenario, is_one_team: bool = False) -> Shared:
 
 
 def plan(
-    scenario: Scenario, rounds: int = 5000, is_one_team: bool = False
+    scenario: Mission, rounds: int = 5000, is_one_team: bool = False
 ) -> tuple[list[int], list[int], list[int]]:
     """Return each robot's crew, each task's, and all tasks in order."""
     crew = np.full(len(scenario.robots), NOBODY)
@@ -76,13 +76,13 @@ def _walk(shared, crew, number, tasks):  # type: ignore[no-untyped-def]
     return room.ends
 
 
-def ends_of(scenario: Scenario, crew: list[int], number: int, tasks: list[int]) -> list[int]:
+def ends_of(scenario: Mission, crew: list[int], number: int, tasks: list[int]) -> list[int]:
     listed = np.array(tasks, dtype=np.int32)
     return _walk(shared_of(scenario), np.array(crew), number, listed)[: len(tasks)].tolist()
 
 
 def plain_ends(
-    scenario: Scenario, members: list[int], tasks: list[int], is_one_team: bool = False
+    scenario: Mission, members: list[int], tasks: list[int], is_one_team: bool = False
 ) -> list[int]:
     """Play a list step by step: parties walk to their next task and pair off there."""
     parties = [{"robots": {r}, "at": scenario.robots[r].at, "free": 0} for r in members]
@@ -112,7 +112,7 @@ def plain_ends(
     return ends
 
 
-def random_world(rng: np.random.Generator, robots: int, tasks: int) -> Scenario:
+def random_world(rng: np.random.Generator, robots: int, tasks: int) -> Mission:
     caps = ("a", "b", "c")
 
     def counts(most: int) -> dict[str, int]:
@@ -120,7 +120,7 @@ def random_world(rng: np.random.Generator, robots: int, tasks: int) -> Scenario:
         return {str(cap): 1 for cap in chosen}
 
     everything = Robot("all", (0, 0), dict.fromkeys(caps, 1))
-    return Scenario(
+    return Mission(
         "random",
         Grid(9, 9),
         caps,
@@ -141,7 +141,7 @@ def random_world(rng: np.random.Generator, robots: int, tasks: int) -> Scenario:
 def test_one_alone_does_what_lies_where_it_stands_in_the_next_step() -> None:
     """Not at once: nothing is done in the step that is over."""
     here, far = Task("t", (2, 0), {"a": 1}), Task("u", (5, 0), {"a": 1})
-    lone = Scenario("lone", Grid(9, 1), ("a",), (Robot("r", (2, 0), {"a": 1}),), (here, far))
+    lone = Mission("lone", Grid(9, 1), ("a",), (Robot("r", (2, 0), {"a": 1}),), (here, far))
     assert ends_of(lone, [0], 0, [0, 1]) == plain_ends(lone, [0], [0, 1]) == [1, 4]
 
 
@@ -168,7 +168,7 @@ def test_as_many_crews_as_can_do_everything_and_a_rest() -> None:
     """Three a, two b and one c make one crew of a, b, c, one of a, b and one of a."""
     robots = [Robot(f"r{i}", (0, 0), {cap: 1}) for i, cap in enumerate("aaabbc")]
     tasks = (Task("t", (3, 0), {"a": 1, "b": 1, "c": 1}), Task("u", (5, 0), {"a": 1, "b": 1}))
-    crew, task_crew, _ = plan(Scenario("w", Grid(9, 1), ("a", "b", "c"), tuple(robots), tasks))
+    crew, task_crew, _ = plan(Mission("w", Grid(9, 1), ("a", "b", "c"), tuple(robots), tasks))
     cans = [sorted(cap for c, cap in zip(crew, "aaabbc", strict=True) if c == n) for n in range(3)]
     assert cans == [["a", "b", "c"], ["a", "b"], ["a"]]
     assert task_crew == [0, 1]  # side by side: 3 + 2 and 5 + 1 steps; one after the other 3 + 2 + 2
@@ -177,7 +177,7 @@ def test_as_many_crews_as_can_do_everything_and_a_rest() -> None:
 def test_counts_are_filled_up() -> None:
     robots = [Robot(f"r{i}", (0, 0), {"a": 1}) for i in range(5)]
     tasks = (Task("t", (3, 0), {"a": 2}),)
-    crew, _, _ = plan(Scenario("w", Grid(9, 1), ("a",), tuple(robots), tasks))
+    crew, _, _ = plan(Mission("w", Grid(9, 1), ("a",), tuple(robots), tasks))
     assert crew == [0, 0, 1, 1, 2]
 
 
@@ -185,7 +185,7 @@ def test_crews_lie_in_one_part_of_the_map() -> None:
     """a b @ a b: nobody gets through, so two crews, and each does its side's task."""
     robots = [Robot(n, (x, 0), {n[0]: 1}) for n, x in (("a1", 0), ("b2", 1), ("b1", 4), ("a2", 3))]
     tasks = tuple(Task(f"t{x}", (x, 0), {"a": 1, "b": 1}) for x in (4, 0))
-    world = Scenario("w", Grid(5, 1, ("..@..",)), ("a", "b"), tuple(robots), tasks)
+    world = Mission("w", Grid(5, 1, ("..@..",)), ("a", "b"), tuple(robots), tasks)
     crew, task_crew, _ = plan(world)
     assert crew[0] == crew[1] != crew[2] == crew[3]
     assert task_crew == [crew[2], crew[0]]
@@ -259,5 +259,5 @@ def _tour(shared: Shared, start: Array) -> Array:
 def test_through_very_many_tasks_the_tour_goes_to_the_nearest_each_time() -> None:
     """One robot at 4, tasks at 3, 7, 0 and 8: the nearest of those left is 3, then 0, 7 and 8."""
     tasks = tuple(Task(f"t{x}", (x, 0), {"a": 1}) for x in (3, 7, 0, 8))
-    world = Scenario("line", Grid(9, 1), ("a",), (Robot("r", (4, 0), {"a": 1}),), tasks)
+    world = Mission("line", Grid(9, 1), ("a",), (Robot("r", (4, 0), {"a": 1}),), tasks)
     assert _tour(shared_of(world), np.array([1, 3, 4, 4])).tolist() == [0, 2, 1, 3]

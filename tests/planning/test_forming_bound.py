@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import lower_bound
 
@@ -15,11 +15,11 @@ Team = tuple[int, tuple[int, ...]]  # where it is, and its robots
 LENGTH = 5
 
 
-def corridor(places: list[int], kinds: str, tasks: list[Task], forming_steps: int = 1) -> Scenario:
+def corridor(places: list[int], kinds: str, tasks: list[Task], forming_steps: int = 1) -> Mission:
     pairs = enumerate(zip(places, kinds, strict=True))
     robots = tuple(Robot(f"r{n}", (x, 0), {kind: 1}) for n, (x, kind) in pairs)
     world, caps = Grid(40, 1), ("a", "b")
-    return Scenario("corridor", world, caps, robots, tuple(tasks), forming_steps=forming_steps)
+    return Mission("corridor", world, caps, robots, tuple(tasks), forming_steps=forming_steps)
 
 
 @pytest.mark.parametrize(("robots", "joining"), [(1, 0), (2, 1), (3, 2), (4, 2), (5, 3)])
@@ -56,7 +56,7 @@ def test_no_play_by_the_rules_is_faster(seed: int) -> None:
     assert np.mean(gaps) < 2
 
 
-def fastest_play(scenario: Scenario) -> int:
+def fastest_play(scenario: Mission) -> int:
     """Return the least makespan of all plays, breadth first: a team moves a cell, or forms."""
     states = {(finish_start(scenario), frozenset())}
     for step in itertools.count(1):
@@ -70,7 +70,7 @@ def fastest_play(scenario: Scenario) -> int:
     raise AssertionError
 
 
-def finish_start(scenario: Scenario) -> frozenset[Team]:
+def finish_start(scenario: Mission) -> frozenset[Team]:
     return frozenset((int(robot.at[0]), (r,)) for r, robot in enumerate(scenario.robots))
 
 
@@ -99,7 +99,7 @@ def _choose(left: list[Team], found: set[frozenset[Team]]) -> set[frozenset[Team
     return set().union(*(_choose(rest, {f | set(made) for f in found}) for made, rest in ways))
 
 
-def done_by(scenario: Scenario, teams: frozenset[Team]) -> frozenset[int]:
+def done_by(scenario: Mission, teams: frozenset[Team]) -> frozenset[int]:
     """Return the tasks that teams do where they stand."""
     done = set()
     for k, task in enumerate(scenario.tasks):

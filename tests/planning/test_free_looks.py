@@ -11,20 +11,20 @@ from coordinations import method_of
 from small_worlds import far_from_what_may_be_needed, make, robot, task
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.mission.coordination import Known, Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth, expected_mission
 from teamformer.planning.steps.free_looks import with_free_looks
 from teamformer.planning.steps.shared_plan import plan_mission
 from teamformer.record.export.reasons import story_lines
-from teamformer.record.reading import replay_from_tree
-from teamformer.record.record import Replay
+from teamformer.record.reading import record_from_tree
+from teamformer.record.record import Record
 from teamformer.record.referee import judge
-from teamformer.record.writing import replay_to_tree
+from teamformer.record.writing import record_to_tree
 from teamformer.trials.trial import run_trial
 
 
 def begin(
-    scenario: Scenario, unseen_needs: Set[int] = frozenset(), unseen_places: Set[int] = frozenset()
+    scenario: Mission, unseen_needs: Set[int] = frozenset(), unseen_places: Set[int] = frozenset()
 ) -> Known:
     """Return what everybody knows of a mission at its start."""
     return Known(
@@ -39,7 +39,7 @@ def begin(
     )
 
 
-def play_where(scenario: Scenario, needs: str, foresight: str = "scouting") -> Replay:
+def play_where(scenario: Mission, needs: str, foresight: str = "scouting") -> Record:
     """Play a mission whose first task turns out to need each letter of `needs`."""
     for seed in range(100):
         if draw_truth(scenario, seed).tasks[0].needs.keys() == set(needs):
@@ -84,8 +84,8 @@ def test_the_referee_says_who_scouts_in_vain() -> None:
         ([[0, [[2, 0]]], [later, [[2, 0]]]], "of which all is known"),
         ([[0, [[2, 0]]], [later + 1, [[2, 0]]]], "when no plan was made"),
     ):
-        tree = replay_to_tree(replay) | {"scouts": scouts}
-        found = judge(replay_from_tree(tree, "forged")).findings
+        tree = record_to_tree(replay) | {"scouts": scouts}
+        found = judge(record_from_tree(tree, "forged")).findings
         assert any(complaint in str(finding) for finding in found)
 
 

@@ -16,7 +16,7 @@ from small_worlds import make, robot, task
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import bound_makespan
 from teamformer.planning.problem.relaxed_problem import relax
@@ -24,7 +24,7 @@ from teamformer.planning.relaxation.solve import solve
 from teamformer.trials.trial import run_trials
 
 
-def crowd(tasks: int = 100, seed: int = 0) -> Scenario:
+def crowd(tasks: int = 100, seed: int = 0) -> Mission:
     """Return a world in which nothing can be proven in seconds: 20 robots, 5 of each kind."""
     spec = Spec(robots=20, tasks=tasks, capabilities=4, world=Grid(20, 20))
     return generate(spec, np.random.default_rng(seed))

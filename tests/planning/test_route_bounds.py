@@ -13,7 +13,7 @@ from small_worlds import make, robot, task
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.methods.seam.protocol import Policy
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.bounds.prize_routes import (
     Stops,
@@ -27,7 +27,7 @@ from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.trials.trial import run_trials
 
 
-def bound_by_routes(scenario: Scenario, above: int = 0) -> int:
+def bound_by_routes(scenario: Mission, above: int = 0) -> int:
     """Return all that routes prove, from a bound on."""
     return raise_by_routes(scenario, relax(scenario), above, lambda _: None, lambda: False)
 

@@ -11,12 +11,12 @@ from small_worlds import make, robot, task
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.planning.problem.relaxed_problem import Relaxed, relax
 from teamformer.planning.relaxation.relaxed_plan import empty_timing, hang_tasks, start_tasks
-from teamformer.planning.relaxation.schedule import Schedule, make_plan
-from teamformer.planning.relaxation.threshold import Search
+from teamformer.planning.relaxation.schedule import RelaxedSchedule, make_plan
+from teamformer.planning.relaxation.threshold import ThresholdSearch
 
 
-def search_schedule(problem: Relaxed, seed: int, rounds: int) -> Schedule | None:
-    search = Search(problem, seed)
+def search_schedule(problem: Relaxed, seed: int, rounds: int) -> RelaxedSchedule | None:
+    search = ThresholdSearch(problem, seed)
     search.run(rounds)
     return search.best
 
@@ -55,7 +55,7 @@ def test_never_loses_what_it_starts_from() -> None:
     problem = relax(generate(Spec(robots=8, tasks=30), np.random.default_rng(0)))
     good = search_schedule(problem, 1, rounds=2000)
     assert good is not None
-    search = Search(problem, seed=2, start=good)
+    search = ThresholdSearch(problem, seed=2, start=good)
     search.run(50)
     assert search.best is not None
     assert search.best.makespan <= good.makespan
@@ -75,7 +75,7 @@ def test_hint_with_spare_robots_is_trimmed() -> None:
     assert plan.coalition[0, : plan.size[0]].tolist() == [1, 2]  # the first that can be spared goes
 
 
-def makespan_if_late(problem: Relaxed, schedule: Schedule, late: int, start: int) -> int:
+def makespan_if_late(problem: Relaxed, schedule: RelaxedSchedule, late: int, start: int) -> int:
     """Return the makespan when one task may not start before a step."""
     appears = problem.appears.copy()
     appears[late] = start - 1

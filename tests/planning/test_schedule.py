@@ -8,12 +8,12 @@ import pytest
 from plain_plans import PlainWorld, Stay, find_faults, last_step, serve
 from random_worlds import random_world
 from small_worlds import make, robot, task
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.schedule import schedule_tasks
 
 
-def list_schedule(scenario: Scenario, ranking: list[int]) -> tuple[list[int], list[int]] | None:
+def list_schedule(scenario: Mission, ranking: list[int]) -> tuple[list[int], list[int]] | None:
     """Return each task's start and the size of its crew; None if a task has nobody left."""
     world = PlainWorld(scenario)
     stays = [Stay(r.at) for r in world.robots]

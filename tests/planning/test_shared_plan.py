@@ -16,7 +16,7 @@ from random_worlds import random_world
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.mission.coordination import Known, Plan
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.problem.team_plan import plan_teams
@@ -33,7 +33,7 @@ from teamformer.planning.steps.starts import plan_from_crews
 from teamformer.planning.steps.timed_plan import time_team_plan
 
 
-def start_of(scenario: Scenario) -> Known:
+def start_of(scenario: Mission) -> Known:
     """Return what everybody knows before the first step."""
     return Known(
         mission=scenario,
@@ -47,10 +47,10 @@ def start_of(scenario: Scenario) -> Known:
 
 def corridor(
     places: list[int], tasks: list[Task], teams: tuple[tuple[int, ...], ...] = ()
-) -> Scenario:
+) -> Mission:
     """Draw robots, each able to do "a" once, in a corridor."""
     robots = tuple(Robot(f"r{n}", (x, 0), {"a": 1}) for n, x in enumerate(places))
-    return Scenario("corridor", Grid(30, 1), ("a",), robots, tuple(tasks), teams)
+    return Mission("corridor", Grid(30, 1), ("a",), robots, tuple(tasks), teams)
 
 
 def task(x: int, count: int, duration: int = 0) -> Task:
@@ -58,7 +58,7 @@ def task(x: int, count: int, duration: int = 0) -> Task:
 
 
 def settled(
-    scenario: Scenario, order: list[int], crews: list[list[int]]
+    scenario: Mission, order: list[int], crews: list[list[int]]
 ) -> tuple[list[int], list[list[int]]]:
     """Return the step in which each task of a plan is done, and by whom once it is settled."""
     situation = situation_of(start_of(scenario))
@@ -85,7 +85,7 @@ def test_who_comes_past_a_task_before_those_who_are_planned_for_it_does_it() -> 
     ann = Robot("ann", (0, 0), {"a": 1})
     bob = Robot("bob", (9, 0), {"a": 1, "b": 1})
     tasks = (Task("near-bob", (8, 0), {"a": 1}), Task("far", (2, 0), {"b": 1}))
-    scenario = Scenario("corridor", Grid(30, 1), ("a", "b"), (ann, bob), tasks)
+    scenario = Mission("corridor", Grid(30, 1), ("a", "b"), (ann, bob), tasks)
     assert settled(scenario, [0, 1], [[0], [1]]) == ([1, 7], [[1], [1]])
 
 
@@ -151,7 +151,7 @@ def test_robots_that_are_best_apart_are_planned_from_coalitions() -> None:
     far = ((20, 0), (20, 40), (0, 20), (40, 20))
     tasks = tuple(Task(f"t{n}", at, {"a": 1}) for n, at in enumerate(far))
     both = Task("both", (20, 20), {"a": 4})
-    scenario = Scenario("star", Grid(41, 41), ("a",), robots, (*tasks, both))
+    scenario = Mission("star", Grid(41, 41), ("a",), robots, (*tasks, both))
     plan = plan_mission(start_of(scenario))
     assert plan.made_from == "coalitions"
     assert sorted(len(crew) for crew in plan.coalitions) == [1, 1, 1, 1, 4]

@@ -9,7 +9,7 @@ import pytest
 
 from teamformer.methods.by_name import load_method
 from teamformer.mission.coordination import Known
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
@@ -21,7 +21,7 @@ from teamformer.planning.steps.situation import situation_of
 from teamformer.trials.trial import run_trial
 
 
-def near_and_slow(**rules: object) -> Scenario:
+def near_and_slow(**rules: object) -> Mission:
     """Return a crate that goes from x = 0 to 11, a slow mover beside it and a fast one at 10.
 
     The slow one takes 110 for the way; the fast one comes after 10 and takes 11.
@@ -31,7 +31,7 @@ def near_and_slow(**rules: object) -> Scenario:
         Robot("fast", (10, 0), {"lift": 1}),
     )
     crate = Task("crate", (0, 0), {"lift": 1}, to=(11, 0))
-    return Scenario("crate", Grid(12, 1), ("lift",), robots, (crate,), **rules)  # type: ignore[arg-type]
+    return Mission("crate", Grid(12, 1), ("lift",), robots, (crate,), **rules)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("method", ["plan", "central", "reactive"])

@@ -9,7 +9,7 @@ from plain_plans import fastest_makespan, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
 from teamformer.methods.scripted.heuristic import Heuristic
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.bounds.earliest import earliest_in_order
 from teamformer.planning.bounds.makespan import bound_makespan, lower_bound
 from teamformer.planning.bounds.refutation import MOST_TASKS_A_TOUR
@@ -18,7 +18,7 @@ from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.trials.trial import run_trials
 
 
-def bound_by_windows(scenario: Scenario, above: int = 0) -> int:
+def bound_by_windows(scenario: Mission, above: int = 0) -> int:
     """Return all that windows prove, from a bound on."""
     return raise_by_windows(scenario, relax(scenario), above, lambda _: None, lambda: False)
 

@@ -10,7 +10,7 @@ import pytest
 from plain_teams import slow_ends
 from random_worlds import random_world, with_precedence_and_windows
 from teamformer.files.drawn.generate import Spec, generate
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.problem.team_plan import keep_order, plan_teams, routes_of
 from teamformer.planning.steps.crossings import no_crossings
@@ -27,10 +27,10 @@ from teamformer.planning.steps.timing import (
 )
 
 
-def corridor(places: list[int], tasks: list[Task], forming_steps: int = 1) -> Scenario:
+def corridor(places: list[int], tasks: list[Task], forming_steps: int = 1) -> Mission:
     """Draw robots, each able to do "a", in a corridor."""
     robots = tuple(Robot(f"r{n}", (x, 0), {"a": 1}) for n, x in enumerate(places))
-    return Scenario(
+    return Mission(
         "corridor", Grid(30, 1), ("a",), robots, tuple(tasks), forming_steps=forming_steps
     )
 
@@ -39,7 +39,7 @@ def task(x: int, count: int, duration: int = 0) -> Task:
     return Task(f"t{x}", (x, 0), {"a": count}, duration=duration)
 
 
-def timed(scenario: Scenario, order: list[int], crews: list[list[int]]) -> tuple[int, int, Groups]:
+def timed(scenario: Mission, order: list[int], crews: list[list[int]]) -> tuple[int, int, Groups]:
     """Return cost, lead and what timing a plan left, nothing being done on the way."""
     situation = situation_in_hindsight(scenario)
     groups = empty_groups(situation.problem, situation.company, scenario.forming_steps)
@@ -48,7 +48,7 @@ def timed(scenario: Scenario, order: list[int], crews: list[list[int]]) -> tuple
     return int(cost), int(lead), groups
 
 
-def ends(scenario: Scenario, order: list[int], crews: list[list[int]]) -> list[int]:
+def ends(scenario: Mission, order: list[int], crews: list[list[int]]) -> list[int]:
     """Return the step in which each task is done, by number."""
     _, _, groups = timed(scenario, order, crews)
     return groups.end[: len(order)].tolist()

@@ -15,7 +15,7 @@ from teamformer.methods.central.plan_player import PlanPlayer
 from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.problem.team_plan import TeamPlan, routes_of
@@ -33,8 +33,8 @@ def task(name: str, x: int, *caps: str) -> Task:
     return Task(name, (x, 0), dict.fromkeys(caps, 1))
 
 
-def corridor(robots: list[Robot], tasks: list[Task], **rules: int) -> Scenario:
-    return Scenario("corridor", Grid(20, 1), ("a", "b"), tuple(robots), tuple(tasks), **rules)
+def corridor(robots: list[Robot], tasks: list[Task], **rules: int) -> Mission:
+    return Mission("corridor", Grid(20, 1), ("a", "b"), tuple(robots), tuple(tasks), **rules)
 
 
 def test_two_robots_part_because_they_are_faster_apart() -> None:
@@ -176,7 +176,7 @@ def test_a_play_becomes_a_plan(is_plane: bool) -> None:
         assert play(scenario, plan) > 0
 
 
-def play(scenario: Scenario, plan: TeamPlan) -> int:
+def play(scenario: Mission, plan: TeamPlan) -> int:
     player = PlanPlayer(scenario, routes_of(plan, len(scenario.robots)), plan.order.tolist())
     env = TeamFormation([scenario])
     while env.is_running[0]:

@@ -11,13 +11,13 @@ import pytest
 
 from random_worlds import random_world, with_precedence_and_windows, with_surprises
 from small_worlds import make, robot, task
-from teamformer.bench.jobs import Clock
-from teamformer.files.mission_files import read_scenario
+from teamformer.bench.jobs import Stopwatch
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import Method, Player
 from teamformer.methods.central.plan_centrally import plan_centrally
 from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.shared_plan import SharedPlan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial, run_trials
 from teamformer.world.env import Tally
@@ -38,18 +38,18 @@ arrivals: {rate: 1, until: 19, needs: 3, duration: 3}
 """Known beforehand, this ends in a plan that takes twice as long as what the robots make of it."""
 
 
-def beliefs(folder: Path) -> tuple[Scenario, int]:
+def beliefs(folder: Path) -> tuple[Mission, int]:
     (folder / "mission.yaml").write_text(BELIEFS)
-    return read_scenario(folder / "mission.yaml"), 0
+    return read_mission(folder / "mission.yaml"), 0
 
 
-def as_seen(_: Path) -> tuple[Scenario, int]:
+def as_seen(_: Path) -> tuple[Mission, int]:
     """No other play is as fast as what the robots make of it, in 20 steps."""
     rng = np.random.default_rng([7, 217])
     return with_surprises(random_world(rng, is_plane=True), rng), 217
 
 
-def sure(_: Path) -> tuple[Scenario, int]:
+def sure(_: Path) -> tuple[Mission, int]:
     """The shared plan meets the bound of 22 steps; all other plays take 27 or more."""
     return random_world(np.random.default_rng([9, 435]), is_plane=True, with_losses=False), 435
 
@@ -57,7 +57,7 @@ def sure(_: Path) -> tuple[Scenario, int]:
 @pytest.mark.parametrize("mission", [beliefs, as_seen, sure])
 @pytest.mark.thorough
 def test_what_the_default_does_better_is_played(
-    mission: Callable[[Path], tuple[Scenario, int]], tmp_path: Path
+    mission: Callable[[Path], tuple[Mission, int]], tmp_path: Path
 ) -> None:
     scenario, seed = mission(tmp_path)
     trial = run_trial(scenario, Central(time_limit=0.25), seed)
@@ -77,7 +77,7 @@ def test_many_missions_at_once_are_played_each_as_is_best(tmp_path: Path) -> Non
     pairs = [mission(tmp_path) for mission in (beliefs, as_seen, sure)]
     scenarios, seeds = zip(*pairs, strict=True)
     usual = [run_trial(scenario, SharedPlan(), seed).replay.end.steps for scenario, seed in pairs]
-    clock = Clock(Method("central", policy=Central(time_limit=0.25)), len(scenarios))
+    clock = Stopwatch(Method("central", policy=Central(time_limit=0.25)), len(scenarios))
     for player in (Central(time_limit=0.25), clock.timed()):
         tallies = run_trials(scenarios, player, truth_seeds=seeds)
         assert all(tally.status == "completed" for tally in tallies)
@@ -119,5 +119,5 @@ def test_where_a_plan_does_not_keep_its_promise_others_are_searched_for() -> Non
     assert (plan.makespan, plan.bound) == (15, 15)
 
 
-def run(worlds: list[Scenario], player: Player) -> list[Tally]:
+def run(worlds: list[Mission], player: Player) -> list[Tally]:
     return run_trials(worlds, player, seed=5)

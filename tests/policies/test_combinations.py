@@ -17,7 +17,7 @@ from teamformer.learning.evaluation import torch_brain
 from teamformer.learning.export.onnx_export import NETWORK_FILE
 from teamformer.methods.learned.combinations import CombinationCodec, Combined, combining
 from teamformer.methods.learned.policy import rows_of
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.world.env import Decision, TeamFormation
 
@@ -29,7 +29,7 @@ def pair_and_one(teams: tuple[tuple[int, ...], ...]) -> TeamFormation:
     """Robots {a}, {b}, {a} in one cell, the first two as one team if so told."""
     robots = tuple(Robot(f"r{i}", (1, 1), {cap: 1}) for i, cap in enumerate("aba"))
     tasks = (Task("t0", (4, 4), {"a": 2, "b": 1}),)
-    return TeamFormation([Scenario("three", Grid(5, 5), ("a", "b"), robots, tasks, teams)])
+    return TeamFormation([Mission("three", Grid(5, 5), ("a", "b"), robots, tasks, teams)])
 
 
 def legal(env: TeamFormation) -> list[set[int]]:

@@ -12,7 +12,7 @@ from teamformer.files.drawn.generate import Spec, generate
 from teamformer.methods.by_name import load_method
 from teamformer.methods.listings import our_method_names
 from teamformer.methods.seam.protocol import Policy
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.testing import check_policy
 from teamformer.trials.trial import run_trials
 from teamformer.world.env import Decision, TeamFormation
@@ -24,7 +24,7 @@ class Dice:
 
     needs_everything = False
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+    def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         self.rng = rng
 
     def decide(self, view: View) -> Decision:
@@ -46,7 +46,7 @@ def load(name: str) -> Policy:
     return policy
 
 
-def worlds(seed: int, count: int) -> list[Scenario]:
+def worlds(seed: int, count: int) -> list[Mission]:
     rng = np.random.default_rng(seed)
     return [random_world(rng) for _ in range(count)] + [generate(Spec(), rng) for _ in range(2)]
 

@@ -8,7 +8,7 @@ import pytest
 
 from small_worlds import make, robot, task
 from teamformer.methods.learned.deadlock_guard import DeadlockGuard, _hash_open_tasks
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -47,7 +47,7 @@ def test_any_two_sets_of_tasks_differ_and_their_order_does_not_count() -> None:
     ids=["right", "slow", "fast", "both sides", "down", "up"],
 )
 def test_a_team_is_overdue_after_thirty_steps_and_three_walks_across_what_it_sees(
-    scenario: Scenario, patience: int
+    scenario: Mission, patience: int
 ) -> None:
     guard, view = DeadlockGuard(), TeamFormation([scenario]).view()
     told = [guard.is_overdue(view).tolist() for _ in range(patience + 3)]

@@ -18,7 +18,7 @@ from small_worlds import (
     two_tasks_two_pairs,
 )
 from teamformer.methods.scripted.heuristic import Heuristic
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trials
 from teamformer.world.env import TeamFormation
@@ -75,7 +75,7 @@ def test_a_crowd_beyond_any_view_pairs_off_all_the_same() -> None:
     caps = tuple(f"c{r}" for r in range(40))
     robots = tuple(Robot(cap, (0, 0), {cap: 1}) for cap in caps)
     work = Task("all", (0, 0), dict.fromkeys(caps, 1))
-    env = TeamFormation([Scenario("crowd", Grid(1, 1), caps, robots, (work,))])
+    env = TeamFormation([Mission("crowd", Grid(1, 1), caps, robots, (work,))])
     step(env)
     counts = []
     while env.is_running[0]:
@@ -140,7 +140,7 @@ def test_forming_is_bounded_between_completions() -> None:
             labels = rng.integers(0, count, size=count)
             teams = tuple(tuple(np.flatnonzero(labels == x).tolist()) for x in set(labels.tolist()))
             robots = [robot("a", 0) for _ in range(count)]
-            scenario: Scenario = make(robots, [task("a" * count, 3)], teams=teams)
+            scenario: Mission = make(robots, [task("a" * count, 3)], teams=teams)
             [tally] = run_trials([scenario], HEURISTIC)
             assert tally.status == "completed"
             assert tally.splits == count - len(teams)

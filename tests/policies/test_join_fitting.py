@@ -9,7 +9,7 @@ from random_worlds import random_world
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trials
 from teamformer.world.env import Decision, TeamFormation
@@ -17,9 +17,9 @@ from teamformer.world.env import Decision, TeamFormation
 CAPS = ("a", "b")
 
 
-def side_by_side(cans: list[dict[str, int]], tasks: list[tuple[int, dict[str, int]]]) -> Scenario:
+def side_by_side(cans: list[dict[str, int]], tasks: list[tuple[int, dict[str, int]]]) -> Mission:
     """Robots in cell 0 of a row of eight, and tasks at their cells."""
-    return Scenario(
+    return Mission(
         "side by side",
         Grid(8, 1),
         CAPS,
@@ -28,7 +28,7 @@ def side_by_side(cans: list[dict[str, int]], tasks: list[tuple[int, dict[str, in
     )
 
 
-def wanted(scenario: Scenario) -> list[list[int]]:
+def wanted(scenario: Mission) -> list[list[int]]:
     counts: list[list[int]] = JoinFitting().decide(TeamFormation([scenario]).view()).wanted.tolist()
     return counts
 
@@ -49,7 +49,7 @@ def test_one_of_what_no_task_in_view_needs_is_taken_along_and_two_are_not() -> N
 
 def test_at_the_task_what_is_missing_is_joined_even_if_some_is_wasted() -> None:
     """Robots {a, b} and {a, c} fit nobody elsewhere; where both must work they join."""
-    scenario = Scenario(
+    scenario = Mission(
         "overlap",
         Grid(4, 1),
         ("a", "b", "c"),

@@ -25,7 +25,7 @@ from teamformer.methods.learned.policy import Brain, Learned, rows_of
 from teamformer.methods.learned.relational_features import Relations, relate
 from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trials
 from teamformer.world.env import Decision, TeamFormation
@@ -51,9 +51,9 @@ def learned(brain: Brain, is_guarded: bool = True) -> Learned:
     return Learned(AnyFleetCodec(), brain, is_guarded)
 
 
-def two_who_need_each_other() -> Scenario:
+def two_who_need_each_other() -> Mission:
     """Robots {a} at cell 0 and {b} at cell 1 of four; the task at cell 3 needs both."""
-    return Scenario(
+    return Mission(
         "two",
         Grid(4, 1),
         ("a", "b"),
@@ -101,7 +101,7 @@ def test_the_shipped_network_asks_for_nothing_illegal() -> None:
 
 def test_capabilities_may_be_many() -> None:
     names = tuple(f"c{i}" for i in range(1000))
-    world = Scenario(
+    world = Mission(
         "thousand",
         Grid(6, 6),
         names,
@@ -128,7 +128,7 @@ def test_the_deadlock_guard_by_hand() -> None:
 
 
 def test_progress_and_arrivals_reset_patience() -> None:
-    scenario = Scenario(
+    scenario = Mission(
         "late",
         Grid(4, 1),
         ("a", "b"),

@@ -25,7 +25,7 @@ from teamformer.methods.learned.macro_actions import (
 )
 from teamformer.methods.learned.relational_features import relate
 from teamformer.methods.scripted.join_fitting import JoinFitting
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.view import View
@@ -41,13 +41,13 @@ def random_choices(is_legal: np.ndarray, rng: np.random.Generator) -> np.ndarray
     return np.where(is_legal, rng.random(is_legal.shape), -1.0).argmax(axis=1)
 
 
-def team_and_robot() -> Scenario:
+def team_and_robot() -> Mission:
     """Four robots with {a}, {a}, {b}, {b} as one team, a fifth with {a} beside them.
 
     In order: task 0 needs a, task 1 needs a and b.
     """
     cans = [{"a": 1}, {"a": 1}, {"b": 1}, {"b": 1}, {"a": 1}]
-    return Scenario(
+    return Mission(
         "team and robot",
         Grid(8, 1),
         ("a", "b"),
@@ -145,7 +145,7 @@ def test_following_is_the_script_and_nothing_else_is() -> None:
     assert joins > 20
 
 
-def relabelled(scenario: Scenario, rng: np.random.Generator, padding: int = 3) -> Scenario:
+def relabelled(scenario: Mission, rng: np.random.Generator, padding: int = 3) -> Mission:
     """Return the same world with its capabilities in another order, among others nobody has."""
     names = [*scenario.capabilities, *(f"unused{i}" for i in range(padding))]
     order = [names[i] for i in rng.permutation(len(names))]

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from teamformer.methods.learned.token_features import NEVER_FITS, Spelled, SpellingCodec
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.view import View
 
 
-def on_a_line(cells: int = 30, service: int = 0) -> Scenario:
+def on_a_line(cells: int = 30, service: int = 0) -> Mission:
     """Robots r0 {a} and r1 {a: 2, b} as one team and r2 {b} at cell 4; tasks at cells 4 and 24.
 
     t0 at cell 4 needs 4 a, t1 at cell 24 needs 2 b and 1 a.
     """
-    return Scenario(
+    return Mission(
         "line",
         Grid(cells, 1),
         ("a", "b"),
@@ -31,7 +31,7 @@ def on_a_line(cells: int = 30, service: int = 0) -> Scenario:
     )
 
 
-def seen_in(scenario: Scenario, capabilities: int = 3) -> tuple[View, Spelled]:
+def seen_in(scenario: Mission, capabilities: int = 3) -> tuple[View, Spelled]:
     env = TeamFormation([scenario])
     view = env.view()
     return view, SpellingCodec(capabilities).encode(view)
@@ -95,7 +95,7 @@ def test_who_is_alone_and_sees_nobody_has_no_choice() -> None:
     scenario = on_a_line()
     view, tokens = seen_in(scenario)
     assert SpellingCodec(3).has_choice(view, tokens).tolist() == [True, True]
-    alone = Scenario(
+    alone = Mission(
         "alone",
         Grid(3, 1),
         ("a",),

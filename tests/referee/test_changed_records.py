@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 
@@ -24,13 +24,13 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_examples_are_played_legally(path: Path) -> None:
     for policy in (JoinAll(), Heuristic()):
-        assert judge(run_trial(read_scenario(path), policy).replay).findings == ()
+        assert judge(run_trial(read_mission(path), policy).replay).findings == ()
 
 
-Forge = Callable[[Replay, np.random.Generator], Replay | None]
+Forge = Callable[[Record, np.random.Generator], Record | None]
 
 
-def change_step(replay: Replay, key: str, rng: np.random.Generator, change: Any) -> Replay | None:
+def change_step(replay: Record, key: str, rng: np.random.Generator, change: Any) -> Record | None:
     """Let `change` replace one of the entries under a key of the steps; None if there is none."""
     spots = [
         (number, i)
@@ -47,14 +47,14 @@ def change_step(replay: Replay, key: str, rng: np.random.Generator, change: Any)
     return replace(replay, steps=tuple(steps))
 
 
-def makespan(replay: Replay, rng: np.random.Generator) -> Replay | None:
+def makespan(replay: Record, rng: np.random.Generator) -> Record | None:
     if replay.end.makespan is None:
         return None
     shifted = replay.end.makespan + int(rng.choice([-1, 1]))
     return replace(replay, end=replace(replay.end, makespan=shifted))
 
 
-def jump(replay: Replay, rng: np.random.Generator) -> Replay | None:
+def jump(replay: Record, rng: np.random.Generator) -> Record | None:
     return change_step(replay, "teams", rng, lambda team: [team._replace(x=team.x + 4)])
 
 
@@ -66,14 +66,14 @@ def twice(key: str) -> Forge:
     return lambda replay, rng: change_step(replay, key, rng, lambda entry: [entry, entry])
 
 
-def other_doer(replay: Replay, rng: np.random.Generator) -> Replay | None:
+def other_doer(replay: Record, rng: np.random.Generator) -> Record | None:
     robots = len(replay.scenario.robots)
     if robots == 1:
         return None
     return change_step(replay, "done", rng, lambda entry: [(entry[0], (entry[1] + 1) % robots)])
 
 
-def robot_in_two_teams(replay: Replay, rng: np.random.Generator) -> Replay | None:
+def robot_in_two_teams(replay: Record, rng: np.random.Generator) -> Record | None:
     if len(replay.start) == 1:
         return None
     first, (slot, robots, x, y), *rest = replay.start
@@ -92,7 +92,7 @@ FORGERIES: dict[str, Forge] = {
 
 
 @pytest.fixture(scope="module")
-def real_records() -> list[Replay]:
+def real_records() -> list[Record]:
     rng = np.random.default_rng(12)
     worlds = [random_world(rng) for _ in range(100)]
     return [
@@ -102,7 +102,7 @@ def real_records() -> list[Replay]:
 
 @pytest.mark.parametrize("name", FORGERIES)
 @pytest.mark.thorough
-def test_every_such_change_of_a_real_record_is_found(name: str, real_records: list[Replay]) -> None:
+def test_every_such_change_of_a_real_record_is_found(name: str, real_records: list[Record]) -> None:
     rng = np.random.default_rng(13)
     forged = [FORGERIES[name](replay, rng) for replay in real_records]
     verdicts = [judge(replay) for replay in forged if replay is not None]
@@ -111,7 +111,7 @@ def test_every_such_change_of_a_real_record_is_found(name: str, real_records: li
     assert max(len(verdict.findings) for verdict in verdicts) < 60  # not the same over and over
 
 
-def test_shifts_by_a_cell_are_mostly_found(real_records: list[Replay]) -> None:
+def test_shifts_by_a_cell_are_mostly_found(real_records: list[Record]) -> None:
     """Some are legal: a team may stand elsewhere when a trial ends, if nobody needs it there."""
     rng = np.random.default_rng(14)
     shifted = [

@@ -16,17 +16,17 @@ import pytest
 
 from coordinations import RandomPlans
 from random_worlds import random_decision, random_world, with_surprises
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.methods.by_name import Player, as_method
 from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.truth import draw_truth
-from teamformer.record.record import Replay, SharedPlanMade, Step, TeamAt
+from teamformer.record.record import Record, SharedPlanMade, Step, TeamAt
 from teamformer.record.referee import judge
 from teamformer.trials.recorder import Recorder
 from teamformer.trials.trial import run_trial
@@ -61,18 +61,18 @@ FAMILIES = {
 }
 
 
-def mission_of(family: Family, rng: np.random.Generator) -> Scenario:
+def mission_of(family: Family, rng: np.random.Generator) -> Mission:
     if family.are_like:
         return mission_of_twins(rng)
     while True:
         try:
             world = random_world(rng, is_plane=family.is_plane)
             return with_surprises(world, rng) if family.is_uncertain else world
-        except ScenarioError:  # a surprise too hard: draw another
+        except MissionError:  # a surprise too hard: draw another
             continue
 
 
-def mission_of_twins(rng: np.random.Generator) -> Scenario:
+def mission_of_twins(rng: np.random.Generator) -> Mission:
     """Return a mission of three robots of each of two kinds, that all start as one team."""
     cans = [{"a": 1}, {"b": 1}]
     robots = [
@@ -84,10 +84,10 @@ def mission_of_twins(rng: np.random.Generator) -> Scenario:
         for k, (x, y, which) in enumerate(rng.integers((9, 9, 4), size=(8, 3)))
     ]
     together = (tuple(range(6)),)
-    return Scenario("twins", Grid(9, 9), ("a", "b"), tuple(robots), tuple(tasks), together)
+    return Mission("twins", Grid(9, 9), ("a", "b"), tuple(robots), tuple(tasks), together)
 
 
-def wild_record(mission: Scenario, player: Player, seed: int, rng: np.random.Generator) -> Replay:
+def wild_record(mission: Mission, player: Player, seed: int, rng: np.random.Generator) -> Record:
     """Play at random for at most 40 steps, and name tasks: at first, then now and then.
 
     Where no decision names a task, teams decide by the plan if there is one.
@@ -104,7 +104,7 @@ def wild_record(mission: Scenario, player: Player, seed: int, rng: np.random.Gen
     return recorder.finish("wild", seed, None)
 
 
-def play(seed: int, count: int) -> Iterator[list[Replay]]:
+def play(seed: int, count: int) -> Iterator[list[Record]]:
     """Yield records of each family: missions played by its policy, and by random decisions."""
     rng = np.random.default_rng(seed)
     for family in FAMILIES.values():
@@ -114,28 +114,28 @@ def play(seed: int, count: int) -> Iterator[list[Replay]]:
 
 
 @pytest.fixture(scope="module")
-def records() -> list[Replay]:
+def records() -> list[Record]:
     """Return records of all families, one of each after the other."""
     return [replay for replays in zip(*play(24, COUNT), strict=True) for replay in replays]
 
 
 @pytest.mark.thorough
-def test_honest_records_are_legal(records: list[Replay]) -> None:
+def test_honest_records_are_legal(records: list[Record]) -> None:
     assert [judge(replay).findings for replay in records] == [()] * len(records)
 
 
-Forge = Callable[[Replay], Iterator[Replay]]
+Forge = Callable[[Record], Iterator[Record]]
 """Yields the forgeries of a record, one for each place where it can be forged so."""
 
 
-def in_step(replay: Replay, number: int, **fields: Any) -> Replay:
+def in_step(replay: Record, number: int, **fields: Any) -> Record:
     """Return a record with other fields in the step of a number, from 1 on."""
     steps = list(replay.steps)
     steps[number - 1] = replace(steps[number - 1], **fields)
     return replace(replay, steps=tuple(steps))
 
 
-def steps_of(replay: Replay) -> Iterator[tuple[int, Step, dict[int, TeamAt]]]:
+def steps_of(replay: Record) -> Iterator[tuple[int, Step, dict[int, TeamAt]]]:
     """Yield each step with its number, and where all slots were before."""
     at = {slot: TeamAt(slot, x, y, None) for slot, _, x, y in replay.start}
     for number, step in enumerate(replay.steps, start=1):
@@ -143,7 +143,7 @@ def steps_of(replay: Replay) -> Iterator[tuple[int, Step, dict[int, TeamAt]]]:
         at |= {team.slot: team for team in step.teams}
 
 
-def is_shared_out(replay: Replay) -> bool:
+def is_shared_out(replay: Record) -> bool:
     return replay.is_coordinated
 
 
@@ -159,7 +159,7 @@ def has_walked(team: TeamAt, before: dict[int, TeamAt]) -> bool:
     return was is not None and was[1:3] != team[1:3]
 
 
-def a_free_team_walks(replay: Replay) -> Iterator[Replay]:
+def a_free_team_walks(replay: Record) -> Iterator[Record]:
     """A team without a task stands a cell or a hand's width aside from there on, in the last step.
 
     Not where a team may be on its way to a partner.
@@ -182,7 +182,7 @@ def a_free_team_walks(replay: Replay) -> Iterator[Replay]:
                 yield in_step(replay, number, teams=rows)
 
 
-def is_there(replay: Replay, slot: int) -> bool:
+def is_there(replay: Record, slot: int) -> bool:
     """Say whether a slot is that of a team in the end."""
     slots = {slot for slot, *_ in replay.start}
     for step in replay.steps:
@@ -193,7 +193,7 @@ def is_there(replay: Replay, slot: int) -> bool:
     return slot in slots
 
 
-def ten_micrometres(replay: Replay) -> Iterator[Replay]:
+def ten_micrometres(replay: Record) -> Iterator[Record]:
     """A team is elsewhere by ten micrometres, where it has not joined another on its way.
 
     Not where it may have walked to one that was lost whole, of which nobody knows where it was.
@@ -207,7 +207,7 @@ def ten_micrometres(replay: Replay) -> Iterator[Replay]:
             yield in_step(replay, number, **with_row(step, "teams", team, team._replace(x=x)))
 
 
-def pursued_left_out(replay: Replay) -> Iterator[Replay]:
+def pursued_left_out(replay: Record) -> Iterator[Record]:
     """Told apart if crews or a plan say what it was, or it has walked and had no task before."""
     for number, step, before in steps_of(replay):
         entries = {team.slot: team for team in step.teams}
@@ -221,7 +221,7 @@ def pursued_left_out(replay: Replay) -> Iterator[Replay]:
                 yield in_step(replay, number, **with_row(step, "pursued", row))
 
 
-def pursued_changed(replay: Replay) -> Iterator[Replay]:
+def pursued_changed(replay: Record) -> Iterator[Record]:
     """Told apart where crews or a plan say what it was."""
     if is_shared_out(replay):
         for number, step, _ in steps_of(replay):
@@ -232,7 +232,7 @@ def pursued_changed(replay: Replay) -> Iterator[Replay]:
                         yield in_step(replay, number, **other)
 
 
-def pursued_added(replay: Replay) -> Iterator[Replay]:
+def pursued_added(replay: Record) -> Iterator[Record]:
     """Somebody who has a task is said to pursue it, or another, besides."""
     for number, step, _ in steps_of(replay):
         for team in step.teams:
@@ -241,13 +241,13 @@ def pursued_added(replay: Replay) -> Iterator[Replay]:
                 yield in_step(replay, number, pursued=tuple(sorted([*step.pursued, row])))
 
 
-def with_rows(replay: Replay, key: str, rows: tuple[Any, ...]) -> Replay:
+def with_rows(replay: Record, key: str, rows: tuple[Any, ...]) -> Record:
     fields: dict[str, Any] = {key: rows}
     return replace(replay, **fields)
 
 
 def twice(key: str) -> Forge:
-    def forge(replay: Replay) -> Iterator[Replay]:
+    def forge(replay: Record) -> Iterator[Record]:
         for number, step in enumerate(replay.steps, start=1):
             for row in getattr(step, key):
                 yield in_step(replay, number, **with_row(step, key, row, row, row))
@@ -256,7 +256,7 @@ def twice(key: str) -> Forge:
 
 
 def turned(key: str) -> Forge:
-    def forge(replay: Replay) -> Iterator[Replay]:
+    def forge(replay: Record) -> Iterator[Record]:
         for number, step in enumerate(replay.steps, start=1):
             rows = getattr(step, key)
             if len(rows) > 1:
@@ -266,7 +266,7 @@ def turned(key: str) -> Forge:
 
 
 def row_twice(key: str) -> Forge:
-    def forge(replay: Replay) -> Iterator[Replay]:
+    def forge(replay: Record) -> Iterator[Record]:
         rows = getattr(replay, key)
         for i in range(len(rows)):
             yield with_rows(replay, key, (*rows[: i + 1], *rows[i:]))
@@ -275,7 +275,7 @@ def row_twice(key: str) -> Forge:
 
 
 def rows_turned(key: str) -> Forge:
-    def forge(replay: Replay) -> Iterator[Replay]:
+    def forge(replay: Record) -> Iterator[Record]:
         rows = getattr(replay, key)
         for i in range(len(rows) - 1):
             yield with_rows(replay, key, (*rows[:i], rows[i + 1], rows[i], *rows[i + 2 :]))
@@ -284,7 +284,7 @@ def rows_turned(key: str) -> Forge:
 
 
 def row_left_out(key: str) -> Forge:
-    def forge(replay: Replay) -> Iterator[Replay]:
+    def forge(replay: Record) -> Iterator[Record]:
         rows = getattr(replay, key)
         for i in range(len(rows)):
             yield with_rows(replay, key, (*rows[:i], *rows[i + 1 :]))
@@ -295,7 +295,7 @@ def row_left_out(key: str) -> Forge:
 def row_later(key: str) -> Forge:
     """What was made after some steps was made a step later, with the order that belongs to it."""
 
-    def forge(replay: Replay) -> Iterator[Replay]:
+    def forge(replay: Record) -> Iterator[Record]:
         rows, orders = getattr(replay, key), dict(replay.orders)
         taken = {steps for steps, _ in (*rows, *replay.orders)}
         for i, (steps, made) in enumerate(rows):
@@ -309,7 +309,7 @@ def row_later(key: str) -> Forge:
     return forge
 
 
-def order_of_others(replay: Replay) -> Iterator[Replay]:
+def order_of_others(replay: Record) -> Iterator[Record]:
     """An order lacks a task that is open."""
     for i, (steps, order) in enumerate(replay.orders):
         if order:
@@ -317,13 +317,13 @@ def order_of_others(replay: Replay) -> Iterator[Replay]:
             yield replace(replay, orders=rows)
 
 
-def with_plan(replay: Replay, i: int, **fields: Any) -> Replay:
+def with_plan(replay: Record, i: int, **fields: Any) -> Record:
     steps, plan = replay.plans[i]
     changed = plan._replace(**fields)
     return replace(replay, plans=(*replay.plans[:i], (steps, changed), *replay.plans[i + 1 :]))
 
 
-def reasons_changed(replay: Replay) -> Iterator[Replay]:
+def reasons_changed(replay: Record) -> Iterator[Record]:
     """Told apart but for `taken over`, as nobody can know that no better plan was offered."""
     for i, (_, plan) in enumerate(replay.plans):
         for reason in ("start", "task appeared", "robot lost", "service overdue", "needs known"):
@@ -335,7 +335,7 @@ def reasons_changed(replay: Replay) -> Iterator[Replay]:
                 yield with_plan(replay, i, reasons=others)
 
 
-def coalition_unable(replay: Replay) -> Iterator[Replay]:
+def coalition_unable(replay: Record) -> Iterator[Record]:
     """A coalition has a robot twice."""
     for i, (_, plan) in enumerate(replay.plans):
         for k, robots in enumerate(plan.coalitions):
@@ -350,7 +350,7 @@ def with_entry(
     return (*plan.coalitions[:k], robots, *plan.coalitions[k + 1 :])
 
 
-def coalition_changed(replay: Replay) -> Iterator[Replay]:
+def coalition_changed(replay: Record) -> Iterator[Record]:
     """A robot of a coalition that sets out at once is in it no more, or its place is another's.
 
     Told apart where a robot that is alone heads for the task in the next step, by the plan.
@@ -374,14 +374,14 @@ def coalition_changed(replay: Replay) -> Iterator[Replay]:
                     )
 
 
-def is_on_its_way(replay: Replay, number: int, slot: int, task: int) -> bool:
+def is_on_its_way(replay: Record, number: int, slot: int, task: int) -> bool:
     """Say whether the record has a team head for a task in a step, by an entry of its own."""
     step = replay.steps[number - 1]
     heads = {team.slot: team.task for team in step.teams}
     return heads.get(slot) == task or (slot, task) in step.pursued
 
 
-def lone_robots(replay: Replay) -> Iterator[tuple[int, set[int]]]:
+def lone_robots(replay: Record) -> Iterator[tuple[int, set[int]]]:
     """Yield after how many steps which robots are teams of their own."""
     teams = {frozenset(robots) for _, robots, *_ in replay.start}
     yield 0, {min(team) for team in teams if len(team) == 1}
@@ -397,7 +397,7 @@ def lone_robots(replay: Replay) -> Iterator[tuple[int, set[int]]]:
         yield number, {min(team) for team in teams if len(team) == 1}
 
 
-def exchange_added(replay: Replay) -> Iterator[Replay]:
+def exchange_added(replay: Record) -> Iterator[Record]:
     """Robots exchange their parts that are of two teams, or under no plan."""
     alone = dict(lone_robots(replay))
     for number, step in enumerate(replay.steps, start=1):
@@ -409,7 +409,7 @@ def exchange_added(replay: Replay) -> Iterator[Replay]:
                 yield in_step(replay, number, took=tuple(sorted([*step.took, pair])))
 
 
-def named_added(replay: Replay) -> Iterator[Replay]:
+def named_added(replay: Record) -> Iterator[Record]:
     """A team names its task that is not there, or where no record says so."""
     alone = dict(lone_robots(replay))
     for number, step in enumerate(replay.steps, start=1):
@@ -421,25 +421,25 @@ def named_added(replay: Replay) -> Iterator[Replay]:
             yield in_step(replay, number, named=tuple(sorted([*step.named, slot])))
 
 
-def slots_before(replay: Replay, number: int) -> set[int]:
+def slots_before(replay: Record, number: int) -> set[int]:
     slots = {slot for slot, *_ in replay.start}
     for step in replay.steps[: number - 1]:
         slots |= {team.slot for team in step.teams}
     return slots
 
 
-def heard_added(replay: Replay) -> Iterator[Replay]:
+def heard_added(replay: Record) -> Iterator[Record]:
     for number in range(1, len(replay.steps) + 1):
         yield in_step(replay, number, heard=((0, 0, "beat"),))
 
 
-def are_followed(replay: Replay) -> bool:
+def are_followed(replay: Record) -> bool:
     """Say whether teams decide by plans; else another decision would be as legal as the forged."""
     has_coalitions = any(any(plan.coalitions) for _, plan in replay.plans)
     return has_coalitions and not any(step.named for step in replay.steps)
 
 
-def called_interrupted(replay: Replay) -> Iterator[Replay]:
+def called_interrupted(replay: Record) -> Iterator[Record]:
     if replay.end.status != "interrupted" and replay.steps:
         end = replace(replay.end, status="interrupted", blocked_tasks=())
         yield replace(replay, end=end)
@@ -448,7 +448,7 @@ def called_interrupted(replay: Replay) -> Iterator[Replay]:
 def exchanged(key: str) -> Forge:
     """The joiner was the partner, or those left who stayed; of teams that met in one place."""
 
-    def forge(replay: Replay) -> Iterator[Replay]:
+    def forge(replay: Record) -> Iterator[Record]:
         if are_followed(replay) and (key == "splits" or replay.scenario.forming_steps):
             for number, step in enumerate(replay.steps, start=1):
                 for one, other in getattr(step, key):
@@ -458,7 +458,7 @@ def exchanged(key: str) -> Forge:
     return forge
 
 
-def with_empty_step(replay: Replay, made: int) -> Replay:
+def with_empty_step(replay: Record, made: int) -> Record:
     """Return a record with a step after the first `made` ones in which nothing changes."""
 
     def later(rows: Any) -> Any:
@@ -474,12 +474,12 @@ def with_empty_step(replay: Replay, made: int) -> Replay:
     )
 
 
-def empty_step_added(replay: Replay) -> Iterator[Replay]:
+def empty_step_added(replay: Record) -> Iterator[Record]:
     if are_followed(replay) and replay.end.status == "completed":
         yield from (with_empty_step(replay, made) for made in range(len(replay.steps)))
 
 
-def formed_later(replay: Replay) -> Iterator[Replay]:
+def formed_later(replay: Record) -> Iterator[Record]:
     """All that happens from a step on in which teams part or join happens a step later."""
     if are_followed(replay):
         for made, step in enumerate(replay.steps):
@@ -518,7 +518,7 @@ FORGERIES: dict[str, Forge] = {
 }
 
 
-def misses(forge: Forge, records: list[Replay], most: int) -> tuple[int, list[int]]:
+def misses(forge: Forge, records: list[Record], most: int) -> tuple[int, list[int]]:
     """Return how many records were forged, each at a random place, and which passed."""
     rng, tried, missed = np.random.default_rng(26), 0, []
     for number, replay in enumerate(records):
@@ -532,7 +532,7 @@ def misses(forge: Forge, records: list[Replay], most: int) -> tuple[int, list[in
 
 @pytest.mark.parametrize("name", FORGERIES)
 @pytest.mark.thorough
-def test_a_forged_field_is_found(name: str, records: list[Replay]) -> None:
+def test_a_forged_field_is_found(name: str, records: list[Record]) -> None:
     tried, missed = misses(FORGERIES[name], records, most=20)
     assert missed == []
     assert tried >= LEAST.get(name, 10)

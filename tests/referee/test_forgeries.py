@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from random_worlds import random_world
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
-from teamformer.record.record import Ending, Replay, Step, TeamAt
+from teamformer.record.record import Ending, Record, Step, TeamAt
 from teamformer.record.referee import judge
 
-ALONE = Scenario(
+ALONE = Mission(
     name="alone",
     world=Grid(5, 1),
     capabilities=("a",),
@@ -25,7 +25,7 @@ ALONE = Scenario(
 )
 """One robot, one task: `r . t . .`"""
 
-TWINS = Scenario(
+TWINS = Mission(
     name="twins",
     world=Grid(5, 1),
     capabilities=("a", "b"),
@@ -36,7 +36,7 @@ TWINS = Scenario(
 )
 """Two equal robots that start as one team: `rs t . . .`, with `u` later where they start."""
 
-MEETING = Scenario(
+MEETING = Mission(
     name="meeting",
     world=Grid(5, 1),
     capabilities=("a", "b"),
@@ -49,7 +49,7 @@ MEETING = Scenario(
 )
 """Two robots that may become one team on the way: `r t s . .`"""
 
-SERVICE = Scenario(
+SERVICE = Mission(
     name="service",
     world=Grid(5, 1),
     capabilities=("a", "b"),
@@ -67,7 +67,7 @@ FAST = replace(
 """A robot of speed 2 that must walk four cells around a wall: `r @ t`."""
 
 
-def record(scenario: Scenario, *steps: Step, **end: Any) -> Replay:
+def record(scenario: Mission, *steps: Step, **end: Any) -> Record:
     """Return a record with the true start, the first order and an ending counted from the steps."""
     done = sum(len(step.done) for step in steps)
     is_completed = done == len(scenario.tasks)
@@ -83,10 +83,10 @@ def record(scenario: Scenario, *steps: Step, **end: Any) -> Replay:
     places = [(team[0], team, *scenario.robots[team[0]].at) for team in scenario.starting_teams]
     known = tuple(k for k, task in enumerate(scenario.tasks) if not task.appears)
     orders = ((0, known),)
-    return Replay(scenario, "by hand", 0, orders, tuple(places), steps, replace(ending, **end))
+    return Record(scenario, "by hand", 0, orders, tuple(places), steps, replace(ending, **end))
 
 
-def messages(replay: Replay) -> list[str]:
+def messages(replay: Record) -> list[str]:
     return [finding.message for finding in judge(replay).findings]
 
 
@@ -108,7 +108,7 @@ ARRIVES = Step(teams=(at(0, 2),), done=((0, 0),))
     ],
     ids=["walks", "waits first", "around the wall", "meets on the way", "serves two steps"],
 )
-def test_what_is_legal_is_found_legal(replay: Replay) -> None:
+def test_what_is_legal_is_found_legal(replay: Record) -> None:
     assert messages(replay) == []
 
 
@@ -235,14 +235,14 @@ def test_hundreds_of_robots_are_judged_in_seconds() -> None:
     """Three hundred robots walk side by side for 300 steps: 90,000 moves."""
     robots = tuple(Robot(f"r{i}", (i, 0), {"a": 1}) for i in range(300))
     tasks = tuple(Task(f"t{i}", (i, 300), {"a": 2}) for i in range(300))
-    hall = Scenario("hall", Grid(300, 301), ("a",), robots, tasks)
+    hall = Mission("hall", Grid(300, 301), ("a",), robots, tasks)
     steps = [Step(teams=tuple(at(i, i, i, y=n) for i in range(300))) for n in range(1, 301)]
     began = time.perf_counter()
     assert messages(record(hall, *steps)) == []
     assert time.perf_counter() - began < 10  # half a second on an idle machine
 
 
-def wild_step(world: Scenario, rng: np.random.Generator) -> Step:
+def wild_step(world: Mission, rng: np.random.Generator) -> Step:
     """Return a step with random numbers in every place that a reader lets them into."""
     robots, tasks = len(world.robots), len(world.tasks)
 
@@ -342,6 +342,6 @@ WALLED = replace(ALONE, world=Grid(3, 2, (".@.", "...")), step_limit=9)
     ],
 )
 def test_who_has_somewhere_to_go_gets_on(
-    scenario: Scenario, steps: list[Step], expected: str
+    scenario: Mission, steps: list[Step], expected: str
 ) -> None:
     assert messages(record(scenario, *steps)) == ([expected] if expected else [])

@@ -12,15 +12,15 @@ from random_worlds import random_decision, random_world, with_fractions
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.methods.seam.protocol import Policy
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
-from teamformer.record.record import Ending, Replay, Step, TeamAt
+from teamformer.record.record import Ending, Record, Step, TeamAt
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import Decision
 from teamformer.world.view import View
 
-CORRIDOR = Scenario(
+CORRIDOR = Mission(
     name="corridor",
     world=Grid(6, 2, ("......", ".@@@@.")),
     capabilities=("a", "b"),
@@ -44,7 +44,7 @@ ann and bob start together left, slow cat right below; joint is in the middle.
     l @ @ @ @ C
 """
 
-LEGAL = Replay(
+LEGAL = Record(
     scenario=CORRIDOR,
     method="by hand",
     seed=0,
@@ -69,10 +69,10 @@ LEGAL = Replay(
 )
 
 
-def with_step(number: int, **changes: object) -> Callable[[Replay], Replay]:
+def with_step(number: int, **changes: object) -> Callable[[Record], Record]:
     """Return what changes one step, counted from 1."""
 
-    def change(replay: Replay) -> Replay:
+    def change(replay: Record) -> Record:
         steps = list(replay.steps)
         steps[number - 1] = replace(steps[number - 1], **changes)  # type: ignore[arg-type]
         return replace(replay, steps=tuple(steps))
@@ -80,7 +80,7 @@ def with_step(number: int, **changes: object) -> Callable[[Replay], Replay]:
     return change
 
 
-def with_end(**changes: object) -> Callable[[Replay], Replay]:
+def with_end(**changes: object) -> Callable[[Record], Record]:
     return lambda replay: replace(replay, end=replace(replay.end, **changes))  # type: ignore[arg-type]
 
 
@@ -187,7 +187,7 @@ def test_the_legal_record_is_legal() -> None:
         ),
     ],
 )
-def test_a_forgery_is_found(forge: Callable[[Replay], Replay], message: str) -> None:
+def test_a_forgery_is_found(forge: Callable[[Record], Record], message: str) -> None:
     verdict = judge(forge(LEGAL))
     assert message in [finding.message for finding in verdict.findings]
     assert len(verdict.findings) <= 16  # one fault does not drown the reader
@@ -219,7 +219,7 @@ def test_real_records_are_legal(policy: Policy) -> None:
         assert judge(replay).findings == ()
 
 
-def forgeries(replay: Replay, rng: np.random.Generator) -> list[Replay]:
+def forgeries(replay: Record, rng: np.random.Generator) -> list[Record]:
     """Return records with one fact changed: a place, a completion, a total, a loss."""
     forged = [with_end(**{key: getattr(replay.end, key) + 1})(replay) for key in ("steps", "joins")]
     busy = [n for n, step in enumerate(replay.steps, start=1) if step.done]

@@ -14,12 +14,12 @@ from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
-from teamformer.record.reading import replay_from_tree
-from teamformer.record.record import Replay, Step, TaskAt
+from teamformer.record.reading import record_from_tree
+from teamformer.record.record import Record, Step, TaskAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import replay_to_tree
+from teamformer.record.writing import record_to_tree
 from teamformer.trials.trial import run_trial
 
 
@@ -37,13 +37,13 @@ def test_honest_records_with_loads_are_legal(player: object, is_plane: bool) -> 
         replay = run_trial(with_loads(scenario, rng), as_method(player), number).replay
         verdict = judge(replay)
         assert verdict.is_legal, (number, verdict.findings)
-        assert replay_from_tree(replay_to_tree(replay), "record") == replay
+        assert record_from_tree(record_to_tree(replay), "record") == replay
         taken += sum(len(step.taken) for step in replay.steps)
         left += sum(len(step.left) for step in replay.steps)
     assert taken > 25
 
 
-def forged(replay: Replay, number: int, **changes: object) -> list[str]:
+def forged(replay: Record, number: int, **changes: object) -> list[str]:
     """Return what the referee says of a record with one of its steps changed."""
     steps = list(replay.steps)
     steps[number - 1] = replace(steps[number - 1], **changes)
@@ -51,7 +51,7 @@ def forged(replay: Replay, number: int, **changes: object) -> list[str]:
     return [finding.message.partition(": ")[2] for finding in verdict.findings]
 
 
-def lost_on_the_way() -> Replay:
+def lost_on_the_way() -> Record:
     """Return a record in which b is lost beside a crate at x = 4, and c helps a to bring it to 8.
 
     a and b join in step 1, take it up in step 3, and have brought it to x = 4 by step 5.
@@ -62,7 +62,7 @@ def lost_on_the_way() -> Replay:
         Robot("c", (9, 0), {"lift": 1}),
     )
     crate = Task("crate", (2, 0), {"lift": 2}, to=(8, 0), unload=1)
-    scenario = Scenario("lost", Grid(10, 1), ("lift",), robots, (crate,))
+    scenario = Mission("lost", Grid(10, 1), ("lift",), robots, (crate,))
     return run_trial(scenario, as_method(SharedPlan()), 0).replay
 
 

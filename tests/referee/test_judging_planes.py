@@ -8,13 +8,13 @@ from dataclasses import replace
 import pytest
 
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.record import Replay, TeamAt
+from teamformer.record.record import Record, TeamAt
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 
-FIELD = Scenario(
+FIELD = Mission(
     name="field",
     world=Plane(4.0, 2.0, step=0.5),
     capabilities=("a", "b"),
@@ -41,8 +41,8 @@ def test_the_legal_record() -> None:
     assert LEGAL.end.makespan == 4
 
 
-def with_team(number: int, x: float, y: float) -> Callable[[Replay], Replay]:
-    def forge(replay: Replay) -> Replay:
+def with_team(number: int, x: float, y: float) -> Callable[[Record], Record]:
+    def forge(replay: Record) -> Record:
         steps = list(replay.steps)
         step = steps[number - 1]
         steps[number - 1] = replace(step, teams=(step.teams[0]._replace(x=x, y=y),))
@@ -51,10 +51,10 @@ def with_team(number: int, x: float, y: float) -> Callable[[Replay], Replay]:
     return forge
 
 
-def with_start(x: float, y: float) -> Callable[[Replay], Replay]:
+def with_start(x: float, y: float) -> Callable[[Record], Record]:
     """Let bob start elsewhere, in the scenario too."""
 
-    def forge(replay: Replay) -> Replay:
+    def forge(replay: Record) -> Record:
         ann, bob = FIELD.robots
         scenario = replace(FIELD, robots=(ann, replace(bob, at=(x, y))))
         return replace(replay, scenario=scenario, start=(replay.start[0], (1, (1,), x, y)))
@@ -90,7 +90,7 @@ def with_start(x: float, y: float) -> Callable[[Replay], Replay]:
         ),
     ],
 )
-def test_a_forgery_is_found(forge: Callable[[Replay], Replay], message: str) -> None:
+def test_a_forgery_is_found(forge: Callable[[Record], Record], message: str) -> None:
     assert message in [finding.message for finding in judge(forge(LEGAL)).findings]
 
 

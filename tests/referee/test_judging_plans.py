@@ -10,7 +10,7 @@ from coordinations import RandomPlans
 from random_worlds import random_world
 from small_worlds import make, robot, task
 from teamformer.methods.coordinators.crews import Crews
-from teamformer.record.record import Ending, Replay, SharedPlanMade
+from teamformer.record.record import Ending, Record, SharedPlanMade
 from teamformer.record.referee import judge
 from teamformer.record.referee.plans.planned_tasks import PlannedTasks
 from teamformer.record.referee.rules.completion import Tasks
@@ -33,7 +33,7 @@ def test_legal_records_are_left_alone() -> None:
         assert judge(replay).findings == ()
 
 
-def crossed(order: tuple[int, int], is_one_team: bool) -> Replay:
+def crossed(order: tuple[int, int], is_one_team: bool) -> Record:
     """Return a record before its first step, by a plan that gives T to r1 and U to r0.
 
     T . A . U     A has two robots that can do both
@@ -44,7 +44,7 @@ def crossed(order: tuple[int, int], is_one_team: bool) -> Replay:
     plan = SharedPlanMade(("start",), tuple(who[number] for number in order))
     start = ((0, (0, 1), 2, 0),) if is_one_team else ((0, (0,), 2, 0), (1, (1,), 2, 0))
     end = Ending("interrupted", None, 1, 0, 0, 0, 0)
-    return Replay(scenario, "by hand", 0, ((0, order),), start, (), end, plans=((0, plan),))
+    return Record(scenario, "by hand", 0, ((0, order),), start, (), end, plans=((0, plan),))
 
 
 def test_a_team_is_due_at_the_task_that_comes_first_in_the_order() -> None:

@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.robotarium.benchmark import ROUGH, bench_robotarium, count_missions, summarise
 from teamformer.robotarium.deployment.folder import deploy, verify
 from teamformer.robotarium.draw import Film
 from teamformer.robotarium.experiment import Experiment, Simulator, run_experiment
-from teamformer.robotarium.flight import Moment
+from teamformer.robotarium.flight import Snapshot
 from teamformer.robotarium.random_missions import random_mission
 from teamformer.robotarium.robots.plant import Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
@@ -34,16 +34,16 @@ needs_rps = pytest.mark.skipif(
 )
 
 
-def four() -> Scenario:
-    return read_scenario(EXAMPLES / "robotarium-4.yaml")
+def four() -> Mission:
+    return read_mission(EXAMPLES / "robotarium-4.yaml")
 
 
 def fly(
-    scenario: Scenario,
+    scenario: Mission,
     method: str,
     simulator: Simulator = "plant",
     weather: Weather | None = None,
-    watch: list[Moment] | None = None,
+    watch: list[Snapshot] | None = None,
 ) -> Experiment:
     keep = None if watch is None else watch.append
     return run_experiment(scenario, load_method(method), 0, simulator, weather, keep)
@@ -51,7 +51,7 @@ def fly(
 
 def test_four_form_one_team_split_and_finish() -> None:
     """The story of the paper's figure 7."""
-    moments: list[Moment] = []
+    moments: list[Snapshot] = []
     done = fly(four(), "heuristic", watch=moments)
     assert done.is_good
     sizes = [sorted(len(team.robots) for team in moment.teams) for moment in moments]
@@ -63,7 +63,7 @@ def test_four_form_one_team_split_and_finish() -> None:
 
 def test_twenty_form_all_teams_at_their_tasks() -> None:
     """The story of the paper's figure 8, late and blurred besides."""
-    scenario = read_scenario(EXAMPLES / "robotarium-20.yaml")
+    scenario = read_mission(EXAMPLES / "robotarium-20.yaml")
     done = fly(scenario, "teamformer", weather=ROUGH)
     assert done.is_good, done.faults
     assert done.row()["tasks_done"] == 5

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from teamformer.robotarium.robots.arena import TICK, wheel_speeds
-from teamformer.robotarium.robots.plant import Faults, Plant, Weather
+from teamformer.robotarium.robots.plant import Plant, Violations, Weather
 
 STILL = np.zeros((2, 2))
 
@@ -30,24 +30,24 @@ def test_headings_stay_within_half_a_turn() -> None:
 
 @pytest.mark.parametrize(("apart", "collisions"), [(0.134, 1), (0.136, 0)])
 def test_points_ahead_collide_at_135_mm(apart: float, collisions: int) -> None:
-    assert Faults().after(pair(apart), STILL).collisions == collisions
+    assert Violations().after(pair(apart), STILL).collisions == collisions
 
 
 @pytest.mark.parametrize(("apart", "collisions"), [(0.109, 1), (0.111, 0)])
 def test_bodies_collide_back_to_back(apart: float, collisions: int) -> None:
     """The points ahead are 50 mm farther apart then."""
-    assert Faults().after(pair(apart, np.pi, 0.0), STILL).collisions == collisions
+    assert Violations().after(pair(apart, np.pi, 0.0), STILL).collisions == collisions
 
 
 def test_face_to_face_robots_collide_earlier() -> None:
-    assert Faults().after(pair(0.18, 0.0, np.pi), STILL).collisions == 1
-    assert Faults().after(pair(0.19, 0.0, np.pi), STILL).collisions == 0
+    assert Violations().after(pair(0.18, 0.0, np.pi), STILL).collisions == 1
+    assert Violations().after(pair(0.19, 0.0, np.pi), STILL).collisions == 0
 
 
 @pytest.mark.parametrize(("x", "violations"), [(1.6, 0), (1.601, 1), (-1.601, 1)])
 def test_the_boundary(x: float, violations: int) -> None:
     poses = np.array([[x, 0.0, 0.0], [0.0, 0.0, 0.0]])
-    assert Faults().after(poses, STILL).boundary_violations == violations
+    assert Violations().after(poses, STILL).boundary_violations == violations
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_the_boundary(x: float, violations: int) -> None:
 def test_actuators(v: float, turn: float, violations: int) -> None:
     """0.1 m/s leaves 0.1 m/s at the wheels, 55 mm from the middle: 1.82 rad/s."""
     told = np.array([[v, turn], [0.0, 0.0]])
-    assert Faults().after(pair(1.0), told).actuator_violations == violations
+    assert Violations().after(pair(1.0), told).actuator_violations == violations
 
 
 def test_wheels_turn_against_each_other_on_the_spot() -> None:

@@ -1,4 +1,4 @@
-"""Scenario files that are wrong: each mistake has its line, and says what to do."""
+"""Mission files that are wrong: each mistake has its line, and says what to do."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from teamformer.base.errors import ScenarioError, TeamformerError
-from teamformer.files.mission_files import read_scenario, scenario_from_tree
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.files.mission_files import mission_from_tree, read_mission
 from teamformer.files.yaml import reader
 
 GOOD = """\
@@ -48,8 +48,8 @@ def problems_of(folder: Path, text: str | bytes, name: str = "case.yaml") -> lis
     """Return the lines of the error that a file causes, without the folder."""
     path = folder / name
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    with pytest.raises(ScenarioError) as caught:
-        read_scenario(path)
+    with pytest.raises(MissionError) as caught:
+        read_mission(path)
     return [line.removeprefix(f"{folder}{os.sep}") for line in str(caught.value).splitlines()]
 
 
@@ -375,7 +375,7 @@ def test_a_mistake_is_told_with_its_line(
 def test_the_file_that_the_mistakes_are_put_into_is_good(tmp_path: Path) -> None:
     path = tmp_path / "case.yaml"
     path.write_text(GOOD)
-    assert len(read_scenario(path).tasks) == 1
+    assert len(read_mission(path).tasks) == 1
 
 
 def test_everything_wrong_is_told_at_once_in_the_order_of_the_file(tmp_path: Path) -> None:
@@ -441,8 +441,8 @@ def test_problems_beyond_fifty_are_counted(tmp_path: Path) -> None:
 
 
 def test_problems_say_where_in_the_tree() -> None:
-    with pytest.raises(ScenarioError) as caught:
-        scenario_from_tree({"teamformer": 1}, "replay.json: scenario")
+    with pytest.raises(MissionError) as caught:
+        mission_from_tree({"teamformer": 1}, "replay.json: scenario")
     assert str(caught.value).splitlines()[0] == (
         "replay.json: scenario: the file lacks 'world'; add it"
     )
@@ -451,8 +451,8 @@ def test_problems_say_where_in_the_tree() -> None:
 
 def test_a_tree_in_memory_names_no_map_file() -> None:
     tree = {**yaml.safe_load(GOOD), "world": {"map": "x.map"}}
-    with pytest.raises(ScenarioError, match=r"a map in another file cannot be read here"):
-        scenario_from_tree(tree)
+    with pytest.raises(MissionError, match=r"a map in another file cannot be read here"):
+        mission_from_tree(tree)
 
 
 @pytest.mark.parametrize("text", ["", "\n\n", "# nothing\n"])
@@ -506,7 +506,7 @@ def test_what_is_no_readable_file(tmp_path: Path) -> None:
     }
     for name, message in told.items():
         with pytest.raises(TeamformerError, match=message):
-            read_scenario(tmp_path / name)
+            read_mission(tmp_path / name)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
@@ -515,4 +515,4 @@ def test_a_file_that_may_not_be_read(tmp_path: Path) -> None:
     path.write_text(GOOD)
     path.chmod(0)
     with pytest.raises(TeamformerError, match="cannot be read: Permission denied"):
-        read_scenario(path)
+        read_mission(path)

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from teamformer.base.errors import ScenarioError, TeamformerError
-from teamformer.files.mission_files import read_scenario, scenario_from_tree, scenario_to_tree
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.files.mission_files import mission_from_tree, mission_to_tree, read_mission
 
 GOOD = """\
 teamformer: 1
@@ -43,8 +43,8 @@ BOMBS = {
 def test_what_is_meant_to_hurt_does_not(tmp_path: Path, name: str) -> None:
     path = tmp_path / "case.yaml"
     path.write_text(BOMBS[name])
-    with pytest.raises(ScenarioError) as caught:
-        read_scenario(path)
+    with pytest.raises(MissionError) as caught:
+        read_mission(path)
     lines = str(caught.value).splitlines()
     assert len(lines) <= 51
     assert max(map(len, lines)) < 400
@@ -92,7 +92,7 @@ def test_damaged_files_never_end_in_a_traceback(tmp_path: Path) -> None:
         path = tmp_path / ("case.json" if number % 4 == 0 else "case.yaml")
         path.write_bytes(damaged(GOOD, rng))
         try:
-            read_scenario(path)
+            read_mission(path)
             outcomes["read"] += 1
         except TeamformerError as error:
             outcomes["refused"] += str(error).startswith(str(path))
@@ -102,11 +102,11 @@ def test_damaged_files_never_end_in_a_traceback(tmp_path: Path) -> None:
 
 def test_damaged_trees_never_end_in_a_traceback() -> None:
     rng = random.Random(2)
-    good = scenario_to_tree(scenario_from_tree(yaml.safe_load(GOOD)))
+    good = mission_to_tree(mission_from_tree(yaml.safe_load(GOOD)))
     outcomes = {"read": 0, "refused": 0}
     for _ in range(1500):
         try:
-            scenario_from_tree(swapped(good, rng))
+            mission_from_tree(swapped(good, rng))
             outcomes["read"] += 1
         except TeamformerError as error:
             outcomes["refused"] += str(error).startswith("scenario: ")

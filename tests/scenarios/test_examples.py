@@ -6,29 +6,29 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.methods.seam.protocol import Policy
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.trials.trial import run_trials
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-def example(name: str) -> Scenario:
-    return read_scenario(EXAMPLES / f"{name}.yaml")
+def example(name: str) -> Mission:
+    return read_mission(EXAMPLES / f"{name}.yaml")
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.yaml")), ids=lambda path: path.stem)
 def test_every_example_is_read(path: Path) -> None:
-    assert len(read_scenario(path).tasks) >= 3
+    assert len(read_mission(path).tasks) >= 3
 
 
 @pytest.mark.parametrize("policy", [JoinAll(), Heuristic()], ids=["join-all", "heuristic"])
 def test_every_example_can_be_done_and_takes_teamwork(policy: Policy) -> None:
-    scenarios = [read_scenario(path) for path in sorted(EXAMPLES.glob("*.yaml"))]
+    scenarios = [read_mission(path) for path in sorted(EXAMPLES.glob("*.yaml"))]
     for scenario, tally in zip(scenarios, run_trials(scenarios, policy), strict=True):
         assert tally.status == "completed", scenario.name
         assert tally.joins > 0

@@ -13,14 +13,14 @@ from teamformer.files.drawn.family_missions import INCIDENT_STEPS, about_half_of
 from teamformer.files.drawn.named_settings import size_of, world_of
 from teamformer.files.drawn.surprises import BREAKDOWN, CALLS, DELAYS, LASTS, SURPRISES, WITHIN
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trial
 
 WORLDS = 60
 
 
-def worlds(setting: str) -> list[Scenario]:
+def worlds(setting: str) -> list[Mission]:
     return [world_of(setting, seed) for seed in range(WORLDS)]
 
 

@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import pytest
 
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.mission.checks.rules import rules_not_played
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 
 DRONE = Robot("drone", (0, 0), {"a": 1}, moves="air")
 BEHIND = Task("load", (0, 1), {"a": 1}, to=(2, 1))
 LOAD = Task("load", (1, 0), {"a": 1}, to=(1, 1))
-WALLED = Scenario("yard", Grid(3, 2, ("...", "..@")), ("a",), (DRONE,), (LOAD,))
+WALLED = Mission("yard", Grid(3, 2, ("...", "..@")), ("a",), (DRONE,), (LOAD,))
 
 
 def test_loads_and_flights_over_obstacles_are_refused_together() -> None:
@@ -28,7 +28,7 @@ def test_loads_and_flights_over_obstacles_are_refused_together() -> None:
 
 def test_what_only_robots_that_fly_can_reach_gets_no_load() -> None:
     """The drone would get there; that no way leads there is not the fault."""
-    with pytest.raises(ScenarioError) as caught:
+    with pytest.raises(MissionError) as caught:
         replace(WALLED, world=Grid(3, 2, (".@.", ".@.")), tasks=(BEHIND,))
     assert str(caught.value) == (
         "nobody can bring the load of task 'load' from [0, 1] to [2, 1]: no way leads there on the "

@@ -8,21 +8,21 @@ from typing import Any
 
 import pytest
 
-from teamformer.base.errors import ScenarioError
-from teamformer.files.mission_files import scenario_from_tree, scenario_to_tree
+from teamformer.base.errors import MissionError
+from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.mission.keys import robot_keys, task_keys
 from teamformer.mission.keys.key import Key
 from teamformer.mission.keys.mission_keys import ARRIVALS_KEYS, MISSION_KEYS
 from teamformer.mission.keys.robot_keys import BREAKS_KEYS, DELAYS_KEYS, ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
-from teamformer.mission.model import Arrivals, Breakdown, Delays, Robot, Scenario, Task
+from teamformer.mission.model import Arrivals, Breakdown, Delays, Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 
 TABLES: dict[type[Any], tuple[tuple[Key, ...], dict[str, str]]] = {
     Robot: (ROBOT_KEYS, robot_keys.NOT_ALIKE),
     Task: (TASK_KEYS, task_keys.NOT_ALIKE),
-    Scenario: (MISSION_KEYS, {"teamformer": "the version of the format"}),
+    Mission: (MISSION_KEYS, {"teamformer": "the version of the format"}),
     Arrivals: (ARRIVALS_KEYS, {}),
     Breakdown: (BREAKS_KEYS, {}),
     Delays: (DELAYS_KEYS, {}),
@@ -80,15 +80,15 @@ MISSION: dict[str, Any] = {
 )
 def test_a_key_without_a_value_is_refused(thing: str, key: str, told: str) -> None:
     [was] = MISSION[thing]
-    with pytest.raises(ScenarioError, match=f"^scenario: {re.escape(told)}$"):
-        scenario_from_tree(MISSION | {thing: [was | {key: None}]})
+    with pytest.raises(MissionError, match=f"^scenario: {re.escape(told)}$"):
+        mission_from_tree(MISSION | {thing: [was | {key: None}]})
 
 
 def test_notes_are_read_and_written() -> None:
     [robot], [task] = MISSION["robots"], MISSION["tasks"]
     noted = {"robots": [robot | {"note": "leaks oil"}], "tasks": [task | {"note": "door 3"}]}
-    scenario = scenario_from_tree(MISSION | noted)
+    scenario = mission_from_tree(MISSION | noted)
     assert (scenario.robots[0].note, scenario.tasks[0].note) == ("leaks oil", "door 3")
-    tree = scenario_to_tree(scenario)
+    tree = mission_to_tree(scenario)
     assert (tree["robots"][0]["note"], tree["tasks"][0]["note"]) == ("leaks oil", "door 3")
-    assert "note" not in scenario_to_tree(scenario_from_tree(MISSION))["tasks"][0]
+    assert "note" not in mission_to_tree(mission_from_tree(MISSION))["tasks"][0]

@@ -8,16 +8,16 @@ from typing import Any
 
 import pytest
 
-from teamformer.base.errors import ScenarioError
-from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.base.errors import MissionError
+from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.mission.checks.costs import cost_of
 from teamformer.mission.checks.links import groups_of
 from teamformer.mission.checks.rules import rules_not_played
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 
 X, Y, Z, ALONE = (Task(name, (1, 1), {"a": 1}, duration=2) for name in ("x", "y", "z", "alone"))
-MISSION = Scenario(
+MISSION = Mission(
     "mission",
     Grid(9, 9),
     ("a",),
@@ -30,8 +30,8 @@ MISSION = Scenario(
 
 @pytest.mark.parametrize("name", ["mission.yaml", "mission.json"])
 def test_what_is_written_is_read(name: str, tmp_path: Path) -> None:
-    write_scenario(MISSION, tmp_path / name)
-    assert read_scenario(tmp_path / name) == MISSION
+    write_mission(MISSION, tmp_path / name)
+    assert read_mission(tmp_path / name) == MISSION
 
 
 def test_groups_are_linked_by_others_too() -> None:
@@ -83,7 +83,7 @@ TASKS = MISSION.tasks
     ],
 )
 def test_what_cannot_be_is_refused(changes: dict[str, Any], told: str) -> None:
-    with pytest.raises(ScenarioError) as caught:
+    with pytest.raises(MissionError) as caught:
         replace(MISSION, **changes)
     assert told in str(caught.value)
 
@@ -119,8 +119,8 @@ cost: COST
 def test_files_are_refused_by_line(starts: str, cost: str, told: str, tmp_path: Path) -> None:
     path = tmp_path / "mission.yaml"
     path.write_text(FILE.replace("STARTS", starts).replace("COST", cost))
-    with pytest.raises(ScenarioError) as caught:
-        read_scenario(path)
+    with pytest.raises(MissionError) as caught:
+        read_mission(path)
     assert told in str(caught.value)
 
 

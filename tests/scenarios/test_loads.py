@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from teamformer.base.errors import ScenarioError
-from teamformer.files.mission_files import read_scenario, scenario_from_tree, scenario_to_tree
+from teamformer.base.errors import MissionError
+from teamformer.files.mission_files import mission_from_tree, mission_to_tree, read_mission
 from teamformer.mission.checks.rules import rules_not_played, rules_of_simulated_missions
 from teamformer.robotarium.mission_checks import find_problems
 
@@ -29,11 +29,11 @@ tasks:
 def read(folder: Path, text: str) -> Any:
     path = folder / "crate.yaml"
     path.write_text(text)
-    return read_scenario(path)
+    return read_mission(path)
 
 
 def test_load_that_no_way_leads_to_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ScenarioError) as caught:
+    with pytest.raises(MissionError) as caught:
         read(tmp_path, MISSION)
     assert str(caught.value).endswith(
         "crate.yaml:10: nobody can bring the load of task 'crate' from [3, 1] to [5, 0]: "
@@ -44,10 +44,10 @@ def test_load_that_no_way_leads_to_is_refused(tmp_path: Path) -> None:
 def test_loads_are_written_as_they_were_read(tmp_path: Path) -> None:
     scenario = read(tmp_path, MISSION.replace("[5, 0]", "[0, 1]\n    unload: 3"))
     assert (scenario.tasks[0].to, scenario.tasks[0].unload) == ((0, 1), 3)
-    tree = scenario_to_tree(scenario)
+    tree = mission_to_tree(scenario)
     assert tree["tasks"][0]["to"] == [0, 1]
     assert tree["tasks"][0]["unload"] == 3
-    assert scenario_from_tree(tree) == scenario
+    assert mission_from_tree(tree) == scenario
 
 
 def test_robots_that_cannot_carry_yet_say_so(tmp_path: Path) -> None:

@@ -11,15 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.base.extras import how_to_install
 from teamformer.files.maps.formats import read_map, read_movingai, read_ros_map
 from teamformer.files.maps.images import read_image
 from teamformer.files.mission_files import (
-    read_scenario,
-    scenario_from_tree,
-    scenario_to_tree,
-    write_scenario,
+    mission_from_tree,
+    mission_to_tree,
+    read_mission,
+    write_mission,
 )
 from teamformer.mission.parts.frame import Frame
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid
@@ -260,14 +260,14 @@ robots: [{at: [0, 0], can: [a]}]
 tasks: [{at: [1, 0], needs: [a]}]
 """
     (tmp_path / "mission.yaml").write_text(text)
-    scenario = read_scenario(tmp_path / "mission.yaml")
+    scenario = read_mission(tmp_path / "mission.yaml")
     assert isinstance(scenario.world, Grid)
     assert scenario.world.frame == Frame(0.1, -1.0, -2.0, 0.5)
     for name in ("copy.yaml", "copy.json"):
-        write_scenario(scenario, tmp_path / name)
-        assert read_scenario(tmp_path / name).world == scenario.world
+        write_mission(scenario, tmp_path / name)
+        assert read_mission(tmp_path / name).world == scenario.world
     free = replace(scenario, world=Grid(4, 2, frame=Frame(0.25)))
-    assert scenario_from_tree(scenario_to_tree(free)).world == free.world
+    assert mission_from_tree(mission_to_tree(free)).world == free.world
 
 
 @pytest.mark.parametrize(
@@ -290,8 +290,8 @@ robots: [{{at: [0, 0], can: [a]}}]
 tasks: [{{at: [1, 0], needs: [a]}}]
 """
     (tmp_path / "mission.yaml").write_text(text)
-    with pytest.raises(ScenarioError) as error:
-        read_scenario(tmp_path / "mission.yaml")
+    with pytest.raises(MissionError) as error:
+        read_mission(tmp_path / "mission.yaml")
     assert message in str(error.value)
     assert "mission.yaml:3: " in str(error.value)
 
@@ -374,8 +374,8 @@ robots: [{name: a, at: [0, 1], can: [lift]}]
 tasks: [{name: x, at: [6, 1], needs: [lift]}]
 """
     (tmp_path / "mission.yaml").write_text(text)
-    with pytest.raises(ScenarioError, match="task 'x' cannot be reached"):
-        read_scenario(tmp_path / "mission.yaml")
+    with pytest.raises(MissionError, match="task 'x' cannot be reached"):
+        read_mission(tmp_path / "mission.yaml")
 
 
 @pytest.mark.parametrize("mode", ["TRINARY", "Trinary", "Scale"])
@@ -394,7 +394,7 @@ def test_a_pointer_of_git_lfs_is_named(tmp_path: Path) -> None:
     pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
     path = ros_map(tmp_path, pointer)
     (tmp_path / "mission.yaml").write_bytes(pointer)
-    for read, file in ((read_ros_map, path), (read_scenario, tmp_path / "mission.yaml")):
+    for read, file in ((read_ros_map, path), (read_mission, tmp_path / "mission.yaml")):
         with pytest.raises(TeamformerError, match="this is a pointer of Git LFS") as error:
             read(file)
         assert error.value.hint == "fetch the file by `git lfs pull`"

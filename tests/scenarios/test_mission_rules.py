@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.mission.checks.rules import (
     rules_not_played,
     rules_of_simulated_missions,
@@ -18,12 +18,12 @@ from teamformer.mission.checks.rules import (
 )
 from teamformer.mission.keys.key import CONTINUOUS
 from teamformer.mission.keys.unknown import find_unknown
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.world.env import TeamFormation
 
 ROBOT = Robot("r", (0, 0), {"a": 1})
-MISSION = Scenario(
+MISSION = Mission(
     "mission",
     Grid(9, 9),
     ("a",),
@@ -40,13 +40,13 @@ MISSION = Scenario(
 
 @pytest.mark.parametrize("name", ["mission.yaml", "mission.json"])
 def test_what_is_written_is_read(name: str, tmp_path: Path) -> None:
-    write_scenario(MISSION, tmp_path / name)
-    assert read_scenario(tmp_path / name) == MISSION
+    write_mission(MISSION, tmp_path / name)
+    assert read_mission(tmp_path / name) == MISSION
 
 
 def test_circles_are_named() -> None:
     tasks = [Task(name, (1, 1), {"a": 1}, after=(after,)) for name, after in ("xz", "yx", "zy")]
-    with pytest.raises(ScenarioError) as caught:
+    with pytest.raises(MissionError) as caught:
         replace(MISSION, tasks=tuple(tasks))
     assert str(caught.value) == (
         "'x', which is after 'z', which is after 'y', which is after 'x'; "
@@ -57,7 +57,7 @@ def test_circles_are_named() -> None:
 def test_a_circle_is_found_behind_others() -> None:
     ways = {"v": (), "w": ("v",), "x": ("w", "z"), "y": ("x",), "z": ("w", "y")}
     tasks = tuple(Task(name, (1, 1), {"a": 1}, after=after) for name, after in ways.items())
-    with pytest.raises(ScenarioError, match="'x', which is after 'z', which is after 'y'"):
+    with pytest.raises(MissionError, match="'x', which is after 'z', which is after 'y'"):
         replace(MISSION, tasks=tasks)
     replace(MISSION, tasks=(*tasks[:2], replace(tasks[2], after=("w",)), *tasks[3:]))
 
@@ -73,7 +73,7 @@ def test_a_circle_is_found_behind_others() -> None:
 def test_the_simulator_refuses_what_it_does_not_play(changes: dict[str, object], told: str) -> None:
     tasks = (replace(MISSION.tasks[0], duration=2), MISSION.tasks[1])
     mission = replace(MISSION, tasks=tasks, **changes)  # type: ignore[arg-type]
-    with pytest.raises(ScenarioError, match=told):
+    with pytest.raises(MissionError, match=told):
         TeamFormation([mission])
 
 
@@ -122,13 +122,13 @@ def test_missions_are_played_for_a_million_steps_at_most(
 
 
 def test_losses_and_unreachable_ends_are_refused() -> None:
-    with pytest.raises(ScenarioError, match="robot 'r' is lost, which only missions in steps know"):
+    with pytest.raises(MissionError, match="robot 'r' is lost, which only missions in steps know"):
         replace(MISSION, robots=(replace(ROBOT, absences=(Absence(3),)), MISSION.robots[1]))
     island = Grid(3, 1, ("..@",))
-    with pytest.raises(ScenarioError, match="inside an obstacle"):
+    with pytest.raises(MissionError, match="inside an obstacle"):
         replace(MISSION, world=island, ends=(2, 0), tasks=(Task("x", (1, 0), {"a": 1}),))
     apart = Grid(3, 1, (".@.",))
-    with pytest.raises(ScenarioError, match="robot 'r' has no way to where the mission ends"):
+    with pytest.raises(MissionError, match="robot 'r' has no way to where the mission ends"):
         replace(MISSION, world=apart, ends=(2, 0), tasks=(Task("x", (0, 0), {"a": 1}),))
 
 
@@ -152,7 +152,7 @@ def test_tasks_that_appear_at_random_are_for_who_need_not_be_sure() -> None:
 
 def test_continuous_time_refuses_what_is_not_sure() -> None:
     scenario = world_of("4N4T-C4-mixed", 0)
-    with pytest.raises(ScenarioError) as refused:
+    with pytest.raises(MissionError) as refused:
         replace(scenario, time="continuous")
     told = str(refused.value).splitlines()
     assert len(told) == len({where[-1] for where, _ in find_unknown(scenario, CONTINUOUS, True)})

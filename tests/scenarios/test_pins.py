@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from teamformer.base.errors import ScenarioError
-from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.base.errors import MissionError
+from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.record.referee.judge import judge
 from teamformer.trials.planned import plan_mission
 from teamformer.trials.trial import run_trial
@@ -28,13 +28,13 @@ tasks:
 """
 
 
-def mission(folder: Path, pins: str, text: str = MISSION) -> Scenario:
+def mission(folder: Path, pins: str, text: str = MISSION) -> Mission:
     path = folder / "m.yaml"
     path.write_text(text.replace("needs: [lift]}\n", f"needs: [lift], {pins}}}\n"))
-    return read_scenario(path)
+    return read_mission(path)
 
 
-def who_did(scenario: Scenario, method: str) -> tuple[int | None, set[str]]:
+def who_did(scenario: Mission, method: str) -> tuple[int | None, set[str]]:
     """Return the makespan, and who was in the team that did the last task."""
     replay = run_trial(scenario, load_method(method, time_limit=0.0), 0).replay
     assert judge(replay).findings == ()
@@ -81,8 +81,8 @@ def test_pins_are_said_in_capabilities(tmp_path: Path) -> None:
     assert pinned.robots[0].can == {"lift": 1, "lift of near, far": 1, "robot near": 1}
     assert pinned.robots[1].can == {"lift": 2, "lift of near, far": 2}
     assert pinned.robots[2].can == {"scan": 1}
-    write_scenario(pinned, tmp_path / "again.yaml")
-    assert read_scenario(tmp_path / "again.yaml").tasks == pinned.tasks
+    write_mission(pinned, tmp_path / "again.yaml")
+    assert read_mission(tmp_path / "again.yaml").tasks == pinned.tasks
 
 
 def test_a_name_stands_for_all_robots_of_its_entry(tmp_path: Path) -> None:
@@ -120,7 +120,7 @@ def test_a_robot_of_its_own_goes_before_a_group_of_that_name(tmp_path: Path) -> 
     ],
 )
 def test_pins_that_nobody_can_meet(tmp_path: Path, pins: str, message: str) -> None:
-    with pytest.raises(ScenarioError) as told:
+    with pytest.raises(MissionError) as told:
         mission(tmp_path, pins)
     assert f"m.yaml:10: {message}" in str(told.value)
     assert len(str(told.value).splitlines()) == 1
@@ -128,5 +128,5 @@ def test_pins_that_nobody_can_meet(tmp_path: Path, pins: str, message: str) -> N
 
 def test_no_pins_with_tasks_that_may_need_anything(tmp_path: Path) -> None:
     text = MISSION + "arrivals: {rate: 0.1, until: 9}\n"
-    with pytest.raises(ScenarioError, match=r"m.yaml:11: tasks that appear at random may need"):
+    with pytest.raises(MissionError, match=r"m.yaml:11: tasks that appear at random may need"):
         mission(tmp_path, "with: [near]", text)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from teamformer.base.errors import ScenarioError
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.base.errors import MissionError
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.places import possible_places
 from teamformer.mission.parts.plane import Plane
@@ -40,9 +40,9 @@ def test_on_a_plane_places_are_units_apart() -> None:
     assert len(possible_places(plane, (1.0, 0.5), 0.3)) == 9
 
 
-def lost_thing(within: float, world: Grid | None = None) -> Scenario:
+def lost_thing(within: float, world: Grid | None = None) -> Mission:
     robot, task = Robot("r", (0, 0), {"a": 1}), Task("t", (2, 0), {"a": 1}, within=within)
-    return Scenario("lost", world or Grid(5, 1), ("a",), (robot,), (task,))
+    return Mission("lost", world or Grid(5, 1), ("a",), (robot,), (task,))
 
 
 def test_each_place_is_as_likely_as_any_other() -> None:
@@ -74,6 +74,6 @@ def test_what_is_believed_is_a_mission_without_regions() -> None:
 def test_regions_that_cannot_be_are_refused(
     within: float, rows: tuple[str, ...], words: str
 ) -> None:
-    with pytest.raises(ScenarioError) as refused:
+    with pytest.raises(MissionError) as refused:
         lost_thing(within, Grid(5, 1, rows))
     assert words in str(refused.value)

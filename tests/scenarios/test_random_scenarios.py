@@ -10,11 +10,11 @@ import pytest
 from small_worlds import reachable
 from teamformer.base.errors import TeamformerError
 from teamformer.files.drawn.generate import SPAWN_RADIUS, Spec, generate
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 
 
-def many(spec: Spec, count: int = 200, seed: int = 1) -> list[Scenario]:
+def many(spec: Spec, count: int = 200, seed: int = 1) -> list[Mission]:
     rng = np.random.default_rng(seed)
     return [generate(spec, rng) for _ in range(count)]
 

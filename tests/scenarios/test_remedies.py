@@ -12,9 +12,9 @@ import pytest
 
 import teamformer as tf
 from small_worlds import make, robot, task
-from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.cli.verbs.missions.draw_map import draw_map
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.mission.checks.rules import (
     VERBS,
     rules_not_known_beforehand,
@@ -22,19 +22,19 @@ from teamformer.mission.checks.rules import (
     rules_not_played,
     rules_of_simulated_missions,
 )
-from teamformer.mission.model import Absence, Arrivals, Breakdown, Delays, Scenario
+from teamformer.mission.model import Absence, Arrivals, Breakdown, Delays, Mission
 from teamformer.mission.parts.grid import Grid
 
 FIRST, SECOND = task("a", 9), task("a", 3)
 MISSION = make([robot("a", 0), robot("a", 5)], [FIRST, SECOND])
 
 
-def tasks(**first: Any) -> Scenario:
+def tasks(**first: Any) -> Mission:
     """Return the mission with its first task changed."""
     return replace(MISSION, tasks=(replace(MISSION.tasks[0], **first), MISSION.tasks[1]))
 
 
-def robots(**first: Any) -> Scenario:
+def robots(**first: Any) -> Mission:
     """Return the mission with its first robot changed."""
     return replace(MISSION, robots=(replace(MISSION.robots[0], **first), MISSION.robots[1]))
 
@@ -79,7 +79,7 @@ def test_what_keeps_a_plan_from_being_made_beforehand_is_run() -> None:
     assert list(rules_not_played(mission)) == []
     assert tf.run(mission).completed
     assert list(rules_not_planned(tasks(cancelled=None))) == []
-    with pytest.raises(ScenarioError, match="use `teamformer run` with its default"):
+    with pytest.raises(MissionError, match="use `teamformer run` with its default"):
         tf.run(mission, method="central", seconds=0.1)
 
 
@@ -92,7 +92,7 @@ def test_what_keeps_a_plan_from_being_made_beforehand_is_run() -> None:
         tasks(starts={"t1": (0, 9)}),
     ],
 )
-def test_what_steps_do_not_know_is_planned_in_continuous_time(mission: Scenario) -> None:
+def test_what_steps_do_not_know_is_planned_in_continuous_time(mission: Mission) -> None:
     [problem] = rules_not_played(mission)
     assert problem.message.endswith("write time: continuous and plan it with `teamformer plan`")
     assert list(rules_not_planned(replace(mission, time="continuous"))) == []
@@ -107,7 +107,7 @@ def test_what_many_have_is_told_once_with_their_names() -> None:
     assert problem.message.startswith(named)
     assert problem.where == ("tasks", 0, "between")
     lost = tuple(replace(it, absences=(Absence(3),)) for it in MISSION.robots)
-    with pytest.raises(ScenarioError) as error:
+    with pytest.raises(MissionError) as error:
         replace(MISSION, robots=lost, time="continuous")
     told = "robot 'r0' is lost (likewise 'r1'), which only missions in steps know; drop lost"
     assert str(error.value) == told
@@ -126,8 +126,8 @@ tasks: [{name: x, at: [6, 1], needs: [lift]}]
 def told_of(folder: Path, text: str) -> str:
     path = folder / "m.yaml"
     path.write_text(text)
-    with pytest.raises(ScenarioError) as error:
-        read_scenario(path)
+    with pytest.raises(MissionError) as error:
+        read_mission(path)
     return str(error.value).replace(f"{path}:", "")
 
 
@@ -146,7 +146,7 @@ def test_words_that_others_have_for_keys(
     text = FILE.replace("needs: [lift]", f"needs: [lift], {wrong}")
     assert f"5: task 1 has no key {told}" in told_of(tmp_path, text)
     (tmp_path / "m.yaml").write_text(text.replace(wrong, remedy))
-    assert len(read_scenario(tmp_path / "m.yaml").tasks) == 1
+    assert len(read_mission(tmp_path / "m.yaml").tasks) == 1
 
 
 def test_a_capability_in_other_letters_is_told_once_with_the_one_that_is_meant(
@@ -161,13 +161,13 @@ def test_a_capability_in_other_letters_is_told_once_with_the_one_that_is_meant(
         "s: [lift]\n", "s: [lift, Lift]\n"
     )
     (tmp_path / "m.yaml").write_text(added)
-    assert read_scenario(tmp_path / "m.yaml").robots[2].can == {"lift": 1, "Lift": 1}
+    assert read_mission(tmp_path / "m.yaml").robots[2].can == {"lift": 1, "Lift": 1}
 
 
 def test_a_record_that_stands_for_a_mission_is_named(tmp_path: Path) -> None:
     record = tf.run(MISSION).save(tmp_path) / "replay.json"
-    with pytest.raises(ScenarioError) as error:
-        read_scenario(record)
+    with pytest.raises(MissionError) as error:
+        read_mission(record)
     assert str(error.value) == (
         f"{record}:2: this is the record of a run, and no mission; "
         "name a mission, or use `view`, `check` or `export`"

@@ -1,4 +1,4 @@
-"""Scenario files that are right: every key, every form, and there and back again."""
+"""Mission files that are right: every key, every form, and there and back again."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from random_worlds import random_world, with_fractions
 from teamformer.base.errors import TeamformerError
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.files.mission_files import (
-    read_scenario,
-    scenario_from_tree,
-    scenario_to_tree,
-    write_scenario,
+    mission_from_tree,
+    mission_to_tree,
+    read_mission,
+    write_mission,
 )
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.frame import Frame
 from teamformer.mission.parts.grid import Grid
 
@@ -43,7 +43,7 @@ forming_steps: 0
 step_limit: 77
 """
 
-AS_BUILT = Scenario(
+AS_BUILT = Mission(
     name="night shift",
     world=Grid(8, 6, y_axis="down"),
     capabilities=("lift", "scan", "no"),
@@ -71,10 +71,10 @@ tasks: [{at: [1, 0], needs: [lift]}]
 """
 
 
-def read(folder: Path, text: str, name: str = "case.yaml") -> Scenario:
+def read(folder: Path, text: str, name: str = "case.yaml") -> Mission:
     path = folder / name
     path.write_text(text, encoding="utf-8")
-    return read_scenario(path)
+    return read_mission(path)
 
 
 def test_every_key_is_read(tmp_path: Path) -> None:
@@ -127,19 +127,19 @@ def test_a_ros_map_is_read_in_cells_of_the_wanted_size(tmp_path: Path) -> None:
 
 
 def test_json_is_the_same_tree(tmp_path: Path) -> None:
-    tree = scenario_to_tree(AS_BUILT)
+    tree = mission_to_tree(AS_BUILT)
     for text in (json.dumps(tree), json.dumps(tree, indent="\t"), json.dumps(tree, indent=4)):
         assert read(tmp_path, text, "case.json") == AS_BUILT
 
 
 def test_json_escapes_are_read(tmp_path: Path) -> None:
     name = 'robot \U0001f916 "x" \\ud83d \\/ \xe9'
-    tree = {**scenario_to_tree(AS_BUILT), "name": name}
+    tree = {**mission_to_tree(AS_BUILT), "name": name}
     assert read(tmp_path, json.dumps(tree, ensure_ascii=True), "case.json").name == name
 
 
 def test_the_tree_is_plain_json() -> None:
-    tree = scenario_to_tree(AS_BUILT)
+    tree = mission_to_tree(AS_BUILT)
     assert tree["sensing_radius"] == ".inf"  # JSON has no infinity
     assert tree["robots"][0] == {"name": "r1", "at": [2, 3], "can": ["lift", "scan"]}
     assert tree["tasks"][0]["needs"] == {"lift": 1, "no": 2}
@@ -150,13 +150,13 @@ def test_the_tree_is_plain_json() -> None:
 def test_the_tree_holds_the_map_itself() -> None:
     grid = Grid(3, 2, ("..@", "..."), "up")
     robot, task = Robot("r", (0, 0), {"a": 1}), Task("t", (1, 1), {"a": 1})
-    tree = scenario_to_tree(Scenario("m", grid, ("a",), (robot,), (task,)))
+    tree = mission_to_tree(Mission("m", grid, ("a",), (robot,), (task,)))
     assert tree["world"] == {"rows": ["..@", "..."], "y_axis": "up"}
 
 
 def test_a_written_file_has_a_line_for_each_robot_and_task(tmp_path: Path) -> None:
     path = tmp_path / "out.yaml"
-    write_scenario(AS_BUILT, path)
+    write_mission(AS_BUILT, path)
     lines = path.read_text(encoding="utf-8").splitlines()
     assert "  - {name: r1, at: [2, 3], can: [lift, scan]}" in lines
     assert '  - {name: r2, at: [2, 3], can: {"no": 2}, speed: 0.5, lost: 40}' in lines
@@ -170,10 +170,10 @@ def test_random_scenarios_come_back_from_files(tmp_path: Path, suffix: str) -> N
     for number in range(60):
         scenario = random_world(rng)
         scenario = with_fractions(scenario, rng) if number % 2 else scenario
-        write_scenario(scenario, path)
-        assert read_scenario(path) == scenario
-        tree = json.loads(json.dumps(scenario_to_tree(scenario)))
-        assert scenario_from_tree(tree, "replay.json") == scenario
+        write_mission(scenario, path)
+        assert read_mission(path) == scenario
+        tree = json.loads(json.dumps(mission_to_tree(scenario)))
+        assert mission_from_tree(tree, "replay.json") == scenario
 
 
 AWKWARD = [
@@ -209,7 +209,7 @@ AWKWARD = [
 @pytest.mark.parametrize("suffix", [".yaml", ".json"])
 @pytest.mark.parametrize("name", AWKWARD)
 def test_awkward_names_come_back(tmp_path: Path, name: str, suffix: str) -> None:
-    scenario = Scenario(
+    scenario = Mission(
         name,
         Grid(2, 2),
         (name,),
@@ -217,19 +217,19 @@ def test_awkward_names_come_back(tmp_path: Path, name: str, suffix: str) -> None
         (Task(name, (1, 1), {name: 1}),),
     )
     path = tmp_path / f"there{suffix}"
-    write_scenario(scenario, path)
-    assert read_scenario(path) == scenario
+    write_mission(scenario, path)
+    assert read_mission(path) == scenario
 
 
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
     path = tmp_path / "bom.yaml"
     path.write_bytes(b"\xef\xbb\xbf" + EVERY_KEY.replace("\n", "\r\n").encode())
-    assert read_scenario(path) == AS_BUILT
+    assert read_mission(path) == AS_BUILT
 
 
 def test_a_place_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(TeamformerError, match="cannot be written") as caught:
-        write_scenario(AS_BUILT, tmp_path / "no such folder" / "out.yaml")
+        write_mission(AS_BUILT, tmp_path / "no such folder" / "out.yaml")
     assert caught.value.hint
 
 
@@ -238,7 +238,7 @@ def test_a_thousand_robots_are_read_at_once(tmp_path: Path, suffix: str) -> None
     spec = Spec(1000, 1000, 20, world=Grid(200, 200))
     scenario = generate(spec, np.random.default_rng(0))
     path = tmp_path / f"large{suffix}"
-    write_scenario(scenario, path)
+    write_mission(scenario, path)
     begun = time.process_time()
-    assert read_scenario(path) == scenario
+    assert read_mission(path) == scenario
     assert time.process_time() - begun < 1.5  # seconds; a tenth of it is usual with libyaml

@@ -10,7 +10,7 @@ from jsonschema import Draft202012Validator
 
 from teamformer.files.drawn.families import FAMILIES
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import scenario_to_tree
+from teamformer.files.mission_files import mission_to_tree
 from teamformer.files.schema import mission_schema, schema_text
 
 ROOT = Path(__file__).parents[2]
@@ -35,7 +35,7 @@ def test_examples_are_good(path: Path) -> None:
 def test_drawn_missions_are_good(family: str) -> None:
     for incident in ("", "-lost", "-arrivals", "-ordered", "-mixed"):
         scenario = world_of(f"{family}{incident}", 1)
-        assert faults(scenario_to_tree(scenario)) == []
+        assert faults(mission_to_tree(scenario)) == []
 
 
 @pytest.mark.parametrize(

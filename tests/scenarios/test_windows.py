@@ -9,12 +9,12 @@ import pytest
 
 from small_worlds import make, robot, task
 from teamformer.mission.checks.windows import find_hopeless_windows
-from teamformer.mission.model import Scenario, Task
+from teamformer.mission.model import Mission, Task
 
 FIRST = replace(task("a", 3, duration=4), between=(20, 30))
 
 
-def mission(then: Task, first: Task = FIRST, **rules: Any) -> Scenario:
+def mission(then: Task, first: Task = FIRST, **rules: Any) -> Mission:
     """Return a mission in which t1 is after t0."""
     small = make([robot("a", 0)], [first, then])
     tasks = (small.tasks[0], replace(small.tasks[1], after=("t0",)))

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.rules import LIKELY
-from teamformer.mission.model import Robot, Scenario
+from teamformer.mission.model import Mission, Robot
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
@@ -67,8 +67,8 @@ class PlainWorld:
 
     def __init__(
         self,
-        scenario: Scenario,
-        truth: Scenario | None = None,
+        scenario: Mission,
+        truth: Mission | None = None,
         is_coordinated: bool = False,
         foresight: str = "scouting",
     ) -> None:

@@ -10,21 +10,21 @@ import pytest
 
 from small_worlds import make, play, robot, task
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import scenario_from_tree, scenario_to_tree
+from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.methods.by_name import load_method
 from teamformer.mission.arrivals import most_tasks, once_appeared, without_arrivals
-from teamformer.mission.model import Arrivals, Scenario
+from teamformer.mission.model import Arrivals, Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth, expected_mission
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 from teamformer.record.referee import judge
-from teamformer.record.writing import write_replay
+from teamformer.record.writing import save_record
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from test_surprises import is_alike, play_views
 
 
-def corridor(rate: float, until: int, most_needs: int = 0, duration: int = 0) -> Scenario:
+def corridor(rate: float, until: int, most_needs: int = 0, duration: int = 0) -> Mission:
     """Two robots and a task between walls; the cell behind the wall is not for them.
 
     a b . . T @ .
@@ -65,7 +65,7 @@ def test_what_has_appeared_may_be_known_and_the_rest_stays_as_it_was() -> None:
     assert known.tasks == (truth.tasks[0], *(replace(one, has_arrived=False) for one in arrived))
     assert draw_truth(known, 3).tasks == (*known.tasks, *truth.tasks[len(known.tasks) :])
     assert most_tasks(known) == len(known.tasks) + 18
-    assert scenario_from_tree(scenario_to_tree(known), "x") == known
+    assert mission_from_tree(mission_to_tree(known), "x") == known
 
 
 def test_names_that_are_taken_are_left_out() -> None:
@@ -89,10 +89,10 @@ def test_views_are_as_wide_however_many_appear() -> None:
 
 def test_files_keep_arrivals() -> None:
     for scenario in (corridor(0.1, 9), corridor(0.1, 9, 2, 3)):
-        assert scenario_from_tree(scenario_to_tree(scenario), "x") == scenario
+        assert mission_from_tree(mission_to_tree(scenario), "x") == scenario
         assert scenario.has_surprises
         truth = draw_truth(scenario, 1)
-        assert scenario_from_tree(scenario_to_tree(truth), "x") == truth
+        assert mission_from_tree(mission_to_tree(truth), "x") == truth
         assert not truth.has_surprises
 
 
@@ -103,8 +103,8 @@ def test_missions_with_arrivals_end_and_are_legal(method: str, tmp_path: Path) -
     assert replay.end.status == "completed"
     assert replay.end.tasks_done == len(replay.mission.tasks) > 22
     assert judge(replay).findings == ()
-    write_replay(replay, tmp_path / "replay.json")
-    again = read_replay(tmp_path / "replay.json")
+    save_record(replay, tmp_path / "replay.json")
+    again = read_record(tmp_path / "replay.json")
     assert again == replay
     assert again.scenario.tasks[20].has_arrived
     assert without_arrivals(again.scenario) == scenario

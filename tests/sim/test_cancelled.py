@@ -17,18 +17,18 @@ from random_worlds import (
     with_surprises,
 )
 from small_worlds import make, robot, task
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.methods.by_name import Player
 from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.export.events import events
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import cancelled_steps, done_steps, opening_steps
 from teamformer.trials.trial import run_trial
@@ -36,7 +36,7 @@ from teamformer.world.env import TeamFormation
 from test_step import step_both
 
 
-def with_cancelled(scenario: Scenario, rng: np.random.Generator) -> Scenario:
+def with_cancelled(scenario: Mission, rng: np.random.Generator) -> Mission:
     """Return the scenario with more than half of its tasks called off."""
     tasks = (
         replace(task, cancelled=int(rng.integers(1, 10))) if rng.random() < 0.6 else task
@@ -45,7 +45,7 @@ def with_cancelled(scenario: Scenario, rng: np.random.Generator) -> Scenario:
     return replace(scenario, tasks=tuple(tasks))
 
 
-def played(scenario: Scenario, player: Player | None = None) -> Replay:
+def played(scenario: Mission, player: Player | None = None) -> Record:
     replay = run_trial(scenario, player or SharedPlan()).replay
     assert judge(replay).findings == ()
     return replay
@@ -107,10 +107,10 @@ def test_records_of_missions_with_cancelled_tasks_are_legal(player: Player) -> N
     assert cancelled > 30
 
 
-def corridor(*tasks: Task, **changes: object) -> Scenario:
+def corridor(*tasks: Task, **changes: object) -> Mission:
     """Return a robot at 0 of a corridor of ten cells."""
     robots = (Robot("r", (0, 0), {"a": 1}),)
-    return replace(Scenario("corridor", Grid(10, 1), ("a",), robots, tasks), **changes)
+    return replace(Mission("corridor", Grid(10, 1), ("a",), robots, tasks), **changes)
 
 
 def test_who_heads_for_it_turns_to_what_is_left() -> None:
@@ -202,5 +202,5 @@ def test_the_cost_is_of_what_was_done() -> None:
 
 
 def test_who_plans_beforehand_says_that_it_cannot_know() -> None:
-    with pytest.raises(ScenarioError, match="task 'far' is cancelled, which nobody can know"):
+    with pytest.raises(MissionError, match="task 'far' is cancelled, which nobody can know"):
         run_trial(corridor(Task("far", (9, 0), {"a": 1}, cancelled=3)), Central(time_limit=0.1))

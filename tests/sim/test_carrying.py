@@ -16,7 +16,7 @@ from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.mission.coordination import Known, Plan
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.world.env import TeamFormation
@@ -66,7 +66,7 @@ def test_nothing_blocks_with_loads(player: Player, is_plane: bool) -> None:
     assert blocked_worlds(player, count, seed=15, is_plane=is_plane, have_loads=True) == []
 
 
-def piano(rows: tuple[str, ...] = (), **changes: object) -> Scenario:
+def piano(rows: tuple[str, ...] = (), **changes: object) -> Mission:
     """Return two movers at x = 0 and 1 of a corridor, and a piano at 3 that goes to 9, two rows up.
 
     It takes a step to take up, and two to unload; b crosses a cell in two steps.
@@ -74,7 +74,7 @@ def piano(rows: tuple[str, ...] = (), **changes: object) -> Scenario:
     robots = (Robot("a", (0, 0), {"lift": 1}), Robot("b", (1, 0), {"lift": 1}, speed=0.5))
     task = Task("piano", (3, 0), {"lift": 2}, duration=1, to=(9, 2), unload=2)
     world = Grid(12, 4, rows)
-    return replace(Scenario("move", world, ("lift",), robots, (task,)), **changes)
+    return replace(Mission("move", world, ("lift",), robots, (task,)), **changes)
 
 
 def play(env: TeamFormation) -> list[dict[str, object]]:
@@ -136,7 +136,7 @@ def test_nobody_takes_up_a_load_in_passing_and_nobody_with_a_load_does_anything_
         Task("crate", (3, 0), {"lift": 1}, to=(0, 0)),
         Task("tile", (1, 0), {"lift": 1}, after=("far",)),
     )
-    scenario = Scenario("row", Grid(6, 1), ("lift",), robots, tasks)
+    scenario = Mission("row", Grid(6, 1), ("lift",), robots, tasks)
 
     class InOrder:
         """Have the robot do the tasks in the order of the file."""

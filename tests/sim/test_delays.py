@@ -10,20 +10,20 @@ import pytest
 
 from small_worlds import make, places, play, robot, task
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import scenario_from_tree, scenario_to_tree
+from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Delays, Scenario
+from teamformer.mission.model import Delays, Mission
 from teamformer.mission.truth import draw_truth, expected_mission
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 from teamformer.record.record import TeamAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import write_replay
+from teamformer.record.writing import save_record
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from test_surprises import play_views, with_step
 
 
-def delayed(chance: float, seed: int | None = None, speed: float = 1.0) -> Scenario:
+def delayed(chance: float, seed: int | None = None, speed: float = 1.0) -> Mission:
     """One robot on its way.
 
     a . . . . . . . . . T
@@ -32,7 +32,7 @@ def delayed(chance: float, seed: int | None = None, speed: float = 1.0) -> Scena
     return make([walker], [task("a", 10)])
 
 
-def walk(scenario: Scenario, steps: int) -> list[int]:
+def walk(scenario: Mission, steps: int) -> list[int]:
     """Return where the first robot is after each step."""
     env = TeamFormation([scenario], truths=[draw_truth(scenario, 0)])
     seen = []
@@ -81,7 +81,7 @@ def test_views_hold_the_chance_and_plans_the_expected_speed() -> None:
 def test_files_keep_delays() -> None:
     for delays in (Delays(0.25), Delays(0.25, 8)):
         scenario = delayed(delays.chance, delays.seed)
-        assert scenario_from_tree(scenario_to_tree(scenario), "x") == scenario
+        assert mission_from_tree(mission_to_tree(scenario), "x") == scenario
     assert delayed(0.25).has_surprises
     assert not delayed(0.25, 8).has_surprises
 
@@ -92,8 +92,8 @@ def test_delayed_missions_end_and_are_legal(method: str, tmp_path: Path) -> None
     replay = run_trial(scenario, load_method(method), 4).replay
     assert replay.end.status == "completed"
     assert judge(replay).findings == ()
-    write_replay(replay, tmp_path / "replay.json")
-    assert read_replay(tmp_path / "replay.json") == replay
+    save_record(replay, tmp_path / "replay.json")
+    assert read_record(tmp_path / "replay.json") == replay
 
 
 def test_nobody_knows_when_robots_stand_still() -> None:

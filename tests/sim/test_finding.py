@@ -13,29 +13,29 @@ from coordinations import COORDINATIONS, method_of
 from random_worlds import random_world, with_surprises
 from small_worlds import done_at, make, play, robot, task
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import possible_places
 from teamformer.mission.truth import draw_truth
 from teamformer.record.export.events import events
-from teamformer.record.reading import read_replay
-from teamformer.record.record import Replay, TaskAt
+from teamformer.record.reading import read_record
+from teamformer.record.record import Record, TaskAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import write_replay
+from teamformer.record.writing import save_record
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NOBODY
 from test_surprises import is_alike, play_views, with_step, with_true_task
 
 
-def really_at(scenario: Scenario, place: Place, foresight: str = "needed") -> TeamFormation:
+def really_at(scenario: Mission, place: Place, foresight: str = "needed") -> TeamFormation:
     """Return a world whose first task is really in a place."""
     truth = draw_truth(scenario, 0)
     tasks = (replace(truth.tasks[0], at=place), *truth.tasks[1:])
     return TeamFormation([scenario], truths=[replace(truth, tasks=tasks)], foresight=foresight)
 
 
-def corridor(**rules: Any) -> Scenario:
+def corridor(**rules: Any) -> Mission:
     """One robot, and a task at 2 to 8.
 
     a . ? ? ? T ? ? ?
@@ -151,7 +151,7 @@ def test_what_appears_later_is_not_looked_for_before() -> None:
     assert env.worlds.tasks["found_at"][0, 0] == 4
 
 
-def recorded(coordination: str = "plan", seed: int = 1) -> Replay:
+def recorded(coordination: str = "plan", seed: int = 1) -> Record:
     return run_trial(world_of("4N20T-C4-places", seed), method_of(coordination), seed).replay
 
 
@@ -161,8 +161,8 @@ def test_missions_with_hidden_places_end_and_are_legal(coordination: str, tmp_pa
     assert replay.end.status == "completed"
     assert judge(replay).findings == ()
     assert sum(len(step.found) for step in replay.steps) == 20
-    write_replay(replay, tmp_path / "replay.json")
-    assert read_replay(tmp_path / "replay.json") == replay
+    save_record(replay, tmp_path / "replay.json")
+    assert read_record(tmp_path / "replay.json") == replay
     found = [event for event in events(replay) if event.kind == "found"]
     assert len(found) == 20
     x, y = replay.mission.tasks[found[0].task or 0].at

@@ -11,13 +11,13 @@ import pytest
 from coordinations import RandomPlans
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
-from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
 from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.record.referee.judge import judge
 from teamformer.trials.trial import run_trial
@@ -36,11 +36,11 @@ def walker(can: str, x: int, y: int = 0, speed: float = 1.0) -> Robot:
     return Robot(f"{can}{x}", (x, y), dict.fromkeys(can, 1), speed)
 
 
-def mission(robots: list[Robot], tasks: list[Task], **rules: object) -> Scenario:
-    return Scenario("m", WALL, ("a", "b"), tuple(robots), tuple(tasks), **rules)  # type: ignore[arg-type]
+def mission(robots: list[Robot], tasks: list[Task], **rules: object) -> Mission:
+    return Mission("m", WALL, ("a", "b"), tuple(robots), tuple(tasks), **rules)  # type: ignore[arg-type]
 
 
-def makespan(scenario: Scenario, method: str = "plan") -> int | None:
+def makespan(scenario: Mission, method: str = "plan") -> int | None:
     trial = run_trial(scenario, load_method(method, time_limit=0.0), 0)
     assert judge(trial.replay).findings == ()
     return trial.replay.end.makespan
@@ -102,10 +102,10 @@ def test_nobody_walks_to_a_partner_that_is_over_a_wall() -> None:
 def test_an_island_is_for_those_who_fly(tmp_path: Path) -> None:
     island = Grid(3, 1, (".@.",))
     there = Task("t", (2, 0), {"a": 1})
-    alone = Scenario("m", island, ("a", "b"), (flyer("a", 0), walker("b", 0)), (there,))
+    alone = Mission("m", island, ("a", "b"), (flyer("a", 0), walker("b", 0)), (there,))
     for method in ("plan", "crews", "central", "heuristic"):
         assert makespan(alone, method) == 2
-    with pytest.raises(ScenarioError, match="cannot be reached by robots that bring b; move it"):
+    with pytest.raises(MissionError, match="cannot be reached by robots that bring b; move it"):
         replace(alone, tasks=(replace(there, needs={"a": 1, "b": 1}),))
 
 
@@ -118,19 +118,19 @@ def test_a_file_says_how_robots_move(tmp_path: Path) -> None:
         "tasks:\n  - {at: [2, 0], needs: [a]}\n"
     )
     path.write_text(text)
-    assert [robot.flies for robot in read_scenario(path).robots] == [True, False]
+    assert [robot.flies for robot in read_mission(path).robots] == [True, False]
     path.write_text(text.replace("moves: air", "moves: water"))
     with pytest.raises(TeamformerError) as told:
-        read_scenario(path)
+        read_mission(path)
     assert "m.yaml:5: moves of robot 1 is 'water'; write ground or air" in str(told.value)
     path.write_text(text.replace("needs: [a]", "needs: [a, b]"))
     with pytest.raises(TeamformerError) as told:
-        read_scenario(path)
+        read_mission(path)
     message = "m.yaml:8: task 't1' cannot be reached by robots that bring b; move it, open the map"
     assert message in str(told.value)
 
 
-def with_flyers(rng: np.random.Generator) -> Scenario:
+def with_flyers(rng: np.random.Generator) -> Mission:
     """Return a world with many walls, maybe with islands, and robots of which some fly."""
     while True:
         scenario = random_world(rng)
@@ -151,7 +151,7 @@ def with_flyers(rng: np.random.Generator) -> Scenario:
         )
         try:
             return replace(scenario, world=replace(world, rows=rows), robots=robots, step_limit=0)
-        except ScenarioError:
+        except MissionError:
             continue
 
 

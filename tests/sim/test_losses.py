@@ -9,12 +9,12 @@ import pytest
 
 from random_worlds import random_world
 from small_worlds import done_at, make, places, play, robot, task, teams_of
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.methods.by_name import load_method
 from teamformer.methods.listings import our_method_names
-from teamformer.mission.model import Absence, Robot, Scenario
+from teamformer.mission.model import Absence, Mission, Robot
 from teamformer.record.referee import judge
-from teamformer.trials.trial import Trial, run_trial
+from teamformer.trials.trial import PlayedTrial, run_trial
 from teamformer.world.env import TeamFormation
 
 
@@ -22,7 +22,7 @@ def away(able: str, at: int, lost: int, back: int) -> Robot:
     return replace(robot(able, at), absences=(Absence(lost, back),))
 
 
-def trial_of(world: Scenario, name: str) -> Trial:
+def trial_of(world: Mission, name: str) -> PlayedTrial:
     return run_trial(world, load_method(name))
 
 
@@ -160,6 +160,6 @@ def test_nothing_blocks_whoever_comes_back(method: str, is_plane: bool) -> None:
 def test_absences_that_cannot_be(absences: list[tuple[int, int]], said: str) -> None:
     robots = (Robot("r0", (0, 0), {"a": 1}, absences=tuple(Absence(*steps) for steps in absences)),)
     good = make([robot("a", 0)], [task("a", 4)])
-    with pytest.raises(ScenarioError) as caught:
-        Scenario("bad", good.world, good.capabilities, robots, good.tasks)
+    with pytest.raises(MissionError) as caught:
+        Mission("bad", good.world, good.capabilities, robots, good.tasks)
     assert said in str(caught.value)

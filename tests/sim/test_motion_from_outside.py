@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from random_worlds import random_decision, random_world
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -39,11 +39,11 @@ def places_of(env: TeamFormation) -> np.ndarray:
     return np.stack([teams["x"], teams["y"]], axis=-1)
 
 
-def one_robot(duration: int = 0) -> Scenario:
+def one_robot(duration: int = 0) -> Mission:
     """A robot at the left edge of a field of four metres; a task in its middle."""
     robot = Robot("r", (0.0, 1.0), {"a": 1}, speed=0.5)
     task = Task("t", (2.0, 1.0), {"a": 1}, duration)
-    return Scenario("field", Plane(4.0, 2.0), ("a",), (robot,), (task,))
+    return Mission("field", Plane(4.0, 2.0), ("a",), (robot,), (task,))
 
 
 def carry(env: TeamFormation, x: float, y: float) -> None:

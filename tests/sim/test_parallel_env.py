@@ -17,13 +17,13 @@ from random_worlds import random_world
 from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import how_to_install
 from teamformer.files.drawn.generate import Spec
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.world.multi_agent.parallel_env import TeamFormationParallel
 
 SPEC = Spec(robots=4, tasks=3, capabilities=3, world=Grid(6, 6), step_limit=60)
 
-CORRIDOR = Scenario(
+CORRIDOR = Mission(
     name="corridor",
     world=Grid(9, 1),
     capabilities=("a", "b"),
@@ -225,7 +225,7 @@ def test_the_future_and_the_distance_cannot_be_seen() -> None:
         np.testing.assert_equal(seen[0]["ann"], seen[1]["ann"])  # now the late task is known
 
 
-def without_future(scenario: Scenario, known_until: int) -> Scenario:
+def without_future(scenario: Mission, known_until: int) -> Mission:
     """Return the scenario with other late tasks, and without losses and returns, after a step."""
     last = scenario.tasks[0]
     tasks = tuple(

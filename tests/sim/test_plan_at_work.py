@@ -10,7 +10,7 @@ import pytest
 from coordinations import play_by_plan
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.methods.coordinators.shared_plan import SharedPlan
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.steps.shared_plan import plan_mission
 from teamformer.record.referee.judge import judge
@@ -20,8 +20,8 @@ from teamformer.world.env import TeamFormation
 CAPS = ("lift", "weld")
 
 
-def corridor(tasks: list[Task], *robots: Robot) -> Scenario:
-    return Scenario("corridor", Grid(30, 1), CAPS, robots, tuple(tasks))
+def corridor(tasks: list[Task], *robots: Robot) -> Mission:
+    return Mission("corridor", Grid(30, 1), CAPS, robots, tuple(tasks))
 
 
 @pytest.mark.parametrize("seed", range(20))

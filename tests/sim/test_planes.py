@@ -14,7 +14,7 @@ from random_worlds import random_decision, random_world
 from teamformer.methods.central.plan_player import PlanPlayer
 from teamformer.methods.coordinators.on_command import OnCommand
 from teamformer.methods.coordinators.shared_plan import SharedPlan
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.world.env import Decision, TeamFormation
@@ -29,10 +29,10 @@ def field(
     plane: Plane = FIELD,
     speed: float = 1.0,
     **rules: float,
-) -> Scenario:
+) -> Mission:
     """Robots r0, r1, ... that can a, b, ... each; tasks t0, t1, ..."""
     caps = tuple("abcdefgh"[: max(len(starts), 2)])
-    return Scenario(
+    return Mission(
         "field",
         plane,
         caps,
@@ -174,7 +174,7 @@ def test_all_are_found_who_are_near() -> None:
         places[::7] = places[::7].clip(0, (width / 3, height / 3))
         robots = tuple(Robot(f"r{r}", (x, y), {"a": 1}) for r, (x, y) in enumerate(places.tolist()))
         world, task = Plane(width, height), Task("t", (0.1, 0.1), {"a": 1})
-        scenario = Scenario("crowd", world, ("a",), robots, (task,), sensing_radius=radius)
+        scenario = Mission("crowd", world, ("a",), robots, (task,), sensing_radius=radius)
         view = TeamFormation([scenario]).view()
         apart = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))  # (robots, robots)
         is_near = (apart <= max(radius, 0.05)) & ~np.eye(300, dtype=bool)
@@ -194,7 +194,7 @@ def test_views_tell_the_lengths_that_matter() -> None:
     assert lengths == pytest.approx([0.25, 0.1, 0.4])
 
 
-def two_sides_of_a_wide_place() -> Scenario:
+def two_sides_of_a_wide_place() -> Mission:
     """a . . T . . b on a plane, three metres each side of a task that is a metre wide all around.
 
     After five steps of 0.4 m both are there, two metres apart; who joins has to be within one.

@@ -15,18 +15,18 @@ from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.heuristic import Heuristic
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.export.events import events
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import known_steps, lateness, opening_steps
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from test_step import coalitions_of, compare, shared_order, wanted_by_slot
 
-CORRIDOR = Scenario(
+CORRIDOR = Mission(
     "corridor",
     Grid(9, 1),
     ("a",),
@@ -39,7 +39,7 @@ CORRIDOR = Scenario(
 )
 
 
-def played(scenario: Scenario, player: Player | None = None) -> Replay:
+def played(scenario: Mission, player: Player | None = None) -> Record:
     return run_trial(scenario, player or SharedPlan()).replay
 
 
@@ -160,7 +160,7 @@ def test_every_mission_ends_and_its_record_is_legal(player: Player, worlds: int)
 @pytest.mark.parametrize("player", [SharedPlan(), Central(0.5)], ids=["plan", "central"])
 def test_robots_wait_for_what_comes_before_their_task(player: Player) -> None:
     """`pair` takes both robots: `s` waits there, and `r` brings what comes before it first."""
-    mission = Scenario(
+    mission = Mission(
         "before",
         Grid(9, 1),
         ("a", "b"),

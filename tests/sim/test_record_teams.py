@@ -6,7 +6,7 @@ import pytest
 
 from small_worlds import make, robot, task
 from teamformer.methods.by_name import load_method
-from teamformer.record.record import Ending, Replay, Step, TeamAt
+from teamformer.record.record import Ending, Record, Step, TeamAt
 from teamformer.record.teams import Teams, completions
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
@@ -16,11 +16,11 @@ START = ((0, (0, 2, 3), 0, 0), (1, (1,), 2, 0))
 """Three robots together, and one two cells away."""
 
 
-def record(*steps: Step) -> Replay:
+def record(*steps: Step) -> Record:
     """A record of four robots that lift and a box; only its teams mean anything."""
     mission = make([robot("a", 0), robot("a", 2), robot("a", 0), robot("a", 0)], [task("a", 2)])
     end = Ending("interrupted", None, len(steps), 0, 0, 0, 0)
-    return Replay(mission, "by hand", 0, ((0, (0,)),), START, steps, end)
+    return Record(mission, "by hand", 0, ((0, (0,)),), START, steps, end)
 
 
 def after(*steps: Step) -> Teams:

@@ -12,16 +12,16 @@ from typing import Any
 
 import pytest
 
-from teamformer.base.errors import ReplayError, TeamformerError
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.base.errors import RecordError, TeamformerError
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
 from teamformer.record.critical_path.of_record import path_of_record
-from teamformer.record.reading import read_replay, replay_from_tree
-from teamformer.record.record import Ending, Replay, Step, TeamAt
-from teamformer.record.writing import replay_to_tree, write_replay
+from teamformer.record.reading import read_record, record_from_tree
+from teamformer.record.record import Ending, Record, Step, TeamAt
+from teamformer.record.writing import record_to_tree, save_record
 
-HALL = Scenario(
+HALL = Mission(
     name="hall",
     world=Grid(4, 2, ("....", ".@.."), y_axis="down"),
     capabilities=("lift", "größe"),
@@ -36,7 +36,7 @@ HALL = Scenario(
 )
 """The file does not care whether its steps are legal, so these are not."""
 
-RECORD = Replay(
+RECORD = Record(
     scenario=HALL,
     method="by hand",
     seed=7,
@@ -59,27 +59,27 @@ def path(tmp_path: Path) -> Path:
 
 
 def test_what_is_written_is_read(path: Path) -> None:
-    write_replay(RECORD, path)
-    assert read_replay(path) == RECORD
+    save_record(RECORD, path)
+    assert read_record(path) == RECORD
 
 
 def test_of_a_fleet_nobody_may_know_who_did_a_task(path: Path) -> None:
     last = replace(RECORD.steps[3], done=((0, None),))
     record = replace(RECORD, method="fleet", steps=(*RECORD.steps[:3], last))
-    write_replay(record, path)
-    assert read_replay(path) == record
+    save_record(record, path)
+    assert read_record(path) == record
     assert path_of_record(replace(record, end=replace(record.end, makespan=4))) == ()
 
 
 def test_the_same_record_gives_the_same_bytes(path: Path) -> None:
-    write_replay(RECORD, path)
+    save_record(RECORD, path)
     first = path.read_bytes()
-    write_replay(read_replay(path), path)
+    save_record(read_record(path), path)
     assert path.read_bytes() == first
 
 
 def test_a_step_is_a_line_and_says_only_what_changed(path: Path) -> None:
-    write_replay(RECORD, path)
+    save_record(RECORD, path)
     lines = path.read_text(encoding="utf-8").splitlines()
     begin = lines.index('"steps": [')
     assert lines[begin + 1 : begin + 6] == [
@@ -92,13 +92,13 @@ def test_a_step_is_a_line_and_says_only_what_changed(path: Path) -> None:
 
 
 def test_the_file_is_json_for_other_programs(path: Path) -> None:
-    write_replay(RECORD, path)
+    save_record(RECORD, path)
 
     def refuse(word: str) -> None:
         raise AssertionError(f"{word} is no JSON")
 
     tree = json.loads(path.read_bytes(), parse_constant=refuse)
-    assert tree == replay_to_tree(RECORD)
+    assert tree == record_to_tree(RECORD)
     assert tree["teamformer_replay"] == 2
     assert tree["method"] == "by hand"
     assert not {"order", "new_tasks", "allocation", "foresight"} & set(tree["scenario"])
@@ -106,32 +106,32 @@ def test_the_file_is_json_for_other_programs(path: Path) -> None:
 
 def test_a_record_without_steps_is_read(path: Path) -> None:
     still = replace(RECORD, steps=(), lower_bound=None)
-    write_replay(still, path)
-    assert read_replay(path) == still
+    save_record(still, path)
+    assert read_record(path) == still
 
 
 def test_a_method_named_by_bytes_that_are_no_text_is_kept(path: Path) -> None:
     strange = replace(RECORD, method="mine-\udcff.onnx")  # what Python makes of byte 255
-    write_replay(strange, path)
-    assert read_replay(path) == strange
+    save_record(strange, path)
+    assert read_record(path) == strange
 
 
 def test_a_failed_write_leaves_the_old_file_and_no_litter(path: Path) -> None:
-    write_replay(RECORD, path)
+    save_record(RECORD, path)
     before = path.read_bytes()
     unwritable = replace(RECORD, seed=object())  # type: ignore[arg-type]
     with pytest.raises(TypeError):
-        write_replay(unwritable, path)
+        save_record(unwritable, path)
     assert path.read_bytes() == before
     (path.parent / "folder").mkdir()
     with pytest.raises(OSError, match="folder"):
-        write_replay(RECORD, path.parent / "folder")
+        save_record(RECORD, path.parent / "folder")
     assert sorted(entry.name for entry in path.parent.iterdir()) == ["folder", "replay.json"]
 
 
-def refusal(path: Path) -> ReplayError:
-    with pytest.raises(ReplayError) as caught:
-        read_replay(path)
+def refusal(path: Path) -> RecordError:
+    with pytest.raises(RecordError) as caught:
+        read_record(path)
     assert caught.value.hint
     return caught.value
 
@@ -178,7 +178,7 @@ def test_what_is_no_replay_is_told(path: Path, data: bytes, message: str) -> Non
 
 
 def test_every_cut_is_told_as_one(path: Path) -> None:
-    write_replay(RECORD, path)
+    save_record(RECORD, path)
     whole = path.read_text(encoding="utf-8")
     for length in range(len(whole.rstrip())):
         path.write_text(whole[:length], encoding="utf-8")
@@ -276,40 +276,40 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
 def test_damage_is_told_with_its_step(
     change: Callable[[dict[str, Any]], None], message: str
 ) -> None:
-    tree = replay_to_tree(RECORD)
+    tree = record_to_tree(RECORD)
     change(tree)
-    with pytest.raises(ReplayError) as caught:
-        replay_from_tree(tree, "r.json")
+    with pytest.raises(RecordError) as caught:
+        record_from_tree(tree, "r.json")
     assert str(caught.value) == f"r.json: the record is damaged: {message}"
 
 
 @pytest.mark.parametrize("value", [10**400, -(10**9) - 1, float("nan")])
 def test_a_point_beyond_all_planes_is_damage(value: float) -> None:
-    tree = replay_to_tree(replace(RECORD, scenario=replace(HALL, world=Plane(4, 4))))
+    tree = record_to_tree(replace(RECORD, scenario=replace(HALL, world=Plane(4, 4))))
     tree["steps"][1]["teams"][0][1] = value
-    with pytest.raises(ReplayError, match=r"step 2: .* stands where a number belongs"):
-        replay_from_tree(tree, "r.json")
+    with pytest.raises(RecordError, match=r"step 2: .* stands where a number belongs"):
+        record_from_tree(tree, "r.json")
 
 
 def test_a_seed_may_have_any_number_of_digits() -> None:
     record = replace(RECORD, seed=10**400)
-    assert replay_from_tree(replay_to_tree(record), "r.json") == record
+    assert record_from_tree(record_to_tree(record), "r.json") == record
 
 
-@pytest.mark.parametrize("key", replay_to_tree(RECORD)["end"])
+@pytest.mark.parametrize("key", record_to_tree(RECORD)["end"])
 def test_the_ending_must_be_whole(key: str) -> None:
-    tree = replay_to_tree(RECORD)
+    tree = record_to_tree(RECORD)
     del tree["end"][key]
-    with pytest.raises(ReplayError, match=f"end: the key '{key}' is missing"):
-        replay_from_tree(tree, "r.json")
+    with pytest.raises(RecordError, match=f"end: the key '{key}' is missing"):
+        record_from_tree(tree, "r.json")
 
 
 def test_a_mistake_in_the_scenario_is_told_with_the_file(path: Path) -> None:
-    tree = replay_to_tree(RECORD)
+    tree = record_to_tree(RECORD)
     tree["scenario"]["robots"][1]["speed"] = -1
     path.write_text(json.dumps(tree), encoding="utf-8")
     with pytest.raises(TeamformerError, match="'bob' has speed -1") as caught:
-        read_replay(path)
+        read_record(path)
     assert str(path) in str(caught.value)
 
 
@@ -328,26 +328,26 @@ def places(tree: Any, where: tuple[str | int, ...] = ()) -> Iterator[tuple[str |
 def test_junk_anywhere_is_refused_or_harmless() -> None:
     """A tree with junk in it is either refused with a message or a record like any other."""
     refused = 0
-    for where in places(replay_to_tree(RECORD)):
+    for where in places(record_to_tree(RECORD)):
         for junk in JUNK:
-            tree = replay_to_tree(RECORD)
+            tree = record_to_tree(RECORD)
             damage(*where, to=junk)(tree)
             told = ""
             try:
-                replay = replay_from_tree(tree, "r.json")
+                replay = record_from_tree(tree, "r.json")
             except TeamformerError as error:
                 told = str(error)
                 refused += 1
             assert (
                 told.startswith("r.json: ")
-                or replay_from_tree(replay_to_tree(replay), "r.json") == replay
+                or record_from_tree(record_to_tree(replay), "r.json") == replay
             )
     assert refused > 1000
 
 
 def test_no_damage_to_the_bytes_ends_in_a_traceback(path: Path) -> None:
     rng = random.Random(2)
-    write_replay(RECORD, path)
+    save_record(RECORD, path)
     whole = path.read_bytes()
     for _ in range(300):
         data = bytearray(whole)
@@ -359,7 +359,7 @@ def test_no_damage_to_the_bytes_ends_in_a_traceback(path: Path) -> None:
         path.write_bytes(data)
         told = str(path)
         try:
-            read_replay(path)
+            read_record(path)
         except TeamformerError as error:
             told = str(error)
         assert told.startswith(str(path))

@@ -16,20 +16,20 @@ from coordinations import COORDINATIONS, RandomPlans, method_of
 from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_fractions, with_surprises
 from small_worlds import make, play, robot, task
-from teamformer.base.errors import ReplayError
+from teamformer.base.errors import RecordError
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.methods.by_name import Method, load_method
 from teamformer.mission.checks.rules import FORESIGHTS, LIKELY
-from teamformer.mission.model import Absence, Breakdown, Scenario
+from teamformer.mission.model import Absence, Breakdown, Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.truth import draw_truth, truth_until
 from teamformer.record.export.csv_tables import write_tables
 from teamformer.record.export.events import events
-from teamformer.record.reading import read_replay, replay_from_tree
-from teamformer.record.record import Replay
+from teamformer.record.reading import read_record, record_from_tree
+from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import lateness
-from teamformer.record.writing import replay_to_tree, write_replay
+from teamformer.record.writing import record_to_tree, save_record
 from teamformer.trials.trial import decide, run_trial
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -44,7 +44,7 @@ RULES = [
 ]
 
 
-def with_truth(scenario: Scenario, **true: Any) -> Scenario:
+def with_truth(scenario: Mission, **true: Any) -> Mission:
     """Return what a mission of one task really is."""
     certain = draw_truth(scenario, 0)
     return replace(certain, tasks=(replace(certain.tasks[0], **true), *certain.tasks[1:]))
@@ -158,7 +158,7 @@ def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None
 
 
 def play_views(
-    scenario: Scenario, truth: Scenario, method: str | Method, steps: int
+    scenario: Mission, truth: Mission, method: str | Method, steps: int
 ) -> tuple[TeamFormation, list[tuple[View, Decision]]]:
     """Return what is seen and decided in the first steps."""
     method = load_method(method) if isinstance(method, str) else method
@@ -184,7 +184,7 @@ def is_alike(one: tuple[View, Decision], other: tuple[View, Decision]) -> bool:
     return same and np.array_equal(one[1].wanted, other[1].wanted)
 
 
-def other_truths(scenario: Scenario, truth: Scenario, env: TeamFormation) -> list[Any]:
+def other_truths(scenario: Mission, truth: Mission, env: TeamFormation) -> list[Any]:
     """Return (another truth that differs in one thing, the step in which that shows)."""
     found = []
     tasks = env.worlds.tasks[0]
@@ -251,8 +251,8 @@ def test_surprised_missions_end_and_are_legal(
         truth = draw_truth(scenario, seed)
         assert replay.truth == truth_until(scenario, truth, replay.end.steps + 1)
         assert replay.truth != truth  # what breaks down later is not in the record
-        write_replay(replay, tmp_path / "replay.json")
-        assert read_replay(tmp_path / "replay.json") == replay
+        save_record(replay, tmp_path / "replay.json")
+        assert read_record(tmp_path / "replay.json") == replay
 
 
 @pytest.mark.thorough
@@ -294,8 +294,8 @@ def test_what_takes_longer_than_its_window_is_late(name: str, tmp_path: Path) ->
         assert replay.end.makespan == 1 + duration
         late = {"t0": 1 + duration - 4} if duration > 3 else {}
         assert lateness(replay) == late
-        write_replay(replay, tmp_path / "replay.json")
-        verdict = judge(read_replay(tmp_path / "replay.json"))
+        save_record(replay, tmp_path / "replay.json")
+        verdict = judge(read_record(tmp_path / "replay.json"))
         assert (verdict.findings, verdict.late) == ((), late)
     assert drawn == set(range(6))
 
@@ -307,8 +307,8 @@ def test_a_repair_may_end_long_after_the_trial(tmp_path: Path) -> None:
     replay = run_trial(scenario, load_method("join-all"), 0).replay
     assert replay.mission.robots[0].absences == (Absence(1, 10**9 + 1),)
     assert (replay.end.status, replay.end.steps) == ("step limit", 5)  # it is due back
-    write_replay(replay, tmp_path / "replay.json")
-    assert judge(read_replay(tmp_path / "replay.json")).findings == ()
+    save_record(replay, tmp_path / "replay.json")
+    assert judge(read_record(tmp_path / "replay.json")).findings == ()
 
 
 def test_the_truth_of_a_thing_is_drawn_from_seed_and_number() -> None:
@@ -348,19 +348,19 @@ def test_truths_come_as_often_as_the_file_says() -> None:
     assert all(len(draw_truth(for_good, seed).robots[0].absences) <= 1 for seed in range(20))
 
 
-def recorded() -> Replay:
+def recorded() -> Record:
     """Return the record of a mission with every surprise."""
     return run_trial(world_of("4N20T-C4-mixed", 1), load_method("plan"), 2).replay
 
 
-def with_true_task(replay: Replay, number: int, **true: Any) -> Replay:
+def with_true_task(replay: Record, number: int, **true: Any) -> Record:
     assert replay.truth is not None
     tasks = list(replay.truth.tasks)
     tasks[number] = replace(tasks[number], **true)
     return replace(replay, truth=replace(replay.truth, tasks=tuple(tasks)))
 
 
-def with_step(replay: Replay, number: int, **said: Any) -> Replay:
+def with_step(replay: Record, number: int, **said: Any) -> Record:
     steps = list(replay.steps)
     steps[number] = replace(steps[number], **said)
     return replace(replay, steps=tuple(steps))
@@ -422,13 +422,13 @@ def test_the_referee_finds_truths_that_cannot_be_and_what_is_shown_wrongly() -> 
 )
 @pytest.mark.thorough
 def test_damaged_truths_are_refused(damage: Any, words: str) -> None:
-    tree = json.loads(json.dumps(replay_to_tree(recorded())))
+    tree = json.loads(json.dumps(record_to_tree(recorded())))
     damage(tree["truth"])
-    with pytest.raises(ReplayError, match=words):
-        replay_from_tree(tree, "record")
+    with pytest.raises(RecordError, match=words):
+        record_from_tree(tree, "record")
     del tree["truth"]
-    with pytest.raises(ReplayError, match="truth"):
-        replay_from_tree(tree, "record")
+    with pytest.raises(RecordError, match="truth"):
+        record_from_tree(tree, "record")
 
 
 def test_events_tell_what_turned_out(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 from random_worlds import random_world
 from small_worlds import make, play, robot, service, task, two_apart, two_tasks_two_pairs
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -161,7 +161,7 @@ def test_nobody_can_join_who_serves() -> None:
     assert not view.can_join.any()
 
 
-def with_another_future(scenario: Scenario) -> Scenario:
+def with_another_future(scenario: Mission) -> Mission:
     """Change what late tasks are and where, who is lost and back when; not before step 10."""
 
     def change_task(one: Task) -> Task:

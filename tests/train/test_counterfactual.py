@@ -15,7 +15,7 @@ from teamformer.learning.training_settings import TrainSettings
 from teamformer.methods.learned.any_fleet import AnyFleetCodec
 from teamformer.methods.learned.macro_actions import FOLLOW, HALVE
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.world.env import TeamFormation
 
@@ -57,7 +57,7 @@ def test_steps_played_are_counted_forks_included() -> None:
 
 
 def test_where_nobody_has_a_choice_nothing_is_learned() -> None:
-    alone = Scenario(
+    alone = Mission(
         "alone", Grid(4, 1), ("a",), (Robot("r", (0, 0), {"a": 1}),), (Task("t", (3, 0), {"a": 1}),)
     )
     tried, steps = try_others(AnyFleetCodec(), [alone], np.random.default_rng(1), share=1.0)

@@ -31,7 +31,7 @@ from teamformer.learning.training_worlds import (
 )
 from teamformer.methods.by_name import load_method
 from teamformer.methods.learned.policy import Learned
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.trials.trial import run_trials
 from teamformer.world.env import TeamFormation
 
@@ -56,7 +56,7 @@ def weights(learner: Learner) -> list[Tensor]:
     ]
 
 
-def held_out() -> list[list[Scenario]]:
+def held_out() -> list[list[Mission]]:
     mixture = replace(SHORT.worlds_from, crowds=0.0)
     return [training_worlds(mixture, 4, (9, 0))]
 

@@ -10,7 +10,7 @@ import pytest
 
 from small_worlds import make, robot, task
 from teamformer.base.errors import TeamformerError
-from teamformer.files.drawn.smallest import smallest_scenario
+from teamformer.files.drawn.smallest import smallest_mission
 from teamformer.methods.by_name import Method, as_method, default_for, load_method, with_settings
 from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.crews import Crews
@@ -188,7 +188,7 @@ def test_a_class_of_ones_own(own_module: str) -> None:
     policy = load_method(f"{own_module}:Timed", time_limit=2.5).policy
     assert isinstance(policy, Planner)
     assert policy.time_limit == 2.5
-    truth, belief = [smallest_scenario()], [smallest_scenario()]
+    truth, belief = [smallest_mission()], [smallest_mission()]
     policy.plan(truth, belief, np.random.default_rng(0))
     assert [policy.plans[0] is truth, policy.plans[1] is belief] == [True, True]
     assert not isinstance(load_method(f"{own_module}:Patient").policy, Planner)
@@ -220,7 +220,7 @@ def test_what_goes_wrong_in_a_policy_of_ones_own_is_told_by_line(
     name: str, message: str, own_module: str
 ) -> None:
     policy = load_method(f"{own_module}:{name}").policy
-    view = TeamFormation([smallest_scenario()]).view()
+    view = TeamFormation([smallest_mission()]).view()
     with pytest.raises(TeamformerError, match=message):
         policy.decide(view)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from random_worlds import random_decision, random_world
 from small_worlds import late_task, make, play, robot, task, two_robots_one_task
-from teamformer.record.record import Replay, Step, TeamAt
+from teamformer.record.record import Record, Step, TeamAt
 from teamformer.trials.recorder import Recorder, _splits
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -68,7 +68,7 @@ def test_each_order_is_written_when_tasks_appear() -> None:
     assert recorder.finish("by hand", 0, None).orders == ((0, (0,)), (2, (1, 0)))
 
 
-def states_of(replay: Replay) -> list[State]:
+def states_of(replay: Record) -> list[State]:
     """Bring back each state from what the record says has changed."""
     groups = {slot: robots for slot, robots, _, _ in replay.start}
     stand = {slot: TeamAt(slot, x, y, None) for slot, _, x, y in replay.start}

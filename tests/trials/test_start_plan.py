@@ -10,9 +10,9 @@ import pytest
 
 from teamformer.base.errors import TeamformerError
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.solve import plan_together, solve
@@ -25,7 +25,7 @@ WAREHOUSE = Path(__file__).parents[2] / "examples" / "warehouse.yaml"
 OF_WAREHOUSE = Path(__file__).parent / "warehouse-plan.json"
 """A plan that `central` found in two seconds: the mission is over after 50 steps."""
 
-MISSION = Scenario(
+MISSION = Mission(
     "three",
     Grid(9, 1),
     ("a", "b"),
@@ -66,7 +66,7 @@ def test_what_a_plan_leaves_out_comes_last(tmp_path: Path) -> None:
     assert read_start_plan(path, MISSION) == Plan((1, 0, 2), ((1,), (1,), (0, 2)))
 
 
-LINKED = Scenario(
+LINKED = Mission(
     "linked",
     Grid(9, 1),
     ("a",),
@@ -171,16 +171,16 @@ def test_what_was_planned_may_be_read_back(tmp_path: Path) -> None:
     assert again.cost <= made.cost + 1e-6
 
 
-def without_loads() -> Scenario:
+def without_loads() -> Mission:
     """Return the warehouse with pallets that stay in their places."""
-    warehouse = read_scenario(WAREHOUSE)
+    warehouse = read_mission(WAREHOUSE)
     return replace(warehouse, tasks=tuple(replace(task, to=None) for task in warehouse.tasks))
 
 
 def test_only_central_begins_with_a_plan(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    write_scenario(without_loads(), tmp_path / "warehouse.yaml")
+    write_mission(without_loads(), tmp_path / "warehouse.yaml")
     words = ("--from", str(OF_WAREHOUSE), "--json", "--time-limit", "0")
     assert teamformer("plan", str(tmp_path / "warehouse.yaml"), *words) == 0
     assert json.loads(capsys.readouterr().out)["makespan"] == 50
@@ -189,5 +189,5 @@ def test_only_central_begins_with_a_plan(
         plan_mission(mission, "plan", 0.0, Plan())
 
 
-def _continuous(mission: Scenario) -> Scenario:
+def _continuous(mission: Mission) -> Mission:
     return replace(mission, time="continuous")

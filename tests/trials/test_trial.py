@@ -17,9 +17,9 @@ from random_worlds import random_decision, random_world
 from small_worlds import two_robots_one_task, two_tasks_two_pairs, walker
 from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.record.referee import judge
-from teamformer.trials.trial import Trial, run_trial, run_trials
+from teamformer.trials.trial import PlayedTrial, run_trial, run_trials
 from teamformer.world.env import Decision, Tally
 from teamformer.world.view import View
 
@@ -28,9 +28,9 @@ class Dice:
     """Decides at random, by the generator it is given."""
 
     needs_everything = False
-    given: Sequence[Scenario] | None = ()
+    given: Sequence[Mission] | None = ()
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+    def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         self.given, self.rng = everything, rng
 
     def decide(self, view: View) -> Decision:
@@ -108,7 +108,7 @@ class Interrupter:
                 raise KeyboardInterrupt
         return self
 
-    def run(self, scenario: Scenario, method: Method) -> Trial | None:
+    def run(self, scenario: Mission, method: Method) -> PlayedTrial | None:
         """Return the trial, None if nothing could be recorded."""
         before = sys.gettrace()
         sys.settrace(self)

@@ -10,7 +10,7 @@ import pytest
 from toy_replays import Tree, small_scenario, toy_replay
 
 from browsers import Opened, Opener
-from teamformer.viewer.html import replay_page
+from teamformer.viewer.html import record_page
 
 
 @pytest.fixture
@@ -19,7 +19,7 @@ def open_page(browser: Any, tmp_path: Path) -> Iterator[Opener]:
     contexts = []
 
     def open_it(
-        tree: Any, moment: str = "", written: Callable[[Any], str] = replay_page, **settings: Any
+        tree: Any, moment: str = "", written: Callable[[Any], str] = record_page, **settings: Any
     ) -> Opened:
         path = tmp_path / f"replay-{len(contexts)}.html"
         path.write_text(written(tree), encoding="utf-8")

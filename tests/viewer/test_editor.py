@@ -10,10 +10,10 @@ import pytest
 
 from browsers import Opened
 from live_server import Served, serving_editor
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Absence
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 
@@ -108,7 +108,7 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     opened.wait_until("!document.querySelector('#problems li')")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "Saved: ")
-    drawn = read_scenario(tmp_path / "out" / "mission.yaml")
+    drawn = read_mission(tmp_path / "out" / "mission.yaml")
     assert [robot.at for robot in drawn.robots] == ROBOTS
     assert [task.at for task in drawn.tasks] == TASKS
     assert [dict(task.needs) for task in drawn.tasks][3:5] == [{"scan": 1}, {"lift": 1, "scan": 1}]
@@ -138,9 +138,9 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     wait_for(opened, "#mission h2", "Live, over")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "scenario.yaml")
-    record = read_replay(tmp_path / "out" / "replay.json")
+    record = read_record(tmp_path / "out" / "replay.json")
     assert judge(record).findings == ()
-    scenario = read_scenario(tmp_path / "out" / "scenario.yaml")
+    scenario = read_mission(tmp_path / "out" / "scenario.yaml")
     assert (scenario.tasks[-1].appears, scenario.robots[0].absences[0].lost) == (10, 16)
     again = run_trial(scenario, load_method("join-fitting"))
     assert again.replay.end.makespan == record.end.makespan
@@ -209,7 +209,7 @@ def test_things_are_dragged_and_walls_painted(opened: Opened, tmp_path: Path) ->
     page.fill("#file-name", "walls.yaml")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "walls.yaml")
-    scenario = read_scenario(tmp_path / "out" / "walls.yaml")
+    scenario = read_mission(tmp_path / "out" / "walls.yaml")
     assert scenario.robots[0].at == (2, 9)
     blocked = [(x, y) for y in range(10) for x in range(16) if not scenario.world.is_free((x, y))]
     assert blocked == [(7, 3), (7, 4), (7, 5)]
@@ -233,7 +233,7 @@ def test_files_are_opened_and_saved_in_the_folder_only(opened: Opened, tmp_path:
     page.fill("#file-name", "again.yaml")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "again.yaml")
-    assert read_scenario(tmp_path / "out" / "again.yaml") == read_scenario(path)
+    assert read_mission(tmp_path / "out" / "again.yaml") == read_mission(path)
     path.write_text("teamformer: 1\nnmae: shift\n")
     with page.expect_file_chooser() as chooser:
         page.click("#mission >> text=Open …")
@@ -288,7 +288,7 @@ def test_a_new_name_is_taken_up_by_all_that_refer_to_it(opened: Opened, tmp_path
     rename(1, 0, "eye")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "Saved: ")
-    drawn = read_scenario(tmp_path / "out" / "chain.yaml")
+    drawn = read_mission(tmp_path / "out" / "chain.yaml")
     assert [(task.name, task.after) for task in drawn.tasks] == [
         ("pourer", ()),
         ("pour", ("pourer",)),
@@ -331,7 +331,7 @@ def test_fractions_are_drawn_saved_run_and_added(opened: Opened, tmp_path: Path)
     opened.wait_until("!document.querySelector('#problems li')")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "Saved: ")
-    drawn = read_scenario(tmp_path / "out" / "mission.yaml")
+    drawn = read_mission(tmp_path / "out" / "mission.yaml")
     assert [robot.can for robot in drawn.robots] == [{"lift": 12.5}, {"lift": 20.25}]
     assert drawn.tasks[0].needs == {"lift": 32.75}
     with page.expect_event("load", timeout=60_000):
@@ -463,6 +463,6 @@ def test_fields_of_keys_say_what_they_mean_and_are_written(begun: Opened, tmp_pa
     page.fill("#file-name", "keys.yaml")
     page.click("#mission >> text=Save")
     wait_for(begun, "#notice", "keys.yaml")
-    robot = read_scenario(tmp_path / "out" / "keys.yaml").robots[1]
+    robot = read_mission(tmp_path / "out" / "keys.yaml").robots[1]
     assert (robot.note, robot.speed, robot.moves) == ("leaks oil", 0.5, "air")
     assert robot.absences == (Absence(9, 20), Absence(40))

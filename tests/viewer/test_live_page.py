@@ -19,7 +19,7 @@ from teamformer.base.errors import TeamformerError
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.keeping.autosave import Autosave, Identity
 from teamformer.live.running.incidents import Incident
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.what_if import IsOver, WhatIf, what_if
 from teamformer.live.session import Session
 from teamformer.live.workshop import Workshop
@@ -27,7 +27,7 @@ from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Absence
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 from teamformer.record.referee import judge
 from teamformer.world.env import Decision
 from teamformer.world.view import View
@@ -140,7 +140,7 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     wait_for(opened, "#status", "Completed")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "replay.json")
-    record = read_replay(tmp_path / "out" / "replay.json")
+    record = read_record(tmp_path / "out" / "replay.json")
     assert judge(record).findings == ()
     assert record.scenario.tasks[-1].name == "extra"
     assert record.scenario.robots[0].absences == (Absence(5, 7),)
@@ -150,7 +150,7 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
 def test_what_is_weighed_can_be_stopped_and_the_mission_paused_meanwhile(
     opened: Opened, served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def forever(now: Mission, incident: Incident, is_over: IsOver) -> WhatIf:
+    def forever(now: RunningMission, incident: Incident, is_over: IsOver) -> WhatIf:
         while not is_over():
             time.sleep(0.01)
         return what_if(now, incident, is_over)
@@ -184,7 +184,7 @@ class WrittenFirst:
 def test_what_is_luck_is_said_to_be(browser: Any, tmp_path: Path) -> None:
     """The far robot takes 9 steps; once it is lost, the near one takes 3, from the next step on."""
     far_and_near = make([robot("a", 0), robot("a", 7)], [task("a", 9)])
-    run = Mission(far_and_near, lambda: Method("own", coordinator=WrittenFirst()), seed=0)
+    run = RunningMission(far_and_near, lambda: Method("own", coordinator=WrittenFirst()), seed=0)
     with serving_session(Session(run, tmp_path, 20.0)) as server:
         opened = Opened(browser.new_page())
         page = opened.page
@@ -388,7 +388,7 @@ class GivesUp(JoinFitting):
 def test_an_end_that_cannot_be_foreseen_is_not_awaited_for_ever(
     browser: Any, tmp_path: Path
 ) -> None:
-    run = Mission(small_mission(), lambda: Method("gives up", policy=GivesUp()), seed=0)
+    run = RunningMission(small_mission(), lambda: Method("gives up", policy=GivesUp()), seed=0)
     with serving_session(Session(run, tmp_path, 20.0)) as server:
         opened = Opened(browser.new_page())
         opened.page.goto(f"http://{server.address}/")
@@ -416,7 +416,7 @@ def test_a_server_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
 
 
 def kept_session(folder: Path, name: str) -> Session:
-    run = Mission(small_mission(), lambda: load_method("join-fitting"), 0)
+    run = RunningMission(small_mission(), lambda: load_method("join-fitting"), 0)
     autosave = Autosave(folder / "autosave.jsonl", Identity(name, Draft({})))
     return Session(run, folder, 20.0, autosave=autosave)
 

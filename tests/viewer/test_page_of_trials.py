@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.record.writing import replay_to_tree
+from teamformer.record.writing import record_to_tree
 from teamformer.trials.recorder import Recorder
 from teamformer.world.env import TeamFormation
 
@@ -37,7 +37,7 @@ def scripts(browser: Any) -> Iterator[Any]:
 @pytest.mark.parametrize("policy", [Heuristic, JoinAll])
 @pytest.mark.parametrize("name", ["warehouse", "breakdown", "late-tasks", "plane"])
 def test_the_page_rebuilds_what_the_simulator_had(scripts: Any, name: str, policy: Any) -> None:
-    env = TeamFormation([read_scenario(EXAMPLES / f"{name}.yaml")])
+    env = TeamFormation([read_mission(EXAMPLES / f"{name}.yaml")])
     recorder, chooser = Recorder(env), policy()
     chooser.begin(None, np.random.default_rng(0))
     had = [moment(env)]
@@ -45,7 +45,7 @@ def test_the_page_rebuilds_what_the_simulator_had(scripts: Any, name: str, polic
         env.step(chooser.decide(env.view()))
         recorder.step()
         had.append(moment(env))
-    tree = replay_to_tree(recorder.finish(name, 0, None))
+    tree = record_to_tree(recorder.finish(name, 0, None))
     assert scripts.evaluate(MOMENTS, tree) == had
 
 

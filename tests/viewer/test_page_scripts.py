@@ -17,7 +17,7 @@ from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_s
 from teamformer.mission.checks.rules import LIKELY
 from teamformer.record import phases
 from teamformer.record.export.moments import moments
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 
 PURE = (
     *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
@@ -303,7 +303,7 @@ def test_phases_are_those_of_the_exported_tables(
     ask = """(tree) => { const history = frames(tree);
       return tree.steps.map((_, before) => [...phasesIn(history, before + 1)]); }"""
     shown = [[phases.PHASES[phase] for phase in row] for row in scripts.evaluate(ask, tree)]
-    assert shown == [list(moment.phase) for moment in moments(read_replay(path))][1:]
+    assert shown == [list(moment.phase) for moment in moments(read_record(path))][1:]
 
 
 def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(scripts: Any) -> None:
@@ -425,7 +425,7 @@ def test_a_load_is_with_those_who_took_it_up_until_it_is_down(
     assert scripts.evaluate(CARRIERS, tree) == carriers
     path = tmp_path / "replay.json"
     path.write_text(json.dumps(tree), encoding="utf-8")
-    for moment, (robots, at) in zip(list(moments(read_replay(path)))[1:], carriers, strict=True):
+    for moment, (robots, at) in zip(list(moments(read_record(path)))[1:], carriers, strict=True):
         assert list(moment.task_at[0]) == (at if at != "up" else list(moment.place[robots[0]]))
 
 

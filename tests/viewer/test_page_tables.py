@@ -12,8 +12,8 @@ import pytest
 from toy_replays import Tree, random_scenario, toy_replay
 
 from browsers import Opened, Opener
-from teamformer.files.mission_files import read_scenario
-from teamformer.record.reading import read_replay
+from teamformer.files.mission_files import read_mission
+from teamformer.record.reading import read_record
 
 TABLE = "[...document.querySelectorAll('#stage-{} .rows [role=row]')]"
 ROWS = TABLE + ".map((row) => [...row.children].map((cell) => cell.textContent))"
@@ -209,9 +209,9 @@ def test_a_saved_page_gives_its_mission_its_record_and_itself(
     record = saved_from_menu(opened, "Record", tmp_path, "replay.json")
     assert json.loads(record.read_text()) == tree
     (tmp_path / "plain.json").write_text(json.dumps(tree))
-    assert read_replay(record) == read_replay(tmp_path / "plain.json")
-    drawn = read_scenario(saved_from_menu(opened, "Mission", tmp_path, "mission.json"))
-    assert drawn == read_replay(record).scenario
+    assert read_record(record) == read_record(tmp_path / "plain.json")
+    drawn = read_mission(saved_from_menu(opened, "Mission", tmp_path, "mission.json"))
+    assert drawn == read_record(record).scenario
     page = saved_from_menu(opened, "This page", tmp_path, "page.html")
     again = Opened(browser.new_page())
     again.page.on("pageerror", lambda error: again.errors.append(str(error)))

@@ -11,7 +11,7 @@ from toy_replays import Tree, random_scenario, small_scenario, toy_replay
 
 from browsers import Opened, Opener
 from teamformer.base.errors import TeamformerError
-from teamformer.record.reading import replay_from_tree
+from teamformer.record.reading import record_from_tree
 
 
 def three_in_one_cell() -> Tree:
@@ -321,7 +321,7 @@ def test_a_damaged_record_is_refused_as_a_whole(
         part = part[key]
     part[keys[-1]] = value
     with pytest.raises(TeamformerError):
-        replay_from_tree(tree, "record")
+        record_from_tree(tree, "record")
     opened = open_page(dock, "#step=7")
     for is_beside in (False, True):
         opened.drop(json.dumps(tree), is_beside)

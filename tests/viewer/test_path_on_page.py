@@ -15,7 +15,7 @@ from random_worlds import random_world, with_precedence_and_windows, with_surpri
 from small_worlds import make, robot, task
 from teamformer.methods.by_name import load_method
 from teamformer.record.critical_path.of_record import path_of_record
-from teamformer.record.writing import replay_to_tree
+from teamformer.record.writing import record_to_tree
 from teamformer.trials.trial import run_trial
 
 READING = (
@@ -48,7 +48,7 @@ def test_the_page_finds_the_same_path(scripts: Any, method: str) -> None:
         mission = with_surprises(mission, rng) if seed % 5 == 0 else mission
         replay = run_trial(mission, load_method(method), seed).replay
         path = path_of_record(replay)
-        shown = scripts.evaluate(PATH, replay_to_tree(replay))
+        shown = scripts.evaluate(PATH, record_to_tree(replay))
         assert shown == [[s.begin, s.end, s.doing, s.robot, s.task] for s in path], seed
         lengths.append(len(path))
     assert sum(lengths) > 15
@@ -58,7 +58,7 @@ def test_the_gantt_view_frames_it(open_page: Opener) -> None:
     """Robot b walks 9 to where a waits; then they form and serve: its bars are framed, not a's."""
     mission = make([robot("a", 0), robot("b", 11)], [task("ab", 2, duration=3)])
     replay = run_trial(replace(mission, name="two"), load_method("plan")).replay
-    opened = open_page(replay_to_tree(replay), "#view=gantt")
+    opened = open_page(record_to_tree(replay), "#view=gantt")
     opened.details()
     path = opened.page.evaluate("window.teamformer.criticalPath()")
     assert [(it["from"], it["to"], it["robot"]) for it in path] == [

@@ -38,7 +38,7 @@ class Problem:
     message: str
 
 
-class ScenarioError(TeamformerError):
+class MissionError(TeamformerError):
     """A scenario that cannot be run; `problems` holds everything wrong with it at once."""
 
     def __init__(self, problems: Sequence[Problem], lines: Sequence[str] = ()) -> None:
@@ -50,7 +50,7 @@ class UndoableError(TeamformerError):
     """A mission that is as it should be, but that nobody can do in full: no user's mistake."""
 
 
-class ReplayError(TeamformerError):
+class RecordError(TeamformerError):
     """A replay file that cannot be read."""
 
 

@@ -21,7 +21,7 @@ from teamformer.methods.by_name import Method, load_method, with_settings
 from teamformer.methods.central.plays import CentralPlan
 from teamformer.methods.seam.protocol import Planner, Policy
 from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.trials.list_schedule import list_schedule
@@ -51,7 +51,7 @@ class Job:
     rules: Mapping[str, int] = field(default_factory=dict)
     settings: Mapping[str, str] = field(default_factory=dict)
 
-    def scenario(self, seed: int) -> Scenario:
+    def scenario(self, seed: int) -> Mission:
         """Return the world of a trial, under the rules of the suite."""
         if self.worlds is None:
             scenario = world_of(self.setting, seed)
@@ -61,7 +61,7 @@ class Job:
         return replace(scenario, forming_steps=forming_steps)
 
 
-class Clock:
+class Stopwatch:
     """Times a method: stands between the worlds and its policy, or its coordinator."""
 
     def __init__(self, method: Method, worlds: int) -> None:
@@ -99,11 +99,11 @@ class Clock:
 class _TimedPolicy:
     """A policy under a clock; what it takes to decide is shared out by rows of the view."""
 
-    def __init__(self, clock: Clock, policy: Policy) -> None:
+    def __init__(self, clock: Stopwatch, policy: Policy) -> None:
         self._clock, self._policy = clock, policy
         self.needs_everything = policy.needs_everything
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+    def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         """Start the policy."""
         with self._clock.counting(self._clock.evenly):
             self._policy.begin(everything, rng)
@@ -119,7 +119,7 @@ class _TimedPolicy:
 class _TimedPlanner(_TimedPolicy):
     """A planner under a clock; what it takes to plan is shared out evenly."""
 
-    def __init__(self, clock: Clock, planner: Planner) -> None:
+    def __init__(self, clock: Stopwatch, planner: Planner) -> None:
         super().__init__(clock, planner)
         self._planner = planner
 
@@ -139,8 +139,8 @@ class _TimedPlanner(_TimedPolicy):
 
     def plan(
         self,
-        everything: Sequence[Scenario],
-        believed: Sequence[Scenario],
+        everything: Sequence[Mission],
+        believed: Sequence[Mission],
         rng: np.random.Generator,
     ) -> None:
         """Let it plan."""
@@ -148,7 +148,7 @@ class _TimedPlanner(_TimedPolicy):
             self._planner.plan(everything, believed, rng)
 
 
-def _under_clock(clock: Clock, policy: Policy) -> _TimedPolicy:
+def _under_clock(clock: Stopwatch, policy: Policy) -> _TimedPolicy:
     if isinstance(policy, Planner):
         return _TimedPlanner(clock, policy)
     return _TimedPolicy(clock, policy)
@@ -157,7 +157,7 @@ def _under_clock(clock: Clock, policy: Policy) -> _TimedPolicy:
 class _TimedCoordinator:
     """A coordinator under a clock; what it takes to plan is shared out evenly."""
 
-    def __init__(self, clock: Clock, coordinator: Coordinator) -> None:
+    def __init__(self, clock: Stopwatch, coordinator: Coordinator) -> None:
         self._clock, self._coordinator = clock, coordinator
         self.heeds = heeded_by(coordinator)
 
@@ -177,7 +177,7 @@ def run_job(job: Job) -> list[Row]:
     parts = [[seed] for seed in job.seeds] if job.is_timed else [list(job.seeds)]
     rows = []
     for seeds in parts:
-        clock = Clock(method, len(seeds))
+        clock = Stopwatch(method, len(seeds))
         began = time.perf_counter()
         tallies = run_trials(
             [worlds[seed] for seed in seeds], clock.timed(), seeds[0], truth_seeds=seeds
@@ -216,7 +216,7 @@ def _version() -> str:
     return version("teamformer")
 
 
-def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> Row:
+def known_row(job: Job, seed: int, scenario: Mission, makespan: int | None) -> Row:
     """Return the row of a trial of which nothing but the makespan is known; None: it failed."""
     return Row(
         suite=job.suite,
@@ -254,7 +254,7 @@ def known_row(job: Job, seed: int, scenario: Scenario, makespan: int | None) -> 
     )
 
 
-def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
+def _row(job: Job, seed: int, scenario: Mission, tally: Tally) -> Row:
     makespan = tally.steps if tally.status == "completed" else None
     return replace(
         known_row(job, seed, scenario, makespan),
@@ -267,7 +267,7 @@ def _row(job: Job, seed: int, scenario: Scenario, tally: Tally) -> Row:
     )
 
 
-def _with_times(row: Row, clock: Clock, place: int) -> Row:
+def _with_times(row: Row, clock: Stopwatch, place: int) -> Row:
     """Add what the clock says of a trial and, of a planner, what it found."""
     row = replace(
         row,
@@ -288,7 +288,7 @@ def _with_times(row: Row, clock: Clock, place: int) -> Row:
     )
 
 
-def _with_bars(row: Row, scenario: Scenario) -> Row:
+def _with_bars(row: Row, scenario: Mission) -> Row:
     truth = draw_truth(scenario, row.seed)
     bound = max(lower_bound(truth), row.lower_bound or 0)
     return replace(row, lower_bound=bound, list_schedule=list_schedule(truth))

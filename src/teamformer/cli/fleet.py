@@ -42,10 +42,10 @@ def start(
     as_json: AsJson = False,
 ) -> None:
     """Run every robot as a process of its own on this machine, with simulated bodies."""
-    from teamformer.cli.verbs.robots.start import Options
+    from teamformer.cli.verbs.robots.start import StartOptions
     from teamformer.cli.verbs.robots.start import start as command
 
-    raise typer.Exit(command(mission, Options(time_limit, method, keys), as_json))
+    raise typer.Exit(command(mission, StartOptions(time_limit, method, keys), as_json))
 
 
 @fleet.command()
@@ -59,11 +59,11 @@ def add(
     keys: Keys = None,
 ) -> None:
     """Add a task to a running fleet."""
-    from teamformer.cli.verbs.robots.add import NewTask
+    from teamformer.cli.verbs.robots.add import AddedTask
     from teamformer.cli.verbs.robots.add import add as command
     from teamformer.cli.verbs.robots.mesh import FleetAt
 
-    new = NewTask(name, at, needs, duration)
+    new = AddedTask(name, at, needs, duration)
     raise typer.Exit(command(mission, new, FleetAt(connect, keys)))
 
 
@@ -81,10 +81,10 @@ def agent(
     method: FleetMethod = "plan",
 ) -> None:
     """Run the mind of one robot, over Zenoh from peer to peer."""
-    from teamformer.cli.verbs.robots.agent import Options
+    from teamformer.cli.verbs.robots.agent import AgentOptions
     from teamformer.cli.verbs.robots.agent import agent as command
 
-    options = Options(robot, body, listen, tuple(connect or ()), keys, facts, method)
+    options = AgentOptions(robot, body, listen, tuple(connect or ()), keys, facts, method)
     raise typer.Exit(command(mission, options))
 
 
@@ -100,10 +100,10 @@ def rehearse(
     as_json: AsJson = False,
 ) -> None:
     """Try the fleet's own agents under random faults, faster than real time."""
-    from teamformer.cli.verbs.robots.rehearse import Options
+    from teamformer.cli.verbs.robots.rehearse import RehearseOptions
     from teamformer.cli.verbs.robots.rehearse import rehearse as command
 
-    options = Options(schedules, seed, schedule, out, method, foxglove)
+    options = RehearseOptions(schedules, seed, schedule, out, method, foxglove)
     raise typer.Exit(command(mission, options, as_json))
 
 

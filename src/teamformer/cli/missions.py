@@ -179,8 +179,8 @@ def live(
     Needs the extra `live`.
     """
     from teamformer.cli.terminal.addresses import address_of
-    from teamformer.cli.verbs.missions.live import Options
+    from teamformer.cli.verbs.missions.live import LiveOptions
     from teamformer.cli.verbs.missions.live import live as command
 
     at = address_of(port, split_names(host))
-    raise typer.Exit(command(mission, Options(method, seed, at, out, resume)))
+    raise typer.Exit(command(mission, LiveOptions(method, seed, at, out, resume)))

@@ -1,1 +1,1 @@
-"""Scenario files, map importers and random scenarios."""
+"""Mission files, map importers and random scenarios."""

@@ -1,4 +1,4 @@
-"""Scenario files: YAML or JSON in and out (docs/reference/scenarios.md)."""
+"""Mission files: YAML or JSON in and out (docs/reference/scenarios.md)."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from teamformer.base.errors import Problem, ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, Problem, TeamformerError
 from teamformer.base.file_access import read_text
 from teamformer.base.whole_files import own_number, write_whole
 from teamformer.files.trees.mission import read_tree
 from teamformer.files.trees.world import read_world
-from teamformer.files.trees.writer import scenario_to_tree
+from teamformer.files.trees.writer import mission_to_tree
 from teamformer.files.yaml import reader, writer
 from teamformer.files.yaml.reader import StopReadingError
 from teamformer.files.yaml.tree_reader import Reader
 from teamformer.mission.checks.windows import find_hopeless_windows
-from teamformer.mission.model import Scenario, World
+from teamformer.mission.model import Mission, World
 
 __all__ = [
-    "read_scenario",
+    "mission_from_tree",
+    "mission_to_tree",
+    "read_mission",
     "read_world_of",
-    "scenario_from_tree",
-    "scenario_to_tree",
-    "write_scenario",
+    "write_mission",
 ]
 
 LARGEST_FILE = 20_000_000  # bytes
@@ -34,12 +34,12 @@ MOST_LINES = 50
 """How many problems are told; nobody mends more at a time."""
 
 
-Finder = Callable[[Scenario], Iterable[Problem]]
+Finder = Callable[[Mission], Iterable[Problem]]
 """Finds what keeps a scenario from being used for something."""
 
 
-def read_scenario(path: Path, find_problems: Finder | None = None) -> Scenario:
-    """Read a scenario file; raises `ScenarioError` with every problem in it, each by line.
+def read_mission(path: Path, find_problems: Finder | None = None) -> Mission:
+    """Read a scenario file; raises `MissionError` with every problem in it, each by line.
 
     Maps are looked for beside the file. `find_problems` looks for more in a scenario that is good.
     """
@@ -72,14 +72,14 @@ def _parsed(path: Path) -> reader.Tree:
     return reader.parse_json(text) if is_json else reader.parse(text)
 
 
-def scenario_from_tree(value: Any, source: str = "scenario") -> Scenario:
+def mission_from_tree(value: Any, source: str = "scenario") -> Mission:
     """Build a scenario from a tree that is in memory already; `source` names it in errors."""
     return _read(reader.from_value(value), source, "unnamed", None)
 
 
-def write_scenario(scenario: Scenario, path: Path) -> None:
+def write_mission(scenario: Mission, path: Path) -> None:
     """Write a scenario that needs no other file; JSON if the name ends so, else YAML."""
-    tree = scenario_to_tree(scenario)
+    tree = mission_to_tree(scenario)
     if path.suffix.lower() == ".json":
         text = json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False, default=own_number)
         text += "\n"
@@ -94,7 +94,7 @@ def write_scenario(scenario: Scenario, path: Path) -> None:
         ) from None
 
 
-def _read(tree: reader.Tree, source: str, name: str, folder: Path | None) -> Scenario:
+def _read(tree: reader.Tree, source: str, name: str, folder: Path | None) -> Mission:
     scenario = None
     if tree.value is not None or not tree.problems:  # else it has no value because it is broken
         with suppress(StopReadingError):
@@ -104,7 +104,7 @@ def _read(tree: reader.Tree, source: str, name: str, folder: Path | None) -> Sce
     return scenario
 
 
-def error_of(tree: reader.Tree, source: str) -> ScenarioError:
+def error_of(tree: reader.Tree, source: str) -> MissionError:
     """Return what is wrong with a tree, line by line, as an error of its file."""
     found = sorted(dict.fromkeys(tree.problems), key=lambda at: at[0])
     lines = [
@@ -115,4 +115,4 @@ def error_of(tree: reader.Tree, source: str) -> ScenarioError:
     ]
     if len(found) > MOST_LINES:
         lines.append(f"{source}: and {len(found) - MOST_LINES} problems more")
-    return ScenarioError([problem for _, problem in found], lines)
+    return MissionError([problem for _, problem in found], lines)

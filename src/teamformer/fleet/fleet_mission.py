@@ -7,10 +7,10 @@ import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from teamformer.files.mission_files import scenario_to_tree
+from teamformer.files.mission_files import mission_to_tree
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.ways import Ways
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import Counts, exact
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import Plane
@@ -39,15 +39,15 @@ class Timers:
 
 
 @dataclass(frozen=True)
-class Mission:
+class FleetMission:
     """A scenario as agents need it; `step` is how many seconds a step of it takes."""
 
-    scenario: Scenario
+    scenario: Mission
     step: float = 1.0
     timers: Timers = field(default_factory=Timers)
 
     def __post_init__(self) -> None:
-        tree = json.dumps([scenario_to_tree(self.scenario), self.step], sort_keys=True)
+        tree = json.dumps([mission_to_tree(self.scenario), self.step], sort_keys=True)
         digest = hashlib.blake2b(tree.encode(), digest_size=8).digest()
         caps, robots = self.scenario.capabilities, self.scenario.robots
         world = self.scenario.world

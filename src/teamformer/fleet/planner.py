@@ -7,18 +7,18 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import NamedTuple, Protocol
 
-from teamformer.base.errors import ScenarioError
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.base.errors import MissionError
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.coordination import UNFORESEEN, Coordinator, Known, Plan
-from teamformer.mission.model import Scenario, Task
+from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.grid import Grid, Place
 
 Stop = tuple[int, tuple[int, ...]]
 """A task and its coalition."""
 
 
-class Situation(NamedTuple):
+class FleetSituation(NamedTuple):
     """What a plan is made from: the live robots' places, what is to do, who is at work."""
 
     places: Mapping[int, tuple[float, float]]
@@ -27,10 +27,10 @@ class Situation(NamedTuple):
     old: tuple[Stop, ...] = ()  # the plan before
 
 
-class Planner(Protocol):
+class FleetPlanner(Protocol):
     """Turns a situation in which every task can be done into stops, in order."""
 
-    def plan(self, mission: Mission, situation: Situation) -> Sequence[Stop]:
+    def plan(self, mission: FleetMission, situation: FleetSituation) -> Sequence[Stop]:
         """Return every task with a coalition that can do it, in an order to be kept to."""
 
 
@@ -44,9 +44,9 @@ class CoordinatedPlanner:
 
     def __init__(self, coordinator: Coordinator | None = None) -> None:
         self._coordinator = coordinator
-        self._changed: tuple[int, Sequence[TaskFact], Scenario | None] | None = None
+        self._changed: tuple[int, Sequence[TaskFact], Mission | None] | None = None
 
-    def plan(self, mission: Mission, situation: Situation) -> Sequence[Stop]:
+    def plan(self, mission: FleetMission, situation: FleetSituation) -> Sequence[Stop]:
         """Return the coordinator's plan; tasks that are being served come first, as they are."""
         robots = sorted(situation.places)
         own = len(mission.tasks)
@@ -95,7 +95,7 @@ class CoordinatedPlanner:
             self._coordinator = SharedPlan(scouts=False, is_brief=True)
         return self._coordinator
 
-    def _as_it_is(self, mission: Mission, news: Sequence[TaskFact]) -> Scenario | None:
+    def _as_it_is(self, mission: FleetMission, news: Sequence[TaskFact]) -> Mission | None:
         """Return the mission with loads where they lie and operators' tasks at its end.
 
         None if it could not be run so. The last such mission is kept.
@@ -107,19 +107,19 @@ class CoordinatedPlanner:
         return self._changed[2]
 
 
-def _is_moved(mission: Mission, task: TaskFact) -> bool:
+def _is_moved(mission: FleetMission, task: TaskFact) -> bool:
     """Say whether a mission's task has a load that lies elsewhere than at the beginning."""
     first = mission.tasks[task.key]
     return (task.x, task.y) != (first.x, first.y)
 
 
-def _can_be_at(mission: Mission, robot: int, place: tuple[float, float]) -> bool:
+def _can_be_at(mission: FleetMission, robot: int, place: tuple[float, float]) -> bool:
     """Say whether a robot can have got to where it says that it is."""
     world = mission.scenario.world
     return world.is_free(place) and world.region(place) == mission.regions[robot]
 
 
-def _old_plan(situation: Situation, number_of: Mapping[int, int]) -> Plan | None:
+def _old_plan(situation: FleetSituation, number_of: Mapping[int, int]) -> Plan | None:
     """Return what is left of the plan before, in the numbers of the scenario."""
     open_keys = {task.key for task in situation.tasks}
     kept = [
@@ -133,7 +133,7 @@ def _old_plan(situation: Situation, number_of: Mapping[int, int]) -> Plan | None
     return Plan(order, coalitions)
 
 
-def _change(mission: Mission, news: Sequence[TaskFact]) -> Scenario | None:
+def _change(mission: FleetMission, news: Sequence[TaskFact]) -> Mission | None:
     whole = mission.scenario
     caps, is_grid = whole.capabilities, isinstance(whole.world, Grid)
     tasks = list(whole.tasks)
@@ -152,7 +152,7 @@ def _change(mission: Mission, news: Sequence[TaskFact]) -> Scenario | None:
     ]
     try:
         return replace(whole, tasks=tuple(tasks))
-    except ScenarioError:  # as of a service that takes longer than can be counted
+    except MissionError:  # as of a service that takes longer than can be counted
         return None
 
 
@@ -160,14 +160,16 @@ def _place(place: tuple[float, float], is_grid: bool) -> Place:
     return (int(place[0]), int(place[1])) if is_grid else place
 
 
-def _without(situation: Situation, stops: Sequence[Stop]) -> Situation:
+def _without(situation: FleetSituation, stops: Sequence[Stop]) -> FleetSituation:
     """Return a situation without the tasks that are planned."""
     planned = {key for key, _ in stops}
     left = tuple(task for task in situation.tasks if task.key not in planned)
     return situation._replace(tasks=left)
 
 
-def _serving_first(mission: Mission, situation: Situation, stops: list[Stop]) -> list[Stop]:
+def _serving_first(
+    mission: FleetMission, situation: FleetSituation, stops: list[Stop]
+) -> list[Stop]:
     """Let who is at work go on; everything else keeps its order."""
     going = {
         task.key: situation.serving[task.key]
@@ -178,7 +180,9 @@ def _serving_first(mission: Mission, situation: Situation, stops: list[Stop]) ->
     return first + [stop for stop in stops if stop[0] not in going]
 
 
-def _one_after_another(mission: Mission, situation: Situation, robots: Sequence[int]) -> list[Stop]:
+def _one_after_another(
+    mission: FleetMission, situation: FleetSituation, robots: Sequence[int]
+) -> list[Stop]:
     """Return the plainest plan there is: all robots that can reach a task go, task by task."""
     return [
         (task.key, tuple(robot for robot in robots if mission.reach(robot, task)))

@@ -18,7 +18,7 @@ from msgspec.structs import replace
 
 from teamformer.base.errors import TeamformerError
 from teamformer.fleet.messages import LOST, MOST_RELAYED, OPERATOR, Beat, Message, Word
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 OPERATORS_NAME = "operator"
 """Whose keys sign what operators say."""
@@ -124,7 +124,7 @@ def never_spoke(word: Word) -> bool:
     return word.version & ~LOST == 0
 
 
-def read_signatures(folder: Path, scenario: Scenario, mission: int, who: int | None) -> Signatures:
+def read_signatures(folder: Path, scenario: Mission, mission: int, who: int | None) -> Signatures:
     """Return the keys in a folder: NAME.pub of every robot and of `operator`, and NAME.key of one.
 
     `who` is a robot's number, OPERATOR, or None for who only listens. Raises `TeamformerError` with

@@ -15,7 +15,7 @@ from teamformer.methods.learned.policy import Brain, Learned
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.methods.seam.protocol import Policy
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Tally, TeamFormation
 
 
@@ -54,7 +54,7 @@ class Score:
         return self.ratio + max(0.0, max(self.ratios) - 1.0)
 
 
-def prepare_exam(settings: Sequence[Sequence[Scenario]]) -> Exam:
+def prepare_exam(settings: Sequence[Sequence[Mission]]) -> Exam:
     """Play the scripted policies on held-out worlds."""
     starts = tuple(TeamFormation(worlds) for worlds in settings)
     return Exam(

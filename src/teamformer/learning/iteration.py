@@ -21,7 +21,7 @@ from teamformer.learning.algorithms.rollout_improvement import fit
 from teamformer.learning.training_settings import TrainSettings
 from teamformer.learning.training_worlds import training_worlds
 from teamformer.methods.learned.codec import ImitatingCodec
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import TeamFormation
 
 
@@ -106,7 +106,7 @@ METHODS: Mapping[str, Callable[[Learner, TrainSettings, int, float], Iteration]]
 }
 
 
-def _worlds(settings: TrainSettings, number: int) -> tuple[list[Scenario], int]:
+def _worlds(settings: TrainSettings, number: int) -> tuple[list[Mission], int]:
     """Return this process's worlds of an iteration, and a seed for all else."""
     rank = distributed.rank()
     seed = settings.seed * 1_000_003 + number + rank * 7_919_993

@@ -1,4 +1,7 @@
-"""Measure a policy on worlds never trained or selected on: `python -m teamformer.learning.measure`."""
+"""Measure a policy on worlds never trained or selected on.
+
+`python -m teamformer.learning.measure` does it.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,7 @@ from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.methods.seam.protocol import Guarded, Policy
 from teamformer.methods.trained_folder import load_trained
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.trials.list_schedule import list_schedule
 from teamformer.trials.trial import run_trials
 
@@ -47,7 +50,7 @@ SETTINGS = {
 
 
 @dataclass(frozen=True)
-class Played:
+class MeasuredTrials:
     """How the trials of one policy ended."""
 
     steps: Array  # (worlds,) the step limit where a trial failed
@@ -57,11 +60,11 @@ class Played:
     seconds: float  # of CPU for each trial, simulator included, side by side with the others
 
 
-def measure(policy: Policy, worlds: Sequence[Scenario]) -> Played:
+def measure(policy: Policy, worlds: Sequence[Mission]) -> MeasuredTrials:
     """Run one trial of each world."""
     begun = time.process_time()
     tallies = run_trials(worlds, policy)
-    return Played(
+    return MeasuredTrials(
         steps=np.array([tally.steps for tally in tallies]),
         failures=sum(tally.status != "completed" for tally in tallies),
         joins=float(np.mean([tally.joins for tally in tallies])),
@@ -75,7 +78,7 @@ def mean_and_error(values: Array) -> tuple[float, float]:
     return float(values.mean()), float(values.std(ddof=1) / np.sqrt(len(values)))
 
 
-def final_worlds(name: str, count: int) -> list[Scenario]:
+def final_worlds(name: str, count: int) -> list[Mission]:
     """Return the worlds of a setting that figures are reported on."""
     rng = np.random.default_rng([FINAL, *name.encode()])
     return [generate(SETTINGS[name], rng, name) for _ in range(count)]
@@ -110,7 +113,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _line(name: str, worlds: Sequence[Scenario], folder: Path) -> str:
+def _line(name: str, worlds: Sequence[Mission], folder: Path) -> str:
     policy = load_trained(folder)
     played, bar = measure(policy, worlds), measure(JoinAll(), worlds)
     overdue = policy.overdue if isinstance(policy, Guarded) else 0
@@ -130,7 +133,7 @@ def _line(name: str, worlds: Sequence[Scenario], folder: Path) -> str:
     )
 
 
-def _with_error(played: Played) -> str:
+def _with_error(played: MeasuredTrials) -> str:
     mean, error = mean_and_error(played.steps)
     return f"{mean:.1f} ± {error:.1f}"
 

@@ -10,7 +10,7 @@ import torch
 from teamformer.base.errors import TeamformerError
 from teamformer.learning.algorithms import distributed
 from teamformer.learning.tensorboard import Curves
-from teamformer.learning.trainer import Report, train
+from teamformer.learning.trainer import IterationReport, train
 from teamformer.learning.training_settings import TrainSettings
 from teamformer.learning.training_worlds import selection_worlds
 
@@ -18,7 +18,7 @@ from teamformer.learning.training_worlds import selection_worlds
 def run_session(
     settings: TrainSettings,
     folder: Path,
-    on_report: Callable[[Report], None],
+    on_report: Callable[[IterationReport], None],
     begun: float | None = None,
 ) -> bool:
     """Train, selecting on worlds of the settings' own; return whether we are the first process.
@@ -37,7 +37,7 @@ def run_session(
             return False
         with Curves(folder / "tensorboard") as board:
 
-            def report_twice(report: Report) -> None:
+            def report_twice(report: IterationReport) -> None:
                 board.write(report)
                 on_report(report)
 

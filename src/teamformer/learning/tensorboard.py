@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from types import TracebackType
 
-from teamformer.learning.trainer import Report
+from teamformer.learning.trainer import IterationReport
 
 
 class Curves:
@@ -16,7 +16,7 @@ class Curves:
 
         self._writer = SummaryWriter(str(folder))
 
-    def write(self, report: Report) -> None:
+    def write(self, report: IterationReport) -> None:
         """Add a point to every curve, at the number of world steps so far."""
         for name, value in figures(report).items():
             self._writer.add_scalar(name, value, report.progress.steps)
@@ -33,7 +33,7 @@ class Curves:
         self._writer.close()
 
 
-def figures(report: Report) -> dict[str, float]:
+def figures(report: IterationReport) -> dict[str, float]:
     """Return what there is to plot of an iteration."""
     found = {f"iteration/{name}": value for name, value in report.iteration.figures.items()}
     found["speed/steps per second"] = report.steps_per_second

@@ -21,11 +21,11 @@ from teamformer.learning.nets.critic import Critic, CriticSettings
 from teamformer.learning.nets.teamformer import Teamformer
 from teamformer.learning.training_settings import TrainSettings
 from teamformer.methods.trained_folder import PolicyDescription, describe_policy
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 
 @dataclass(frozen=True)
-class Report:
+class IterationReport:
     """What there is to say after an iteration."""
 
     progress: TrainingProgress
@@ -64,8 +64,8 @@ def make_learner(settings: TrainSettings) -> Learner:
 def train(
     settings: TrainSettings,
     folder: Path,
-    held_out: Sequence[Sequence[Scenario]],
-    on_report: Callable[[Report], None] = lambda report: None,
+    held_out: Sequence[Sequence[Mission]],
+    on_report: Callable[[IterationReport], None] = lambda report: None,
     until: int | None = None,
     exports: bool = True,
     begun: float | None = None,
@@ -175,7 +175,7 @@ def _export(learner: Learner, settings: TrainSettings, *folders: Path) -> None:
 
 def _iterate(
     learner: Learner, settings: TrainSettings, progress: TrainingProgress, budget: Budget
-) -> Report:
+) -> IterationReport:
     begun = budget.seconds
     done = settings.share_done(progress.iteration, begun)
     with budget.spent_on("iteration"):
@@ -187,4 +187,4 @@ def _iterate(
         steps=progress.steps + iteration.steps,
         seconds=now,
     )
-    return Report(progress, iteration.steps / (now - begun), iteration, score=None)
+    return IterationReport(progress, iteration.steps / (now - begun), iteration, score=None)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from teamformer.files.drawn.generate import Spec, generate
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid
 
@@ -44,7 +44,7 @@ class Mixture:
         return max(self.capabilities[1], self.crowd_robots[1] if self.crowds else 0)
 
 
-def draw_world(mixture: Mixture, rng: np.random.Generator) -> Scenario:
+def draw_world(mixture: Mixture, rng: np.random.Generator) -> Mission:
     """Return a random training world."""
     is_crowd = rng.random() < mixture.crowds
     robots, caps = _draw_crowd(mixture, rng) if is_crowd else _draw_fleet(mixture, rng)
@@ -83,14 +83,14 @@ def _draw_grid(mixture: Mixture, rng: np.random.Generator) -> Grid:
     )
 
 
-def _with_speeds_and_durations(world: Scenario, rng: np.random.Generator) -> Scenario:
+def _with_speeds_and_durations(world: Mission, rng: np.random.Generator) -> Mission:
     """Return the world with some slower robots and some tasks that take up to four steps."""
     robots = tuple(replace(r, speed=float(rng.choice([1.0, 1.0, 0.8, 0.5]))) for r in world.robots)
     tasks = tuple(replace(t, duration=int(rng.choice([0, 0, 1, 2, 4]))) for t in world.tasks)
     return replace(world, robots=robots, tasks=tasks)
 
 
-def _with_counts(world: Scenario, rng: np.random.Generator) -> Scenario:
+def _with_counts(world: Mission, rng: np.random.Generator) -> Mission:
     """Return the world with a second capability for some robots and some needs of two."""
     robots = tuple(
         replace(r, can={**r.can, str(rng.choice(world.capabilities)): 1})
@@ -107,7 +107,7 @@ def _with_counts(world: Scenario, rng: np.random.Generator) -> Scenario:
     return replace(world, robots=robots, tasks=tasks)
 
 
-def _among(known: int, world: Scenario, rng: np.random.Generator) -> Scenario:
+def _among(known: int, world: Mission, rng: np.random.Generator) -> Mission:
     """Return a world with its capabilities at random places among so many."""
     if known == len(world.capabilities):
         return world
@@ -141,7 +141,7 @@ def _draw_crowd(mixture: Mixture, rng: np.random.Generator) -> tuple[int, int]:
     return robots, _between((max(1, robots // 2), robots), rng)
 
 
-def training_worlds(mixture: Mixture, count: int, seed: tuple[int, ...]) -> list[Scenario]:
+def training_worlds(mixture: Mixture, count: int, seed: tuple[int, ...]) -> list[Mission]:
     """Return the worlds that a seed stands for; they depend on nothing but the arguments."""
     rng = np.random.default_rng([TRAINING, *seed])
     return [draw_world(mixture, rng) for _ in range(count)]
@@ -222,7 +222,7 @@ def paper_selection(capabilities: int | None) -> tuple[Spec, ...]:
     )
 
 
-def selection_worlds(count: int, specs: Sequence[Spec] = ANY_SELECTION) -> list[list[Scenario]]:
+def selection_worlds(count: int, specs: Sequence[Spec] = ANY_SELECTION) -> list[list[Mission]]:
     """Return `count` worlds of each spec, to select checkpoints on.
 
     They are larger than those trained on.

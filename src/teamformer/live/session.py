@@ -15,7 +15,7 @@ from functools import partial
 from pathlib import Path
 
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.mission_files import write_mission
 from teamformer.live.keeping.autosave import Autosave
 from teamformer.live.running.forecasts import forecast
 from teamformer.live.running.incidents import (
@@ -32,7 +32,7 @@ from teamformer.live.running.messages import (
     read_search,
     read_speed,
 )
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.page_trees import (
     Tree,
     done_at_to_tree,
@@ -45,8 +45,8 @@ from teamformer.live.running.what_if import luck_of, what_if
 from teamformer.live.serving.errands import Errands, apart
 from teamformer.live.serving.refusals import or_refuse, refusal
 from teamformer.live.serving.watchers import Watcher
-from teamformer.record.record import Replay
-from teamformer.record.writing import write_replay
+from teamformer.record.record import Record
+from teamformer.record.writing import save_record
 
 AT_ONCE = 0.3
 """Seconds within which a step is made without a word; what takes longer is told to be planned."""
@@ -63,7 +63,7 @@ class Session:
 
     def __init__(
         self,
-        mission: Mission,
+        mission: RunningMission,
         folder: Path,
         speed: float,
         has_editor: bool = False,
@@ -155,7 +155,7 @@ class Session:
 
         The lock is held meanwhile. That it has happened is told before robots have planned for it.
         """
-        self.mission.scenario_with(incident)
+        self.mission.mission_with(incident)
         text = f"step {self.mission.steps + incident.steps_later}: {incident.text()}"
         self._happening = incident
         self._tell_planning(text)
@@ -200,7 +200,7 @@ class Session:
         self._errands.close()
         self._autosave.close()
 
-    async def record(self) -> Replay:
+    async def record(self) -> Record:
         """Return the record so far, with the bound."""
         async with self.lock:
             return await asyncio.to_thread(self._with_bound)
@@ -209,8 +209,8 @@ class Session:
         """Write the record and the scenario with all incidents; return their paths."""
         self.folder.mkdir(parents=True, exist_ok=True)
         record, scenario = self.folder / "replay.json", self.folder / "scenario.yaml"
-        write_replay(self._with_bound(), record)
-        write_scenario(self.mission.scenario, scenario)
+        save_record(self._with_bound(), record)
+        write_mission(self.mission.scenario, scenario)
         return record, scenario
 
     @property
@@ -373,7 +373,7 @@ class Session:
             self._planning = ""
             self._tell_all("state", self._state())
 
-    def _with_bound(self) -> Replay:
+    def _with_bound(self) -> Record:
         self.mission.work_out_bound()
         return self.mission.record()
 

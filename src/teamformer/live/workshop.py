@@ -28,11 +28,11 @@ from teamformer.live.drawing.drafts import (
 from teamformer.live.keeping.autosave import NAME, Autosave, Identity
 from teamformer.live.keeping.resuming import Kept, StartMission, play_again
 from teamformer.live.running.messages import Message, read_files, read_message
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.serving.watchers import Watcher
 from teamformer.live.session import AT_ONCE, Session
-from teamformer.mission.model import Scenario
-from teamformer.record.record import Replay
+from teamformer.mission.model import Mission
+from teamformer.record.record import Record
 
 FIRST_PLAN = "making the first plan"
 PLAYED_AGAIN = "playing the mission again up to where it was"
@@ -54,7 +54,7 @@ class Workshop:
         folder: Path,
         speed: float,
         draft: Draft | None = None,
-        mission: Scenario | None = None,
+        mission: Mission | None = None,
         say: Callable[[str], None] = lambda _: None,
         kept: Kept | None = None,
     ) -> None:
@@ -124,7 +124,7 @@ class Workshop:
         """Return what has one thing at a time happen to the mission, or to what is drawn."""
         return self._lock if self.session is None else self.session.lock
 
-    async def record(self) -> Replay | None:
+    async def record(self) -> Record | None:
         """Return the record of the mission that runs, if one does."""
         return None if self.session is None else await self.session.record()
 
@@ -189,7 +189,7 @@ class Workshop:
         for watcher in watchers:
             watcher.tell(json.dumps(starting))
 
-    async def _run(self, scenario: Scenario) -> None:
+    async def _run(self, scenario: Mission) -> None:
         """Begin a mission, and have all pages come to it; or tell them why it cannot be run."""
         async with self._lock:
             autosave = Autosave(self._folder / NAME, Identity(secrets.token_hex(8), self._draft))
@@ -207,7 +207,7 @@ class Workshop:
                 autosave.go_on()
                 self._have_run(mission, autosave)
 
-    async def _made(self, start: Callable[[], Mission], doing: str) -> Mission | None:
+    async def _made(self, start: Callable[[], RunningMission], doing: str) -> RunningMission | None:
         """Return a mission once it is made; or tell all pages why it cannot be, and return None."""
         if self.session is not None:
             raise TeamformerError("another page has run a mission already")
@@ -228,7 +228,7 @@ class Workshop:
             self._say(f"the mission is ready after {took:.1f} s; the page starts it")
         return mission
 
-    def _have_run(self, mission: Mission, autosave: Autosave) -> None:
+    def _have_run(self, mission: RunningMission, autosave: Autosave) -> None:
         """Let time pass for a mission, and have all pages come to it."""
         self.session = Session(mission, self._folder, self._speed, True, autosave)
         self._clock = asyncio.create_task(self.session.run())
@@ -265,12 +265,12 @@ class Workshop:
         self._watchers.clear()
 
 
-async def _start_apart(start: Callable[[], Mission]) -> Mission:
+async def _start_apart(start: Callable[[], RunningMission]) -> RunningMission:
     """Make a mission, with its first plan, in a thread that does not keep Ctrl-C waiting."""
     loop = asyncio.get_running_loop()
-    made: asyncio.Future[Mission] = loop.create_future()
+    made: asyncio.Future[RunningMission] = loop.create_future()
 
-    def tell(mission: Mission | None, error: BaseException | None) -> None:
+    def tell(mission: RunningMission | None, error: BaseException | None) -> None:
         if made.done():  # nobody waits any more
             return
         if mission is None:
@@ -279,7 +279,7 @@ async def _start_apart(start: Callable[[], Mission]) -> Mission:
             made.set_result(mission)
 
     def work() -> None:
-        mission: Mission | None = None
+        mission: RunningMission | None = None
         error: BaseException | None = None
         try:
             mission = start()

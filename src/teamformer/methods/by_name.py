@@ -19,7 +19,7 @@ from teamformer.methods.seam.own_coordinator import OwnCoordinator
 from teamformer.methods.seam.own_policy import watch_own
 from teamformer.methods.seam.protocol import Guarded, Planner, Policy
 from teamformer.mission.coordination import Coordinator
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.steps.shared_plan import is_too_large
 
 BARE = "-bare"
@@ -110,7 +110,7 @@ def _within(policy: Policy, time_limit: float | None, workers: int | None) -> Po
     return policy.within(time_limit, workers) if isinstance(policy, Planner) else policy
 
 
-def default_for(mission: Scenario) -> str:
+def default_for(mission: Mission) -> str:
     """Return the name of the method that suits a mission: `crews` if it is too large for `plan`."""
     return STAND_IN if is_too_large(mission) else DEFAULT
 

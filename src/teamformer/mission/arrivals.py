@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from teamformer.mission.model import Scenario, Task
+from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import busiest_part
 from teamformer.mission.parts.plane import Plane
@@ -18,7 +18,7 @@ MILLIMETRES = 1000
 """In a metre: places on a plane are drawn to one of them, as random missions have them."""
 
 
-def draw_arrivals(scenario: Scenario, rng: np.random.Generator) -> tuple[Task, ...]:
+def draw_arrivals(scenario: Mission, rng: np.random.Generator) -> tuple[Task, ...]:
     """Return the tasks that appear by the arrivals of a scenario, in the order in which they do.
 
     None if it has none, or if it holds them already. All lie in the connected part of the map in
@@ -42,7 +42,7 @@ def draw_arrivals(scenario: Scenario, rng: np.random.Generator) -> tuple[Task, .
     return tuple(drawn)
 
 
-def once_appeared(scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
+def once_appeared(scenario: Mission, truth: Mission, steps: int) -> Mission:
     """Return a scenario in which what has appeared by a truth is known, as tasks like others.
 
     More appear as they would have.
@@ -55,39 +55,39 @@ def once_appeared(scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
     return replace(scenario, arrivals=arrivals, tasks=(*scenario.tasks, *known))
 
 
-def with_arrivals(scenario: Scenario, truth: Scenario) -> Scenario:
+def with_arrivals(scenario: Mission, truth: Mission) -> Mission:
     """Return a scenario with the tasks that appear in it by a truth, as tasks that are late."""
     if scenario.arrivals is None or len(scenario.tasks) == len(truth.tasks):
         return scenario
     return replace(scenario, tasks=(*scenario.tasks, *truth.tasks[len(scenario.tasks) :]))
 
 
-def without_arrivals(scenario: Scenario) -> Scenario:
+def without_arrivals(scenario: Mission) -> Mission:
     """Return a scenario as its file has it, without the tasks that appear in it by a truth."""
     if scenario.arrivals is None:
         return scenario
     return replace(scenario, tasks=tuple(t for t in scenario.tasks if not t.has_arrived))
 
 
-def capabilities_in(scenario: Scenario, part: int) -> list[str]:
+def capabilities_in(scenario: Mission, part: int) -> list[str]:
     """Return what the robots that start in a part of the map bring, at least one of it."""
     have = totals_by_region(scenario.world, scenario.robots)[part]
     return [cap for cap in scenario.capabilities if have.get(cap, 0) >= 1]
 
 
-def most_tasks(scenario: Scenario) -> int:
+def most_tasks(scenario: Mission) -> int:
     """Return how many tasks there may be in the end."""
     arrivals = scenario.arrivals
     return len(scenario.tasks) + (max(0, arrivals.until - arrivals.since) if arrivals else 0)
 
 
-def _free_names(scenario: Scenario) -> Iterator[str]:
+def _free_names(scenario: Mission) -> Iterator[str]:
     taken = {task.name for task in scenario.tasks}
     names = (f"call-{number}" for number in itertools.count(1))
     return (name for name in names if name not in taken)
 
 
-def _draw_place(scenario: Scenario, part: int, rng: np.random.Generator) -> Place:
+def _draw_place(scenario: Mission, part: int, rng: np.random.Generator) -> Place:
     """Return any free place of a part of the map, each as likely as any other."""
     world = scenario.world
     if isinstance(world, Plane):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.reach import totals_by_region
@@ -42,7 +42,7 @@ class Known:
     metres, times in steps.
     """
 
-    mission: Scenario
+    mission: Mission
     step: int  # the steps made so far
     open_tasks: tuple[int, ...]  # known, not done and not being served
     places: tuple[Place, ...]  # where each robot is once it is free; no meaning for lost robots

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.mission.checks.checks import find_problems
 from teamformer.mission.checks.windows import opening_step
 from teamformer.mission.keys.robot_keys import SLOWEST
@@ -197,13 +197,13 @@ def expected_steps(least: int, most: int) -> int:
 
 
 @dataclass(frozen=True)
-class Scenario:
+class Mission:
     """A world with its robots, tasks and rules: what a scenario file holds.
 
     `teams` are the starting teams, as robot numbers; robots named in none start alone.
     Distances (`sensing_radius`, `join_radius`) are Euclidean, in cells or, on a plane, in metres.
     However small these are, teams in the same place sense each other and may join. Building an
-    impossible scenario raises `ScenarioError` with every problem found.
+    impossible scenario raises `MissionError` with every problem found.
 
     `time` is `steps` or `continuous`. In continuous time a task starts when its last robot is
     there, and a coalition whose robots do not come from one place takes `forming` more. A mission
@@ -235,7 +235,7 @@ class Scenario:
     def __post_init__(self) -> None:
         problems = list(find_problems(self))
         if problems:
-            raise ScenarioError(problems)
+            raise MissionError(problems)
         if self.step_limit == 0:
             object.__setattr__(self, "step_limit", default_step_limit(self))
 
@@ -274,7 +274,7 @@ class Scenario:
         return out_of_units(counts, self.units)
 
 
-def default_step_limit(scenario: Scenario) -> int:
+def default_step_limit(scenario: Mission) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 
     Four more are added for each load.
@@ -310,7 +310,7 @@ def default_step_limit(scenario: Scenario) -> int:
     return steps + min(math.ceil(waits + latest), MOST_WAITING)
 
 
-def _longest_walk(scenario: Scenario) -> float:
+def _longest_walk(scenario: Mission) -> float:
     """Return a length that suffices between any two places that a robot can walk between."""
     world = scenario.world
     if isinstance(world, Roads):

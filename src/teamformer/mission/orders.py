@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 
 class Order(NamedTuple):
@@ -22,7 +22,7 @@ class Order(NamedTuple):
     tasks: list[int]
 
 
-def draw_order(mission: Scenario, number: int) -> Order:
+def draw_order(mission: Mission, number: int) -> Order:
     """Return one of the orders of a mission; 0 is the one that it is written in."""
     robots, tasks = len(mission.robots), len(mission.tasks)
     if number == 0:
@@ -32,7 +32,7 @@ def draw_order(mission: Scenario, number: int) -> Order:
     return Order(rng.permutation(robots).tolist(), in_turn)
 
 
-def in_order(mission: Scenario, order: int) -> Scenario:
+def in_order(mission: Mission, order: int) -> Mission:
     """Return the same mission with robots and tasks written in another order."""
     if order == 0:
         return mission
@@ -41,10 +41,10 @@ def in_order(mission: Scenario, order: int) -> Scenario:
     return with_robots(replace(mission, tasks=tasks), drawn.robots)
 
 
-def with_robots(mission: Scenario, chosen: Sequence[int]) -> Scenario:
+def with_robots(mission: Mission, chosen: Sequence[int]) -> Mission:
     """Return a mission with some of its robots, in another order; teams keep those chosen.
 
-    Raises `ScenarioError` if they cannot do it.
+    Raises `MissionError` if they cannot do it.
     """
     number_of = {robot: number for number, robot in enumerate(chosen)}
     teams = (tuple(sorted(number_of[r] for r in team if r in number_of)) for team in mission.teams)

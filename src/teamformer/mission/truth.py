@@ -15,7 +15,7 @@ import numpy as np
 from teamformer.mission.arrivals import draw_arrivals
 from teamformer.mission.checks.rules import LEAST_CHANCE
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
-from teamformer.mission.model import Absence, Breakdown, Robot, Scenario, Task, World
+from teamformer.mission.model import Absence, Breakdown, Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import Counts, total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import believed_place, possible_places
@@ -28,7 +28,7 @@ OF_TASKS, OF_ROBOTS, OF_DELAYS, OF_ARRIVALS = 1, 2, 3, 4
 about the others."""
 
 
-def draw_truth(scenario: Scenario, seed: int) -> Scenario:
+def draw_truth(scenario: Mission, seed: int) -> Mission:
     """Return the mission as it really is: the same one where nothing about it is uncertain."""
     if not scenario.has_surprises:
         return scenario
@@ -94,7 +94,7 @@ def draw_absences(
     return tuple(absences)
 
 
-def truth_until(scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
+def truth_until(scenario: Mission, truth: Mission, steps: int) -> Mission:
     """Return a truth without the breakdowns that come after so many steps."""
     robots = (
         replace(real, absences=tuple(away for away in real.absences if away.lost <= steps))
@@ -106,10 +106,10 @@ def truth_until(scenario: Scenario, truth: Scenario, steps: int) -> Scenario:
 
 
 def believed_mission(
-    scenario: Scenario,
+    scenario: Mission,
     needs: Mapping[int, Counts],
     places: Mapping[int, Place] | None = None,
-) -> Scenario:
+) -> Mission:
     """Return an uncertain mission as an ordinary one: with the needs that are believed, by task.
 
     `places` says where tasks are believed to be; left out, it is where they are before anybody has
@@ -133,7 +133,7 @@ def believed_mission(
     return replace(scenario, arrivals=None, tasks=tuple(tasks), robots=tuple(robots))
 
 
-def expected_mission(scenario: Scenario) -> Scenario:
+def expected_mission(scenario: Mission) -> Mission:
     """Return an uncertain mission as it is believed before it begins; see `expected_needs`."""
     needs = (expected_needs(task, "scouting") for task in scenario.tasks)
     return believed_mission(scenario, dict(enumerate(needs)))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from teamformer.mission.model import Scenario, Task
+from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import believed_place
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.world.rules.constants import NOBODY
 
 PHASES = (
@@ -55,14 +55,14 @@ def work_on(task: Task, is_up: bool, step: int, done_in: float) -> str:
     return UNLOADING if step > done_in - task.unload else CARRYING
 
 
-def believed_places(replay: Replay) -> list[Place]:
+def believed_places(replay: Record) -> list[Place]:
     """Return where each task is believed to be before anybody has looked."""
     scenario, mission = replay.scenario, replay.mission
     believed = [believed_place(scenario.world, task) for task in scenario.tasks]
     return [*believed, *(task.at for task in mission.tasks[len(believed) :])]
 
 
-def is_same_place(scenario: Scenario, one: Place, other: Place) -> bool:
+def is_same_place(scenario: Mission, one: Place, other: Place) -> bool:
     """Say whether two places are one: the same cell, or points within the arrival radius."""
     if isinstance(scenario.world, Plane):
         return math.dist(one, other) <= scenario.world.arrival_radius + 1e-9

@@ -8,14 +8,14 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from teamformer.base.errors import ReplayError, TeamformerError
+from teamformer.base.errors import RecordError, TeamformerError
 from teamformer.base.file_access import read_text
-from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.files.trees.mission import RECORD
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.rules import FORESIGHTS
 from teamformer.mission.coordination import NEWS, TAKEN_OVER
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.plane import Plane
 from teamformer.record.record import (
     FLEET,
@@ -23,7 +23,7 @@ from teamformer.record.record import (
     STATUSES,
     VERSION,
     Ending,
-    Replay,
+    Record,
     SharedPlanMade,
     Step,
     TaskAt,
@@ -55,44 +55,44 @@ RUN_AGAIN = "run the scenario again to have it written anew"
 STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
-REPLAY_KEYS = (RECORD, *(field.name for field in fields(Replay)))
+REPLAY_KEYS = (RECORD, *(field.name for field in fields(Record)))
 OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight", "heeds")
 NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in OPTIONAL_KEYS)
 
 
-def read_replay(path: Path) -> Replay:
+def read_record(path: Path) -> Record:
     """Read a replay file.
 
-    Raises `ReplayError` saying what is wrong with the file and what to do, `ScenarioError` where
+    Raises `RecordError` saying what is wrong with the file and what to do, `MissionError` where
     the scenario in it is what is wrong.
     """
     if path.is_dir():
-        raise ReplayError(
+        raise RecordError(
             f"{path}: this is a folder", f"name the file in it: {path / 'replay.json'}"
         )
     try:
         text = read_text(path, LARGEST_FILE, "`teamformer run MISSION --out DIR` writes one")
     except TeamformerError as error:
-        raise ReplayError(str(error), error.hint) from None
-    return replay_from_tree(_parse(text, str(path)), str(path))
+        raise RecordError(str(error), error.hint) from None
+    return record_from_tree(_parse(text, str(path)), str(path))
 
 
 def _parse(text: str, source: str) -> Any:
     try:
         return json.loads(text, object_pairs_hook=_without_doubles)
     except DamageError as damage:
-        raise ReplayError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
+        raise RecordError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
     except json.JSONDecodeError as error:
         if any(line.startswith("teamformer:") for line in text.splitlines()):
             hint = "run it with --out FOLDER: that writes its record, replay.json"
-            raise ReplayError(f"{source}: this is a mission, not a record", hint) from None
+            raise RecordError(f"{source}: this is a mission, not a record", hint) from None
         is_cut = _is_unfinished(text[error.pos :].strip()) or error.msg.startswith("Unterminated")
         what = "it breaks off" if is_cut else f"this is not JSON: {error.msg}"
-        raise ReplayError(f"{source}:{error.lineno}: {what}", RUN_AGAIN) from None
+        raise RecordError(f"{source}:{error.lineno}: {what}", RUN_AGAIN) from None
     except (ValueError, RecursionError) as error:
         is_deep = isinstance(error, RecursionError)
         what = "lists lie in lists in lists" if is_deep else "a number has thousands of digits"
-        raise ReplayError(f"{source}: this is no replay: {what}", RUN_AGAIN) from None
+        raise RecordError(f"{source}: this is no replay: {what}", RUN_AGAIN) from None
 
 
 def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -110,41 +110,41 @@ def _is_unfinished(rest: str) -> bool:
     return any(word.startswith(rest) for word in ("null", "true", "false", "-", "."))
 
 
-def replay_from_tree(tree: Any, source: str) -> Replay:
+def record_from_tree(tree: Any, source: str) -> Record:
     """Build a replay from the tree of its file; `source` names it in errors.
 
-    Raises what `read_replay` raises.
+    Raises what `read_record` raises.
     """
     _check_version(tree, source)
     try:
         check_keys(tree, REPLAY_KEYS, NEEDED_KEYS)
-        scenario = scenario_from_tree(tree["scenario"], f"{source}: scenario")
+        scenario = mission_from_tree(tree["scenario"], f"{source}: scenario")
         return _replay(tree, scenario)
     except DamageError as damage:
-        raise ReplayError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
+        raise RecordError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
 
 
 def _check_version(tree: Any, source: str) -> None:
     if not isinstance(tree, dict) or RECORD not in tree:
         hint = "name the replay.json that `teamformer run` wrote"
-        raise ReplayError(f"{source}: this is not a replay: it has no '{RECORD}'", hint)
+        raise RecordError(f"{source}: this is not a replay: it has no '{RECORD}'", hint)
     version = tree[RECORD]
     if not is_whole(version) or version < 1:
         what = f"the format version is {short(version)}, not a number from 1 on"
-        raise ReplayError(f"{source}: {what}", RUN_AGAIN)
+        raise RecordError(f"{source}: {what}", RUN_AGAIN)
     if version < VERSION:
         what = f"format {version} is of an earlier teamformer, which knew no methods"
-        raise ReplayError(f"{source}: {what}", RUN_AGAIN)
+        raise RecordError(f"{source}: {what}", RUN_AGAIN)
     if version > VERSION:
         what = f"format {short(version)} is newer than {VERSION}"
-        raise ReplayError(f"{source}: {what}", "install a newer teamformer")
+        raise RecordError(f"{source}: {what}", "install a newer teamformer")
 
 
 Coordinate = Callable[[Any], float]
 """Reads a coordinate: whole on a grid."""
 
 
-def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
+def _replay(tree: Mapping[str, Any], scenario: Mission) -> Record:
     with inside("truth"):
         truth = None
         if scenario.has_surprises or "truth" in tree:
@@ -176,7 +176,7 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
     method, steps = text_of(tree["method"]), tuple(_steps(tree["steps"], robots, tasks, along))
     if method != FLEET and any(slot is None for step in steps for _, slot in step.done):
         raise DamageError("a task is done by nobody, which only the record of a fleet may say")
-    return Replay(
+    return Record(
         scenario=scenario,
         method=method,
         seed=whole_number(tree["seed"]),
@@ -194,7 +194,7 @@ def _replay(tree: Mapping[str, Any], scenario: Scenario) -> Replay:
 
 
 def _foresight(tree: Mapping[str, Any]) -> str:
-    found = tree.get("foresight", Replay.foresight)
+    found = tree.get("foresight", Record.foresight)
     if found not in FORESIGHTS:
         raise DamageError(f"the foresight is {short(found)}, not one of {FORESIGHTS}")
     return str(found)
@@ -202,7 +202,7 @@ def _foresight(tree: Mapping[str, Any]) -> str:
 
 def _heeds(tree: Mapping[str, Any]) -> tuple[str, ...]:
     with inside("heeds"):
-        found = tuple(text_of(word) for word in list_of(tree.get("heeds", list(Replay.heeds))))
+        found = tuple(text_of(word) for word in list_of(tree.get("heeds", list(Record.heeds))))
     for word in found:
         if word not in NEWS:
             raise DamageError(f"{short(word)} is no news that a coordinator may heed")

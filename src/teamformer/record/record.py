@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 VERSION = 2
 FLEET = "fleet"
@@ -76,10 +76,10 @@ class Ending:
 
 
 @dataclass(frozen=True)
-class Replay:
+class Record:
     """A whole trial; scenario, method and seed determine the rest."""
 
-    scenario: Scenario
+    scenario: Mission
     method: str
     seed: int
     orders: tuple[tuple[int, tuple[int, ...]], ...]  # steps made, open tasks in order
@@ -88,7 +88,7 @@ class Replay:
     end: Ending
     lower_bound: int | None = None
     plans: tuple[tuple[int, SharedPlanMade], ...] = ()  # steps made, the shared plan from then on
-    truth: Scenario | None = None  # what an uncertain mission really was
+    truth: Mission | None = None  # what an uncertain mission really was
     scouts: tuple[tuple[int, tuple[tuple[int, int], ...]], ...] = ()
     """Steps made, and robots by the plan made then that look first what a task needs."""
     foresight: str = "scouting"  # how needs were treated that nobody knew
@@ -100,6 +100,6 @@ class Replay:
         return bool(self.plans or self.heeds)
 
     @property
-    def mission(self) -> Scenario:
+    def mission(self) -> Mission:
         """Return the mission as it really was."""
         return self.scenario if self.truth is None else self.truth

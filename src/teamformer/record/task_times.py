@@ -5,18 +5,18 @@ from __future__ import annotations
 from teamformer.mission.checks.costs import cost_in_steps, judged_by, weighed
 from teamformer.mission.checks.windows import latest_end, window_opens
 from teamformer.mission.precedence import tasks_before
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.world.rules.constants import NEVER
 
 
-def done_steps(replay: Replay) -> dict[int, int]:
+def done_steps(replay: Record) -> dict[int, int]:
     """Return the step in which each task was done, by number."""
     return {
         task: number for number, step in enumerate(replay.steps, start=1) for task, _ in step.done
     }
 
 
-def cancelled_steps(replay: Replay) -> dict[int, int]:
+def cancelled_steps(replay: Record) -> dict[int, int]:
     """Return the step in which each task was called off that was, by number."""
     made = len(replay.steps)
     due = {
@@ -28,12 +28,12 @@ def cancelled_steps(replay: Replay) -> dict[int, int]:
     return {number: step for number, step in due.items() if number not in done}
 
 
-def over_steps(replay: Replay) -> dict[int, int]:
+def over_steps(replay: Record) -> dict[int, int]:
     """Return the step in which each task was done or called off, by number."""
     return done_steps(replay) | cancelled_steps(replay)
 
 
-def known_steps(replay: Replay) -> list[int]:
+def known_steps(replay: Record) -> list[int]:
     """Return how many steps were made when each task became known; NEVER if it did not."""
     return [
         NEVER if task.cancelled is not None and task.cancelled <= task.appears else task.appears
@@ -41,7 +41,7 @@ def known_steps(replay: Replay) -> list[int]:
     ]
 
 
-def opening_steps(replay: Replay) -> list[int]:
+def opening_steps(replay: Record) -> list[int]:
     """Return how many steps were made when each task could begin, had nobody called it off.
 
     It is known then, its window has begun, and every task that it comes after is over. NEVER if it
@@ -55,12 +55,12 @@ def opening_steps(replay: Replay) -> list[int]:
     ]
 
 
-def cost_of_record(replay: Replay) -> float | None:
+def cost_of_record(replay: Record) -> float | None:
     """Return what a mission cost; None if it has no cost, or is not over."""
     return cost_in_steps(replay.mission, done_steps(replay), replay.end.makespan)
 
 
-def judged_value(replay: Replay) -> float | None:
+def judged_value(replay: Record) -> float | None:
     """Return what plans of the mission are judged by, the less the better; None if it is not over.
 
     It is the cost, the mean of makespan and lateness if there are windows, or the makespan.
@@ -71,7 +71,7 @@ def judged_value(replay: Replay) -> float | None:
     return weighed(replay.mission, weights, done_steps(replay), makespan)
 
 
-def lateness(replay: Replay) -> dict[str, float]:
+def lateness(replay: Record) -> dict[str, float]:
     """Return by how many steps tasks were done after their window, by name, for those that were."""
     tasks, done = replay.scenario.tasks, done_steps(replay)
     by = {tasks[task].name: step - latest_end(tasks[task].between) for task, step in done.items()}

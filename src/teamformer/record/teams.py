@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from teamformer.mission.parts.grid import Place
-from teamformer.record.record import Replay, Step
+from teamformer.record.record import Record, Step
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -17,7 +17,7 @@ class Teams:
     holds the slot of each robot's team, NOBODY while the robot is lost.
     """
 
-    def __init__(self, replay: Replay) -> None:
+    def __init__(self, replay: Record) -> None:
         """Begin where the record begins, before its first step."""
         fleet = replay.scenario.robots
         self.slot = [NOBODY] * len(fleet)
@@ -92,7 +92,7 @@ class Teams:
         return self.robots.pop(slot), self.at.pop(slot), self.task.pop(slot)
 
 
-def completions(replay: Replay) -> Iterator[tuple[int, int, tuple[int, ...]]]:
+def completions(replay: Record) -> Iterator[tuple[int, int, tuple[int, ...]]]:
     """Yield step, task and robots of every task that was done, in the order of the record."""
     teams = Teams(replay)
     for number, step in enumerate(replay.steps, start=1):

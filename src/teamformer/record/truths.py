@@ -7,9 +7,9 @@ from dataclasses import replace
 from itertools import zip_longest
 from typing import Any
 
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.files.trees.writer import absences_to_tree, counts_to_tree, task_to_tree
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.plane import Plane
 from teamformer.record.values import (
@@ -26,7 +26,7 @@ from teamformer.record.values import (
 )
 
 
-def truth_to_tree(scenario: Scenario, truth: Scenario) -> dict[str, Any]:
+def truth_to_tree(scenario: Mission, truth: Mission) -> dict[str, Any]:
     """Return, by name, what tasks took and needed, where they were, and when robots were lost."""
     tasks, robots = {}, {}
     for task, true in zip(scenario.tasks, truth.tasks, strict=True):
@@ -53,7 +53,7 @@ def truth_to_tree(scenario: Scenario, truth: Scenario) -> dict[str, Any]:
     return tree
 
 
-def truth_from_tree(scenario: Scenario, tree: Any) -> Scenario:
+def truth_from_tree(scenario: Mission, tree: Any) -> Mission:
     """Return the mission as a record says that it was; raises `DamageError`."""
     parts = ("tasks", "robots", *(("arrivals",) if scenario.arrivals else ()))
     check_keys(tree, parts, parts)
@@ -71,7 +71,7 @@ def truth_from_tree(scenario: Scenario, tree: Any) -> Scenario:
     arrived = (_arrived(said, along) for said in list_of(tree.get("arrivals", [])))
     try:
         return replace(scenario, arrivals=None, tasks=(*tasks, *arrived), robots=tuple(robots))
-    except ScenarioError as error:
+    except MissionError as error:
         raise DamageError(error.problems[0].message) from None
 
 

@@ -73,7 +73,7 @@ def count_of(value: Any) -> int:
 
 
 def amount_of(value: Any) -> float:
-    """Return how much of a capability there is; `Scenario` checks the rest."""
+    """Return how much of a capability there is; `Mission` checks the rest."""
     return metres(value) if isinstance(value, float) else count_of(value)
 
 

@@ -8,17 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.base.whole_files import own_number, write_whole
-from teamformer.files.mission_files import scenario_to_tree
+from teamformer.files.mission_files import mission_to_tree
 from teamformer.files.trees.mission import RECORD
-from teamformer.record.record import VERSION, Replay, Step
+from teamformer.record.record import VERSION, Record, Step
 from teamformer.record.truths import truth_to_tree
 
 
-def replay_to_tree(replay: Replay) -> dict[str, Any]:
+def record_to_tree(replay: Record) -> dict[str, Any]:
     """Return the replay as the tree of its file."""
     tree = {
         RECORD: VERSION,
-        "scenario": scenario_to_tree(replay.scenario),
+        "scenario": mission_to_tree(replay.scenario),
         "method": replay.method,
         "seed": replay.seed,
         "orders": _lists(replay.orders),
@@ -50,12 +50,12 @@ def _lists(value: Any) -> Any:
     return [_lists(part) for part in value] if isinstance(value, tuple) else value
 
 
-def write_replay(replay: Replay, path: Path) -> None:
+def save_record(replay: Record, path: Path) -> None:
     """Write a replay, one step a line, whole or not at all.
 
     Raises OSError where the folder cannot be written.
     """
-    write_whole(path, "".join(_lines(replay_to_tree(replay))))
+    write_whole(path, "".join(_lines(record_to_tree(replay))))
 
 
 def _lines(tree: Mapping[str, Any]) -> Iterator[str]:

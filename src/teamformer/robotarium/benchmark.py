@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.robotarium.experiment import Experiment, Simulator, run_experiment
 from teamformer.robotarium.random_missions import random_mission
 from teamformer.robotarium.robots.plant import Weather
@@ -45,7 +45,7 @@ def bench_robotarium(
 
 
 def _fly(
-    scenario: Scenario,
+    scenario: Mission,
     method: str,
     seed: int,
     simulator: Simulator,

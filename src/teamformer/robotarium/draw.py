@@ -15,8 +15,8 @@ import numpy as np
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import how_to_install
-from teamformer.mission.model import Scenario
-from teamformer.robotarium.flight import Moment
+from teamformer.mission.model import Mission
+from teamformer.robotarium.flight import Snapshot
 from teamformer.robotarium.robots.arena import DIAMETER, HEIGHT, MIDDLE, TICK, WIDTH
 
 FRAME_TICKS = 15  # between two pictures of the film
@@ -39,11 +39,11 @@ class Film:
     """Keeps the moments worth drawing; give its `watch` to a mission."""
 
     def __init__(self) -> None:
-        self._frames: list[Moment] = []
-        self._stills: list[Moment] = []
+        self._frames: list[Snapshot] = []
+        self._stills: list[Snapshot] = []
         self._state: object = None
 
-    def watch(self, moment: Moment) -> None:
+    def watch(self, moment: Snapshot) -> None:
         """Keep every so many ticks a frame, and a still whenever teams or tasks have changed."""
         if moment.tick % FRAME_TICKS == 0:
             self._frames.append(moment)
@@ -53,7 +53,7 @@ class Film:
             self._state = state
         self._last = moment
 
-    def write(self, scenario: Scenario, folder: Path) -> list[Path]:
+    def write(self, scenario: Mission, folder: Path) -> list[Path]:
         """Write `mission.gif` and numbered stills; return the files."""
         plt = _load_pyplot()
         palette = _palette(scenario, plt)
@@ -67,7 +67,7 @@ class Film:
             written.append(path)
         return [*written, self._write_film(plt, scenario, palette, folder / "mission.gif")]
 
-    def _phases(self) -> list[Moment]:
+    def _phases(self) -> list[Snapshot]:
         """Return the first still, the last, and as many of those between as there is room for."""
         stills = list(self._stills)
         if stills[-1].tick != self._last.tick:
@@ -75,7 +75,7 @@ class Film:
         kept = np.unique(np.linspace(0, len(stills) - 1, MOST_STILLS).round().astype(int))
         return [stills[i] for i in kept]
 
-    def _write_film(self, plt: Any, scenario: Scenario, palette: Palette, path: Path) -> Path:
+    def _write_film(self, plt: Any, scenario: Mission, palette: Palette, path: Path) -> Path:
         from PIL import Image
 
         pictures = []
@@ -103,7 +103,7 @@ def _load_pyplot() -> Any:
     return pyplot
 
 
-def _palette(scenario: Scenario, plt: Any) -> Palette:
+def _palette(scenario: Mission, plt: Any) -> Palette:
     """Return strong colours for tasks, and a circle of hues for capabilities."""
     hues = np.linspace(0, 1, len(scenario.capabilities), endpoint=False)
     soft = plt.get_cmap("hsv")(hues)[:, :3] * 0.75 + 0.10
@@ -111,7 +111,7 @@ def _palette(scenario: Scenario, plt: Any) -> Palette:
     return Palette(dict(zip(scenario.capabilities, soft, strict=True)), list(strong))
 
 
-def _draw(plt: Any, scenario: Scenario, palette: Palette, moment: Moment) -> Any:
+def _draw(plt: Any, scenario: Mission, palette: Palette, moment: Snapshot) -> Any:
     figure, axes = plt.subplots(figsize=(10, 6.6), layout="constrained")
     axes.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), aspect="equal", xticks=[], yticks=[])
     done = int(moment.is_done.sum())
@@ -124,7 +124,7 @@ def _draw(plt: Any, scenario: Scenario, palette: Palette, moment: Moment) -> Any
     return figure
 
 
-def _draw_tasks(axes: Any, scenario: Scenario, palette: Palette, moment: Moment) -> None:
+def _draw_tasks(axes: Any, scenario: Mission, palette: Palette, moment: Snapshot) -> None:
     for number, task in enumerate(scenario.tasks):
         colour, is_done = palette.tasks[number], bool(moment.is_done[number])
         marker = "x" if is_done else "s"
@@ -151,9 +151,9 @@ def _draw_tasks(axes: Any, scenario: Scenario, palette: Palette, moment: Moment)
 def _draw_team(
     plt: Any,
     axes: Any,
-    scenario: Scenario,
+    scenario: Mission,
     palette: Palette,
-    moment: Moment,
+    moment: Snapshot,
     number: int,
     robots: Sequence[int],
     task: int | None,
@@ -178,14 +178,14 @@ def _draw_team(
         axes.plot([x, x + nose[0]], [y, y + nose[1]], color="black", linewidth=1.5, zorder=5)
 
 
-def _covers(scenario: Scenario, robots: Sequence[int], task: int) -> bool:
+def _covers(scenario: Mission, robots: Sequence[int], task: int) -> bool:
     """Say whether some robots bring together what a task needs."""
     has = [scenario.robots[robot].can for robot in robots]
     needs = scenario.tasks[task].needs
     return all(sum(can.get(name, 0) for can in has) >= n for name, n in needs.items())
 
 
-def _colour_of(scenario: Scenario, palette: Palette, robot: int) -> Any:
+def _colour_of(scenario: Mission, palette: Palette, robot: int) -> Any:
     """Return the colour of a robot's first capability."""
     return palette.capabilities[next(iter(scenario.robots[robot].can))]
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.methods.by_name import Player, as_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.robotarium.control.qp_solvers import with_daqp
-from teamformer.robotarium.flight import Outcome, Watch, fly
+from teamformer.robotarium.flight import FlightOutcome, Watch, fly
 from teamformer.robotarium.mission_checks import check_mission
 from teamformer.robotarium.robots.arena import MIDDLE, TICK
-from teamformer.robotarium.robots.plant import Faults, Plant, Weather
+from teamformer.robotarium.robots.plant import Plant, Violations, Weather
 from teamformer.robotarium.robots.rps_robots import RpsRobots, is_accepted
 
 Simulator = Literal["plant", "rps"]
@@ -25,11 +25,11 @@ Simulator = Literal["plant", "rps"]
 class Experiment:
     """What came of one; `report` is what Robotarium's own simulator said, if it was asked."""
 
-    scenario: Scenario
+    scenario: Mission
     method: str
     seed: int
-    outcome: Outcome
-    faults: Faults
+    outcome: FlightOutcome
+    faults: Violations
     seconds: float  # of the clock, for the whole experiment
     report: str = ""
 
@@ -75,14 +75,14 @@ class Experiment:
 
 
 def run_experiment(
-    scenario: Scenario,
+    scenario: Mission,
     player: Player,
     seed: int = 0,
     simulator: Simulator = "plant",
     weather: Weather | None = None,
     watch: Watch | None = None,
 ) -> Experiment:
-    """Run one experiment; raises `ScenarioError` for a scenario that robots have no room for."""
+    """Run one experiment; raises `MissionError` for a scenario that robots have no room for."""
     check_mission(scenario)
     method = as_method(player)
     policy, coordinator = method.policy, method.coordinator
@@ -100,7 +100,7 @@ def run_experiment(
     return Experiment(scenario, method.name, seed, outcome, faults, seconds, report)
 
 
-def start_poses(scenario: Scenario, seed: int) -> Array:
+def start_poses(scenario: Mission, seed: int) -> Array:
     """Return where the robots start, as (robots, 3): headings are random."""
     starts = np.array([robot.at for robot in scenario.robots]) - MIDDLE
     headings = np.random.default_rng(seed).uniform(-np.pi, np.pi, len(starts))

@@ -15,7 +15,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.coordination import Coordinator
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.plane import Plane
 from teamformer.robotarium.control.barrier import Solver
 from teamformer.robotarium.control.controller import Controller, Steering
@@ -30,7 +30,7 @@ from teamformer.world.view import View
 
 
 @dataclass(frozen=True)
-class Moment:
+class Snapshot:
     """How a mission stood at a tick, for drawing."""
 
     tick: int
@@ -50,7 +50,7 @@ class TickTimes:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class FlightOutcome:
     """What came of a mission; `done_at` has the tick in which each task was done, or None."""
 
     tally: Tally
@@ -64,10 +64,10 @@ class Outcome:
         return self.tally.status == "completed"
 
 
-Watch = Callable[[Moment], None]
+Watch = Callable[[Snapshot], None]
 
 
-def as_flown(scenario: Scenario, steering: Steering) -> Scenario:
+def as_flown(scenario: Mission, steering: Steering) -> Mission:
     """Return a scenario as the environment is to see it: with real paces and Robotarium's limit."""
     plane = scenario.world
     assert isinstance(plane, Plane)
@@ -87,14 +87,14 @@ def ticks_per_step(plane: Plane) -> int:
 
 
 def fly(
-    scenario: Scenario,
+    scenario: Mission,
     policy: Policy | None,
     robots: Robots,
     solve: Solver,
     seed: int = 0,
     watch: Watch | None = None,
     coordinator: Coordinator | None = None,
-) -> Outcome:
+) -> FlightOutcome:
     """Run a mission to its end; `watch` is called at every tick.
 
     A policy decides for the teams, or, without one, the plans of a coordinator do.
@@ -108,7 +108,7 @@ class _Mission:
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: Mission,
         policy: Policy | None,
         coordinator: Coordinator | None,
         robots: Robots,
@@ -132,7 +132,7 @@ class _Mission:
         if policy is not None:
             policy.begin(None, np.random.default_rng(seed))
 
-    def run(self, watch: Watch) -> Outcome:
+    def run(self, watch: Watch) -> FlightOutcome:
         """Decide, move and see what came of it until all is done or time is up."""
         poses = self._robots.poses()
         while self._env.is_running[0]:
@@ -155,9 +155,9 @@ class _Mission:
             return self._env.planned_decision(view)
         return self._policy.decide(view)
 
-    def _moment(self, poses: Array, teams: list[RobotTeam]) -> Moment:
+    def _moment(self, poses: Array, teams: list[RobotTeam]) -> Snapshot:
         is_done = self._env.worlds.tasks["done_at"][0] != NOBODY
-        return Moment(self._ticks, poses, tuple(teams), self._is_open(), is_done)
+        return Snapshot(self._ticks, poses, tuple(teams), self._is_open(), is_done)
 
     def _decide(self) -> None:
         """Let all teams decide, and carry out what they want."""
@@ -182,10 +182,10 @@ class _Mission:
         is_open: Array = self._env.worlds.tasks["is_open"][0].copy()
         return is_open
 
-    def _outcome(self) -> Outcome:
+    def _outcome(self) -> FlightOutcome:
         steps = self._env.worlds.tasks["done_at"][0].tolist()
         deciding, ticking = self._seconds["decision"], self._seconds["tick"]
-        return Outcome(
+        return FlightOutcome(
             tally=self._env.tally(),
             ticks=self._ticks,
             done_at=tuple(s * self._ticks_per_step if s > 0 else None for s in steps),

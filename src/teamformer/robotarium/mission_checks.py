@@ -7,10 +7,10 @@ from itertools import combinations
 
 import numpy as np
 
-from teamformer.base.errors import Problem, ScenarioError
+from teamformer.base.errors import MissionError, Problem
 from teamformer.mission.checks.loads import rules_without_loads
 from teamformer.mission.checks.rules import rules_of_simulated_missions
-from teamformer.mission.model import Scenario, Task
+from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.plane import Plane
 from teamformer.robotarium.control.ring_slots import FROM_WALLS, SPACING, ring_radius
@@ -20,14 +20,14 @@ LEAST_APART = 0.25  # metres between the centres of two robots at the start
 SHORTEST_STEP = 10 * TICK  # seconds: decisions take their time
 
 
-def check_mission(scenario: Scenario) -> None:
-    """Raise `ScenarioError` with everything that keeps a scenario from being flown."""
+def check_mission(scenario: Mission) -> None:
+    """Raise `MissionError` with everything that keeps a scenario from being flown."""
     problems = list(find_problems(scenario))
     if problems:
-        raise ScenarioError(problems)
+        raise MissionError(problems)
 
 
-def find_problems(scenario: Scenario) -> Iterator[Problem]:
+def find_problems(scenario: Mission) -> Iterator[Problem]:
     """Return what is wrong, with the distance needed."""
     yield from rules_of_simulated_missions(scenario)
     yield from rules_without_loads(scenario, "the Robotarium")
@@ -56,7 +56,7 @@ def find_problems(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(("teams",), "robots start alone here, in places of their own; drop teams")
 
 
-def _problems_of_fractions(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_fractions(scenario: Mission) -> Iterator[Problem]:
     """Return what is needed in fractions: how many robots that is, nobody can say."""
     for number, task in enumerate(scenario.tasks):
         if not all(float(count).is_integer() for count in task.needs.values()):
@@ -73,7 +73,7 @@ def _problems_of_fractions(scenario: Scenario) -> Iterator[Problem]:
             )
 
 
-def _problems_of_starts(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_starts(scenario: Mission) -> Iterator[Problem]:
     for number, robot in enumerate(scenario.robots):
         room = _room(robot.at)
         if room < FROM_WALLS:
@@ -108,7 +108,7 @@ def _problems_of_walls(number: int, task: Task) -> Iterator[Problem]:
         )
 
 
-def _problems_between_tasks(scenario: Scenario) -> Iterator[Problem]:
+def _problems_between_tasks(scenario: Mission) -> Iterator[Problem]:
     for (_, one), (number, other) in combinations(enumerate(scenario.tasks), 2):
         apart = float(np.hypot(one.at[0] - other.at[0], one.at[1] - other.at[1]))
         needed = apart_needed(robots_needed(one), robots_needed(other))

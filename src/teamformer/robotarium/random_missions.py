@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 from teamformer.robotarium.control.ring_slots import FROM_WALLS, ring_radius
 from teamformer.robotarium.mission_checks import LEAST_APART, apart_needed
@@ -19,9 +19,7 @@ TRIES = 1000  # for a place, before all are drawn again
 Point = tuple[float, float]
 
 
-def random_mission(
-    robots: int, tasks: int, capabilities: int, rng: np.random.Generator
-) -> Scenario:
+def random_mission(robots: int, tasks: int, capabilities: int, rng: np.random.Generator) -> Mission:
     """Return a scenario with so many robots, each with one of the capabilities, dealt out evenly.
 
     Each task needs 2 to 5 different ones (fewer if there are fewer), the last one all that no
@@ -31,7 +29,7 @@ def random_mission(
     dealt = rng.permutation([caps[r % capabilities] for r in range(robots)]).tolist()
     needs = [sorted(_draw_needs(caps[:robots], rng)) for _ in range(tasks)]
     starts, places = _draw_places(robots, [len(n) for n in needs], rng)
-    return Scenario(
+    return Mission(
         name=f"random, {robots} robots",
         world=Plane(WIDTH, HEIGHT, step=30 * TICK),
         capabilities=caps,

@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 
 if TYPE_CHECKING:
     from teamformer.fleet.bodies.body import Body, Report
-    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.fleet_mission import FleetMission
 
 PAUSE = 0.05
 """Seconds between two looks at a body, as an agent looks."""
@@ -22,8 +22,8 @@ AWAY: Place = (3, 0)
 
 
 def check_body(
-    make: Callable[[Mission, int], Body],
-    mission: Mission | None = None,
+    make: Callable[[FleetMission, int], Body],
+    mission: FleetMission | None = None,
     seconds: float = 60.0,
     near: float = 0.5,
 ) -> None:
@@ -34,9 +34,9 @@ def check_body(
     robot 0: `mission`, or one with a robot at (0, 0) and a task at (3, 0) on a grid. The body has
     `seconds` for each thing that it is told, and arrives if it is so `near`, in cells or metres.
     """
-    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.fleet_mission import FleetMission
 
-    mission = Mission(_one_robot()) if mission is None else mission
+    mission = FleetMission(_one_robot()) if mission is None else mission
     body = make(mission, 0)
     for part in ("command", "report", "close"):
         has_it = callable(getattr(body, part, None))
@@ -44,16 +44,16 @@ def check_body(
     _Check(body, mission, seconds, near).run()
 
 
-def _one_robot() -> Scenario:
+def _one_robot() -> Mission:
     robot = Robot("r0", (0, 0), {"lift": 1}, speed=1)
     task = Task("t0", AWAY, {"lift": 1})
-    return Scenario("a robot and a task", Grid(5, 1), ("lift",), (robot,), (task,))
+    return Mission("a robot and a task", Grid(5, 1), ("lift",), (robot,), (task,))
 
 
 class _Check:
     """A body, and what it is told, one thing after another."""
 
-    def __init__(self, body: Body, mission: Mission, seconds: float, near: float) -> None:
+    def __init__(self, body: Body, mission: FleetMission, seconds: float, near: float) -> None:
         self._body, self._mission, self._seconds, self._near = body, mission, seconds, near
         self._number = -math.inf
 

@@ -7,14 +7,14 @@ from collections.abc import Callable, Sequence
 from teamformer.base.errors import TeamformerError
 from teamformer.methods.by_name import Method
 from teamformer.mission.coordination import NEWS, Coordinator, Known, Plan, heeded_by
-from teamformer.mission.model import Scenario
-from teamformer.record.record import Replay
+from teamformer.mission.model import Mission
+from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.testing.missions import usual_missions
 from teamformer.trials.trial import run_trial
 
 
-def check_coordinator(make: Callable[[], Coordinator], missions: Sequence[Scenario] = ()) -> None:
+def check_coordinator(make: Callable[[], Coordinator], missions: Sequence[Mission] = ()) -> None:
     """Check that what `make` returns is a coordinator; raises `AssertionError` with what it is not.
 
     By its plans missions are completed, and their records are legal; the same question gets the
@@ -58,7 +58,7 @@ class _Watched:
         return made
 
 
-def _record(coordinator: Coordinator, name: str, mission: Scenario) -> Replay:
+def _record(coordinator: Coordinator, name: str, mission: Mission) -> Record:
     try:
         replay = run_trial(mission, Method(name, coordinator=coordinator)).replay
     except TeamformerError as error:

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.methods.seam.protocol import Planner, Policy
 from teamformer.mission.coordination import Coordinator
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.testing.missions import usual_missions
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import Decision, TeamFormation, read_decision
@@ -18,7 +18,7 @@ STEPS = 60
 """How long decisions are looked at in each batch of missions."""
 
 
-def check_policy(make: Callable[[], Policy], missions: Sequence[Scenario] = ()) -> None:
+def check_policy(make: Callable[[], Policy], missions: Sequence[Mission] = ()) -> None:
     """Check that what `make` returns is a policy; raises `AssertionError` with what it is not.
 
     It decides for each row of a view, legally, and leaves the view as it is; the same seed gives
@@ -49,7 +49,7 @@ def _name(policy: Policy) -> str:
     return type(policy).__name__
 
 
-def _begin(policy: Policy, missions: Sequence[Scenario]) -> TeamFormation:
+def _begin(policy: Policy, missions: Sequence[Mission]) -> TeamFormation:
     rng = np.random.default_rng(0)
     coordinators: list[Coordinator | None] = [None] * len(missions)
     if isinstance(policy, Planner):
@@ -78,7 +78,7 @@ def _check_what_it_needs(policy: Policy) -> None:
     )
 
 
-def _check_decisions(policy: Policy, missions: Sequence[Scenario]) -> None:
+def _check_decisions(policy: Policy, missions: Sequence[Mission]) -> None:
     env = _begin(policy, missions)
     for _ in range(STEPS):
         if not env.is_running.any():

@@ -8,11 +8,11 @@ from typing import Any
 
 from teamformer.base.errors import TeamformerError
 from teamformer.methods.by_name import Method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.trials.rows import Bars, bars_of, result_row
-from teamformer.trials.trial import Trial
+from teamformer.trials.trial import PlayedTrial
 
-RunOne = Callable[[Scenario, Method, int], Trial]
+RunOne = Callable[[Mission, Method, int], PlayedTrial]
 """Runs a trial of a mission by a method with a seed."""
 
 
@@ -20,7 +20,7 @@ RunOne = Callable[[Scenario, Method, int], Trial]
 class Failure:
     """A trial that came to nothing: of which mission, by which method, and what went wrong."""
 
-    mission: Scenario
+    mission: Mission
     method: str
     seed: int
     error: TeamformerError
@@ -33,14 +33,14 @@ class Comparison:
     `is_interrupted` says that Ctrl-C was pressed before all was run.
     """
 
-    ran: tuple[Trial | Failure, ...]
+    ran: tuple[PlayedTrial | Failure, ...]
     bars: Mapping[int, Bars]
     is_interrupted: bool = False
 
     @property
-    def trials(self) -> list[Trial]:
+    def trials(self) -> list[PlayedTrial]:
         """Return the trials that came to something."""
-        return [trial for trial in self.ran if isinstance(trial, Trial)]
+        return [trial for trial in self.ran if isinstance(trial, PlayedTrial)]
 
     @property
     def failures(self) -> list[Failure]:
@@ -51,14 +51,14 @@ class Comparison:
         """Return a row for each trial; of one that came to nothing, why."""
         return [
             result_row(trial, self.bars[trial.replay.seed])
-            if isinstance(trial, Trial)
+            if isinstance(trial, PlayedTrial)
             else _row_of_failure(trial)
             for trial in self.ran
         ]
 
 
 def compare_methods(
-    mission: Scenario, methods: Sequence[Method], seeds: int, run_one: RunOne
+    mission: Mission, methods: Sequence[Method], seeds: int, run_one: RunOne
 ) -> Comparison:
     """Run every method with the seeds from 0 on; Ctrl-C ends it with what was done so far.
 
@@ -75,35 +75,35 @@ def compare_methods(
     if twice:
         hint = "name it once; more seeds run it more often"
         raise TeamformerError(f"method '{twice[0]}' is named twice", hint)
-    ran: list[Trial | Failure] = []
+    ran: list[PlayedTrial | Failure] = []
     is_interrupted = False
     try:
         for method, seed in ((method, seed) for method in methods for seed in range(seeds)):
             trial = _try(mission, method, seed, run_one)
             ran.append(trial)
-            if isinstance(trial, Trial) and trial.is_interrupted:
+            if isinstance(trial, PlayedTrial) and trial.is_interrupted:
                 is_interrupted = True
                 break
     except KeyboardInterrupt:  # between two trials, say
-        if not any(isinstance(trial, Trial) for trial in ran):
+        if not any(isinstance(trial, PlayedTrial) for trial in ran):
             raise
         is_interrupted = True
-    trials = [trial for trial in ran if isinstance(trial, Trial)]
+    trials = [trial for trial in ran if isinstance(trial, PlayedTrial)]
     if not trials:
         raise next(trial.error for trial in ran if isinstance(trial, Failure))
     bars = _find_bars(trials, mission.has_surprises)
-    known = (_knowing(trial, bars) if isinstance(trial, Trial) else trial for trial in ran)
+    known = (_knowing(trial, bars) if isinstance(trial, PlayedTrial) else trial for trial in ran)
     return Comparison(tuple(known), bars, is_interrupted)
 
 
-def _try(mission: Scenario, method: Method, seed: int, run_one: RunOne) -> Trial | Failure:
+def _try(mission: Mission, method: Method, seed: int, run_one: RunOne) -> PlayedTrial | Failure:
     try:
         return run_one(mission, method, seed)
     except TeamformerError as error:
         return Failure(mission, method.name, seed, error)
 
 
-def _find_bars(trials: Sequence[Trial], is_uncertain: bool) -> dict[int, Bars]:
+def _find_bars(trials: Sequence[PlayedTrial], is_uncertain: bool) -> dict[int, Bars]:
     """Return the bars of each seed, which are the same for all where nothing is uncertain.
 
     Else each seed is a mission of its own.
@@ -115,7 +115,7 @@ def _find_bars(trials: Sequence[Trial], is_uncertain: bool) -> dict[int, Bars]:
     }
 
 
-def _knowing(trial: Trial, bars: Mapping[int, Bars]) -> Trial:
+def _knowing(trial: PlayedTrial, bars: Mapping[int, Bars]) -> PlayedTrial:
     """Return a trial that knows the bound of its seed."""
     bound = bars[trial.replay.seed].bound
     return replace(trial, replay=replace(trial.replay, lower_bound=bound))

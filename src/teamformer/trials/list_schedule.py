@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from teamformer.mission.checks.windows import may_begin_at_once
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.schedule import schedule_tasks
 from teamformer.world.env import TeamFormation
 
 
-def list_schedule(scenario: Scenario) -> int | None:
+def list_schedule(scenario: Mission) -> int | None:
     """Return the makespan of the list schedule along the task order, if joining is free.
 
     None where tasks appear later: the order is not all known then.

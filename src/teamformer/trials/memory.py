@@ -13,7 +13,7 @@ from teamformer.methods.by_name import Method
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.listings import STAND_IN
 from teamformer.methods.seam.protocol import Planner
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.problem.ways import are_ways_straight
 
@@ -35,7 +35,7 @@ UNUSED = 100 * MEGABYTE
 """Addresses that threads keep for themselves and never use: a limit counts them, too."""
 
 
-def refuse_too_large(mission: Scenario, method: Method) -> None:
+def refuse_too_large(mission: Mission, method: Method) -> None:
     """Raise `TeamformerError` with what would fit if a mission needs more memory than is left."""
     robots, tasks = len(mission.robots), len(mission.tasks)
     has_plan = plans_for_all(method)
@@ -58,14 +58,14 @@ def plans_for_all(method: Method) -> bool:
     return isinstance(method.coordinator, SharedPlan) or isinstance(method.policy, Planner)
 
 
-def bytes_needed(mission: Scenario, has_plan: bool) -> int:
+def bytes_needed(mission: Mission, has_plan: bool) -> int:
     """Return how many bytes a mission takes, beside what the process has already."""
     untabled = PLAYED if are_ways_straight(mission.world, mission.tasks) else TABLED
     square = (len(mission.robots) + len(mission.tasks)) ** 2
     return (PLANNED if has_plan else untabled) * square + _bytes_of_fields(mission)
 
 
-def _bytes_of_fields(mission: Scenario) -> int:
+def _bytes_of_fields(mission: Mission) -> int:
     """Return how many bytes the distances to all tasks take where there are walls."""
     world = mission.world
     if not isinstance(world, Grid) or not world.rows:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from teamformer.record.record import Replay
-from teamformer.record.writing import replay_to_tree, write_replay
+from teamformer.record.record import Record
+from teamformer.record.writing import record_to_tree, save_record
 from teamformer.viewer.html import write_page
 
 
-def write_record(replay: Replay, folder: Path) -> tuple[Path, Path]:
+def write_record(replay: Record, folder: Path) -> tuple[Path, Path]:
     """Write `replay.json` and its page `replay.html` into a folder; return both paths."""
     record, page = folder / "replay.json", folder / "replay.html"
-    write_replay(replay, record)
-    write_page(replay_to_tree(replay), page)
+    save_record(replay, record)
+    write_page(record_to_tree(replay), page)
     return record, page

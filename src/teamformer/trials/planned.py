@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from teamformer.base.errors import ScenarioError, TeamformerError, UndoableError
+from teamformer.base.errors import MissionError, TeamformerError, UndoableError
 from teamformer.methods.by_name import load_method
 from teamformer.methods.central.policy import Central
 from teamformer.methods.listings import DEFAULT as SHARED
@@ -13,7 +13,7 @@ from teamformer.mission.checks.costs import judged_by
 from teamformer.mission.checks.links import is_linked
 from teamformer.mission.checks.rules import rules_not_planned
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.truth import expected_mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
@@ -46,7 +46,7 @@ class PlannedMission(MissionPlan):
     400
     """
 
-    mission: Scenario = field(kw_only=True, repr=False)
+    mission: Mission = field(kw_only=True, repr=False)
     critical_path: tuple[Stretch, ...] = ()
 
     @property
@@ -92,7 +92,7 @@ class PlannedMission(MissionPlan):
 
 
 def plan_mission(
-    mission: Scenario, method: str, seconds: float, start: Plan | None = None
+    mission: Mission, method: str, seconds: float, start: Plan | None = None
 ) -> PlannedMission | None:
     """Return the plan that a method makes in so many seconds; None if it finds none.
 
@@ -137,15 +137,15 @@ def plan_mission(
     )
 
 
-def refuse_unplannable(mission: Scenario, method: str) -> None:
+def refuse_unplannable(mission: Mission, method: str) -> None:
     """Raise `TeamformerError` for a method that does not plan such a mission, and for no method.
 
-    Raises `ScenarioError` for rules that steps do not know.
+    Raises `MissionError` for rules that steps do not know.
     """
     if method not in PLANNERS:
         raise TeamformerError(f"method '{method}' makes no plans", f"use {', '.join(PLANNERS)}")
     if problems := list(rules_not_planned(mission)):
-        raise ScenarioError(problems)
+        raise MissionError(problems)
     if mission.time != "continuous" and method != CENTRAL:
         raise TeamformerError(
             f"method '{method}' plans missions in continuous time", f"in steps use {CENTRAL}"

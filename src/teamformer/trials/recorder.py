@@ -13,7 +13,7 @@ from teamformer.mission.parts.capabilities import covers
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.reach import totals_by_region
 from teamformer.mission.truth import truth_until
-from teamformer.record.record import Ending, Replay, SharedPlanMade, Step, TaskAt, TeamAt
+from teamformer.record.record import Ending, Record, SharedPlanMade, Step, TaskAt, TeamAt
 from teamformer.world.env import Tally, TeamFormation
 from teamformer.world.rules.constants import NOBODY
 
@@ -109,10 +109,10 @@ class Recorder:
         """Return what the latest step has changed."""
         return self._steps[-1]
 
-    def finish(self, method: str, seed: int, lower_bound: int | None) -> Replay:
+    def finish(self, method: str, seed: int, lower_bound: int | None) -> Record:
         """Return the record so far: one of a trial that still runs is of an interrupted one."""
         made, is_uncertain = self._before.tally.steps, self._scenario.has_surprises
-        return Replay(
+        return Record(
             scenario=self._scenario,
             method=method,
             seed=seed,

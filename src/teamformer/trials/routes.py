@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from teamformer.planning.problem.routes import Route, Stop
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.teams import Teams
 
 
-def routes_of(replay: Replay) -> tuple[Route, ...]:
+def routes_of(replay: Record) -> tuple[Route, ...]:
     """Return each robot's stops, in steps.
 
     A robot arrives in the step in which it comes to the task's place; work begins when it has the

@@ -8,11 +8,11 @@ from typing import Any
 
 from teamformer.methods.central.plays import CentralPlan
 from teamformer.mission.checks.costs import judged_by
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.task_times import cost_of_record, judged_value, lateness
-from teamformer.trials.trial import Trial
+from teamformer.trials.trial import PlayedTrial
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Bars:
     least: float | None
 
 
-def bars_of(trials: Sequence[Trial]) -> Bars:
+def bars_of(trials: Sequence[PlayedTrial]) -> Bars:
     """Return the bars of several trials of one mission."""
     replays = [trial.replay for trial in trials]
     makespans = [replay.end.makespan for replay in replays]
@@ -42,7 +42,7 @@ def bars_of(trials: Sequence[Trial]) -> Bars:
     return Bars(best, bound, least)
 
 
-def result_row(trial: Trial, bars: Bars) -> dict[str, Any]:
+def result_row(trial: PlayedTrial, bars: Bars) -> dict[str, Any]:
     """Return the row of a trial; `bars` are those of all trials of its mission."""
     replay, end = trial.replay, trial.replay.end
     return {
@@ -77,13 +77,13 @@ def result_row(trial: Trial, bars: Bars) -> dict[str, Any]:
     }
 
 
-def rounded_cost(replay: Replay) -> float | None:
+def rounded_cost(replay: Record) -> float | None:
     """Return what a mission cost, to six places; None if not everything was done."""
     cost = cost_of_record(replay)
     return None if cost is None else round(cost, 6)
 
 
-def percent_over_least(replay: Replay, bars: Bars) -> float | None:
+def percent_over_least(replay: Record, bars: Bars) -> float | None:
     """Return by how many percent a trial is above the best one, by what plans are judged by."""
     return percent_over(judged_value(replay), bars.least)
 
@@ -93,7 +93,7 @@ def percent_over(value: float | None, bar: float | None) -> float | None:
     return None if value is None or not bar else round(100 * (value / bar - 1), 2)
 
 
-def seconds_of(scenario: Scenario, steps: int | None) -> float | None:
+def seconds_of(scenario: Mission, steps: int | None) -> float | None:
     """Return how long steps take on a plane; None on grids, whose steps have no length."""
     if steps is None or not isinstance(scenario.world, Plane):
         return None

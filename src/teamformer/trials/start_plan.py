@@ -13,7 +13,7 @@ from teamformer.base.errors import TeamformerError
 from teamformer.base.file_access import read_text
 from teamformer.mission.checks.links import linked_with
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
 from teamformer.mission.parts.reach import can_reach
 from teamformer.mission.precedence import keep_precedence, tasks_before
@@ -24,7 +24,7 @@ LARGEST = 100_000_000
 HINT = "`teamformer plan MISSION --json > FILE` writes one"
 
 
-def read_start_plan(path: Path, mission: Scenario) -> Plan:
+def read_start_plan(path: Path, mission: Mission) -> Plan:
     """Return the plan in a file: who does each task of a mission, and in what order.
 
     The order is that of the `start` of each task. Tasks that the plan leaves out come last, by as
@@ -54,7 +54,7 @@ def _rows(tree: Any) -> list[Row]:
     ]
 
 
-def _plan_of(rows: list[Row], mission: Scenario) -> Plan:
+def _plan_of(rows: list[Row], mission: Mission) -> Plan:
     task_of = {task.name: number for number, task in enumerate(mission.tasks)}
     robot_of = {robot.name: number for number, robot in enumerate(mission.robots)}
     robots: list[set[int]] = [set() for _ in task_of]
@@ -82,7 +82,7 @@ def _plan_of(rows: list[Row], mission: Scenario) -> Plan:
 
 
 def _order_of(
-    stops: Sequence[tuple[str, int]], start: Sequence[float], mission: Scenario
+    stops: Sequence[tuple[str, int]], start: Sequence[float], mission: Mission
 ) -> list[int]:
     """Return the order of the starts; what starts at one moment is in the order of the routes."""
     order = sorted(range(len(start)), key=start.__getitem__)
@@ -95,7 +95,7 @@ def _order_of(
     return kept if len(kept) == len(order) else keep_precedence(order, before)
 
 
-def _refuse_linked(mission: Scenario, robots: Sequence[set[int]]) -> None:
+def _refuse_linked(mission: Mission, robots: Sequence[set[int]]) -> None:
     """Refuse a plan in which a robot does two tasks whose starts are linked with one another."""
     tasks = mission.tasks
     for number, others in enumerate(linked_with(tasks)):
@@ -108,7 +108,7 @@ def _refuse_linked(mission: Scenario, robots: Sequence[set[int]]) -> None:
                 )
 
 
-def _refuse_unable(mission: Scenario, task: int, coalition: set[int]) -> None:
+def _refuse_unable(mission: Mission, task: int, coalition: set[int]) -> None:
     wanted, world = mission.tasks[task], mission.world
     coming = [mission.robots[robot] for robot in sorted(coalition)]
     able = total(robot.can for robot in coming if can_reach(world, robot, wanted.at))
@@ -120,7 +120,7 @@ def _refuse_unable(mission: Scenario, task: int, coalition: set[int]) -> None:
         )
 
 
-def _able(mission: Scenario, task: int, taken: set[int]) -> set[int]:
+def _able(mission: Mission, task: int, taken: set[int]) -> set[int]:
     """Return robots that can do a task together, without one that they could spare.
 
     None of those are among them that are `taken` by tasks which its start is linked with.

@@ -13,9 +13,9 @@ from teamformer.methods.by_name import Method, Player, as_method
 from teamformer.methods.central.plays import CentralPlan
 from teamformer.methods.seam.protocol import Planner
 from teamformer.mission.coordination import Coordinator
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.recorder import Recorder
 from teamformer.world.env import Decision, Tally, TeamFormation
@@ -23,7 +23,7 @@ from teamformer.world.view import View
 
 
 @dataclass(frozen=True)
-class Trial:
+class PlayedTrial:
     """A finished trial: its record, and what the clock said (which the record never holds).
 
     The seconds are apart: `planning_seconds` are of plans and orders, `decision_seconds` of
@@ -32,7 +32,7 @@ class Trial:
     step.
     """
 
-    replay: Replay
+    replay: Record
     planning_seconds: float
     decision_seconds: float
     total_seconds: float
@@ -48,14 +48,14 @@ class Trial:
 
 
 def run_trial(
-    mission: Scenario,
+    mission: Mission,
     player: Player,
     seed: int = 0,
     lower_bound: int | None = None,
     on_step: Callable[[Tally], None] | None = None,
-    truth: Scenario | None = None,
+    truth: Mission | None = None,
     keeps_interrupted: bool = False,
-) -> Trial:
+) -> PlayedTrial:
     """Run one trial and record it.
 
     Ctrl-C raises KeyboardInterrupt; if `keeps_interrupted`, it ends the trial with what was done
@@ -82,7 +82,7 @@ def run_trial(
         is_interrupted = True
     env, recorder = play.stage or _recorded(TeamFormation([mission], truths=[truth]))
     plan = next(iter(method.policy.plans), None) if isinstance(method.policy, Planner) else None
-    return Trial(
+    return PlayedTrial(
         recorder.finish(method.name, seed, _best_bound(lower_bound, plan)),
         planning_seconds=play.planning + env.planning_seconds,
         decision_seconds=play.deciding,
@@ -96,7 +96,7 @@ def run_trial(
 class _Play:
     """A trial as it is played, and the seconds that it has taken; Ctrl-C may break it off."""
 
-    def __init__(self, mission: Scenario, method: Method, truth: Scenario) -> None:
+    def __init__(self, mission: Mission, method: Method, truth: Mission) -> None:
         self._mission, self._method, self._truth = mission, method, truth
         self.planning = self.deciding = 0.0
         self.stage: tuple[TeamFormation, Recorder] | None = None  # None until the method has begun
@@ -131,7 +131,7 @@ def _recorded(env: TeamFormation) -> tuple[TeamFormation, Recorder]:
 
 
 def run_trials(
-    missions: Sequence[Scenario],
+    missions: Sequence[Mission],
     player: Player,
     seed: int = 0,
     threads: int = 1,
@@ -159,7 +159,7 @@ def decide(env: TeamFormation, method: Method, view: View) -> Decision:
 
 
 def _stage(
-    missions: Sequence[Scenario], method: Method, truths: Sequence[Scenario], threads: int = 1
+    missions: Sequence[Mission], method: Method, truths: Sequence[Mission], threads: int = 1
 ) -> TeamFormation:
     """Return the worlds that a method plays in, after it has begun."""
     coordinators: Sequence[Coordinator | None] = [method.coordinator] * len(missions)
@@ -179,7 +179,7 @@ def _stage(
 
 
 def begin(
-    method: Method, missions: Sequence[Scenario], truths: Sequence[Scenario], seed: int
+    method: Method, missions: Sequence[Mission], truths: Sequence[Mission], seed: int
 ) -> None:
     """Start a method; only a policy that says so is told more than its views."""
     policy, rng = method.policy, np.random.default_rng(seed)

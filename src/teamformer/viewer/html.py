@@ -65,7 +65,7 @@ def _small_page(title: str, style: str, body: str, policy: str) -> str:
     )
 
 
-def replay_page(tree: Mapping[str, object]) -> str:
+def record_page(tree: Mapping[str, object]) -> str:
     """Return the page of a replay: the JSON tree that `docs/reference/replay.md` describes.
 
     The page needs nothing else: it loads nothing, and its own policy forbids it to.
@@ -105,7 +105,7 @@ def _page(title: str, scripts: Sequence[str], tree: object, allowed: str) -> str
 
 def write_page(tree: Mapping[str, object], path: Path) -> None:
     """Write the page of a replay to a file."""
-    write_whole(path, replay_page(tree))
+    write_whole(path, record_page(tree))
 
 
 def write_comparison(

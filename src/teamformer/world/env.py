@@ -16,7 +16,7 @@ from teamformer.base.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.costs import cost_in_steps
 from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.plane import DECIMALS
 from teamformer.mission.truth import draw_truth
 from teamformer.world.guidance.guide import Guide
@@ -74,10 +74,10 @@ class TeamFormation:
 
     def __init__(
         self,
-        scenarios: Sequence[Scenario],
+        scenarios: Sequence[Mission],
         reward: Reward | None = None,
         threads: int = 1,
-        truths: Sequence[Scenario] | None = None,
+        truths: Sequence[Mission] | None = None,
         coordinator: Coordinator | Sequence[Coordinator | None] | None = None,
         new_tasks: str = "resolve",
         foresight: str = "scouting",

@@ -12,7 +12,7 @@ from test_arcs import run_script
 from plain_teams import slow_ends
 from random_worlds import random_world, with_precedence_and_windows
 from teamformer.files.drawn.generate import Spec, generate
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.graph.graph import COST, END_SUM, MAKESPAN, Graph
 from teamformer.planning.graph.meeting import TICKS
@@ -26,7 +26,7 @@ from teamformer.world.rules.constants import FAR
 SEEDS = range(12)
 
 
-def drawn(seed: int, forming_steps: int = 1) -> tuple[Scenario, Situation]:
+def drawn(seed: int, forming_steps: int = 1) -> tuple[Mission, Situation]:
     """Draw a mission, and how it begins; nothing in it is done on the way.
 
     In every third one tasks come after others.
@@ -98,7 +98,7 @@ def test_searching_on_never_loses_the_best_and_every_coalition_is_able(seed: int
 def test_a_group_serves_what_it_passes_on_its_way() -> None:
     ann, bob = (Robot(name, (x, 0), {"a": 1}) for name, x in (("ann", 0), ("bob", 25)))
     tasks = (Task("far", (10, 0), {"a": 1}), Task("passed", (5, 0), {"a": 1}, duration=3))
-    scenario = Scenario("corridor", Grid(30, 1), ("a",), (ann, bob), tasks)
+    scenario = Mission("corridor", Grid(30, 1), ("a",), (ann, bob), tasks)
     arcs = TeamArcs(situation_in_hindsight(scenario))
     arcs.begin_at(plan_teams([0, 1], [[0], [1]]))
     assert ends_of(arcs)[0] == 13  # five cells, three steps of service, five cells
@@ -108,7 +108,7 @@ def test_a_group_serves_what_it_passes_on_its_way() -> None:
 
 def test_large_coalitions_are_begun_without_robots_to_spare() -> None:
     robots = tuple(Robot(f"r{n}", (n, 0), {"a": 1}) for n in range(8))
-    scenario = Scenario(
+    scenario = Mission(
         "crowd",
         Grid(30, 1),
         ("a",),
@@ -139,7 +139,7 @@ def test_nobody_is_planned_for_what_ends_after_it_is_lost() -> None:
     lost = Robot("lost", (0, 0), {"a": 1}, absences=(Absence(5),))
     stays = Robot("stays", (20, 0), {"a": 1})
     tasks = (Task("near", (2, 0), {"a": 1}), Task("later", (6, 0), {"a": 1}))
-    scenario = Scenario("corridor", Grid(30, 1), ("a",), (lost, stays), tasks)
+    scenario = Mission("corridor", Grid(30, 1), ("a",), (lost, stays), tasks)
     situation = situation_in_hindsight(scenario)
     arcs = TeamArcs(situation)
     arcs.begin_at(plan_teams([0, 1], [[0], [0]]))

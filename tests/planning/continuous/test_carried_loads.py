@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 
 
-def movers(ends: str | None = None) -> Scenario:
+def movers(ends: str | None = None) -> Mission:
     """Return two movers at x = 0, of whom one goes at half a metre a second, and a crate at 2.
 
     It goes to x = 8, takes one second to take up and half to unload; a lamp is at x = 9.
@@ -23,7 +23,7 @@ def movers(ends: str | None = None) -> Scenario:
         Task("crate", (2.0, 1.0), {"lift": 2}, duration=1.0, to=(8.0, 1.0), unload=0.5),
         Task("lamp", (9.0, 1.0), {"scan": 1}, after=("crate",)),
     )
-    return Scenario(
+    return Mission(
         "movers", Plane(10.0, 2.0), ("lift", "scan"), robots, tasks, time="continuous", ends=ends
     )
 

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from teamformer.base.errors import ScenarioError, TeamformerError
-from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.mission.checks.costs import cost_of
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.planning.continuous.continuous_mission import pose_mission
@@ -30,15 +30,15 @@ POLICIES = pytest.mark.parametrize("policy", PLANNERS)
 WITH_COST = pytest.mark.parametrize("policy", ["central", "plan"])
 
 
-def mission(robots: list[Robot], tasks: list[Task], world: Grid) -> Scenario:
-    return Scenario("small", world, ("a", "b"), tuple(robots), tuple(tasks), time="continuous")
+def mission(robots: list[Robot], tasks: list[Task], world: Grid) -> Mission:
+    return Mission("small", world, ("a", "b"), tuple(robots), tuple(tasks), time="continuous")
 
 
 def robot(name: str, *at: int, can: str = "a") -> Robot:
     return Robot(name, at, {can: 1})
 
 
-def planned(scenario: Scenario, policy: str, seconds: float = 0.2) -> MissionPlan:
+def planned(scenario: Mission, policy: str, seconds: float = 0.2) -> MissionPlan:
     plan = plan_continuous(pose_mission(scenario), policy, seconds)
     assert plan is not None
     return plan
@@ -109,7 +109,7 @@ def test_tasks_of_no_duration_that_follow_one_another_are_planned() -> None:
     assert (plan.makespan, plan.is_proven) == (19, True)
 
 
-def weighed(**cost: float) -> Scenario:
+def weighed(**cost: float) -> Mission:
     """Return a mission in which each robot has a task near it, and the left one another."""
     tasks = [Task(f"t{x}", (x, 0), {"a": 1}) for x in (1, 38, 2)]
     robots = [robot("left", 0, 0), robot("right", 39, 0)]
@@ -211,10 +211,10 @@ def roads(**movers: list[list[float]]) -> Roads:
     return Roads(("p0", "p1", "p2"), {name: tuple(map(tuple, t)) for name, t in movers.items()})
 
 
-def on_roads(world: Roads, robots: list[Robot], at: list[str], **more: Any) -> Scenario:
+def on_roads(world: Roads, robots: list[Robot], at: list[str], **more: Any) -> Mission:
     """Return tasks that need one robot, at places by name."""
     tasks = tuple(Task(f"t{n}", world.at(name), {"a": 1}) for n, name in enumerate(at))
-    return Scenario("roads", world, ("a", "b"), tuple(robots), tasks, time="continuous", **more)
+    return Mission("roads", world, ("a", "b"), tuple(robots), tasks, time="continuous", **more)
 
 
 @POLICIES
@@ -288,7 +288,7 @@ def test_a_lane_may_be_closed_to_a_mover() -> None:
     assert (made.makespan, made.coalitions) == (5, ((0,),))
     needs_both = on_roads(world, robots, ["p2"])
     both = replace(needs_both.tasks[0], at=world.at("p1"), needs={"a": 2})
-    with pytest.raises(ScenarioError, match="cannot be reached by robots that bring a"):
+    with pytest.raises(MissionError, match="cannot be reached by robots that bring a"):
         replace(needs_both, tasks=(both,))
 
 
@@ -296,12 +296,12 @@ def test_roads_with_gaps_are_written_and_read_back(tmp_path: Path) -> None:
     world = roads(ground=[[NONE, 1, NONE], [4.5, 0, 2], [NONE, 3, 0]])
     scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p2"])
     for name in ("m.yaml", "m.json"):
-        write_scenario(scenario, tmp_path / name)
-        assert read_scenario(tmp_path / name).world == world
+        write_mission(scenario, tmp_path / name)
+        assert read_mission(tmp_path / name).world == world
     text = (tmp_path / "m.yaml").read_text()
     for way in ("inf", ".inf", "Infinity"):
         (tmp_path / "m.yaml").write_text(text.replace("p2,,3,0", f"p2, {way}, 3, 0"))
-        assert read_scenario(tmp_path / "m.yaml").world == world
+        assert read_mission(tmp_path / "m.yaml").world == world
 
 
 def test_no_bound_forgets_that_a_detour_may_be_shorter() -> None:

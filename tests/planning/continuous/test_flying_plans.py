@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.trials.planned import plan_mission
@@ -12,14 +12,14 @@ from teamformer.trials.planned import plan_mission
 WALL = Grid(5, 3, ("..@..", "..@..", "....."))
 
 
-def survey(ends: str | None = None) -> Scenario:
+def survey(ends: str | None = None) -> Mission:
     """A drone and a cart left of a wall, a task for both behind it: 2 cells over it, 6 around."""
     robots = (
         Robot("drone", (1, 0), {"a": 1}, 0.5, moves="air"),
         Robot("cart", (1, 0), {"b": 1}, 2.0),
     )
     task = Task("t", (3, 0), {"a": 1, "b": 1}, 1.0)
-    return Scenario("m", WALL, ("a", "b"), robots, (task,), time="continuous", ends=ends)
+    return Mission("m", WALL, ("a", "b"), robots, (task,), time="continuous", ends=ends)
 
 
 def test_ways_are_by_robot() -> None:

@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.mission.checks.links import is_linked
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
 from teamformer.planning.continuous.continuous_mission import pose_mission
@@ -22,16 +22,16 @@ DEFAULT = {"makespan": 1.0, "tardiness": 2.0}
 
 
 def planned(
-    scenario: Scenario, method: str = "plan", seconds: float = 0.0, start: Plan | None = None
+    scenario: Mission, method: str = "plan", seconds: float = 0.0, start: Plan | None = None
 ) -> MissionPlan:
     plan = plan_continuous(pose_mission(scenario), method, seconds, start)
     assert plan is not None
     return plan
 
 
-def urgent(**cost: float) -> Scenario:
+def urgent(**cost: float) -> Mission:
     """Return two tasks that are due at once, one of weight 9 far from the robot, one of 1 near."""
-    return Scenario(
+    return Mission(
         "urgent",
         Grid(30, 1),
         ("a",),
@@ -84,7 +84,7 @@ def test_a_shorter_plan_is_not_lost_for_one_that_has_all_home_sooner_on_average(
     between: tuple[float, float] | None,
 ) -> None:
     """One robot does both from 2 to 102; two are over at 52 and 101, which is later on average."""
-    scenario = Scenario(
+    scenario = Mission(
         "both",
         Grid(101, 1),
         ("a",),
@@ -100,7 +100,7 @@ def test_a_window_far_away_does_not_make_the_others_coarse() -> None:
     """First to the right, which is due first, then to the left: both are in time."""
     tasks = [("q", (4.6, 5.0), (0.0, 1.3)), ("p", (5.4, 5.0), (0.0, 0.9))]
     tasks.append(("audit", (5.0, 5.0), (9e8, 1e9)))
-    scenario = Scenario(
+    scenario = Mission(
         "far",
         Plane(10, 10),
         ("a",),
@@ -135,10 +135,10 @@ def test_a_gap_that_is_just_long_enough_is_kept() -> None:
         "forming": 0.5,
         "cost": {"makespan": 0.5, "completion": 3},
     }
-    assert planned(scenario_from_tree(tree)).cost == 51.5
+    assert planned(mission_from_tree(tree)).cost == 51.5
 
 
-def in_a_row(**more: dict[str, tuple[float, float]]) -> Scenario:
+def in_a_row(**more: dict[str, tuple[float, float]]) -> Mission:
     """Return two tasks that a third is linked with, and two robots."""
     gap = (0.0, 9.0)
     tasks = (
@@ -147,7 +147,7 @@ def in_a_row(**more: dict[str, tuple[float, float]]) -> Scenario:
         Task("last", (5, 0), {"a": 1}, starts={"first": gap, "second": gap}),
     )
     robots = (Robot("r", (0, 0), {"a": 1}), Robot("s", (0, 0), {"a": 1}))
-    return Scenario("row", Grid(8, 1), ("a",), robots, tasks, time="continuous")
+    return Mission("row", Grid(8, 1), ("a",), robots, tasks, time="continuous")
 
 
 @pytest.mark.parametrize("method", ["plan", "central"])
@@ -162,15 +162,15 @@ def test_three_that_are_all_linked_with_one_another_need_three_robots() -> None:
         in_a_row(starts={"first": (0.0, 9.0)})
 
 
-def carried() -> Scenario:
+def carried() -> Mission:
     """Return a load that a fast or a slow robot carries; plans count on the fast one."""
     robots = (Robot("slow", (0, 0), {"a": 1}, speed=0.5), Robot("fast", (9, 0), {"a": 1}))
     load = Task("load", (0, 0), {"a": 1}, to=(9, 0))
-    return Scenario("carried", Grid(10, 1), ("a",), robots, (load,), time="continuous")
+    return Mission("carried", Grid(10, 1), ("a",), robots, (load,), time="continuous")
 
 
 @pytest.mark.parametrize("scenario", [carried(), urgent()])
-def test_what_begins_with_a_plan_is_never_worse_by_true_times(scenario: Scenario) -> None:
+def test_what_begins_with_a_plan_is_never_worse_by_true_times(scenario: Mission) -> None:
     """A plan that is handed in is judged as any other, and is what comes out if it is the best."""
     posed = pose_mission(scenario)
     robots, tasks = range(len(scenario.robots)), range(len(scenario.tasks))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.rules import plan_continuous
@@ -37,7 +37,7 @@ def test_what_all_robots_together_cannot_do_is_not_planned() -> None:
 
 
 def test_whoever_is_on_the_other_side_of_a_wall_is_not_sent() -> None:
-    made = plan_continuous(pose_mission(scenario_from_tree(ISLANDS)), "reactive", 0.0)
+    made = plan_continuous(pose_mission(mission_from_tree(ISLANDS)), "reactive", 0.0)
     assert made is not None
     stops = [{stop.task for stop in route.stops} for route in made.routes]
     assert stops == [{0, 1}, {2}]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.roads import Roads
 from teamformer.planning.continuous.continuous_mission import pose_mission
@@ -16,18 +16,18 @@ from teamformer.planning.problem.routes import MissionPlan
 LIFT = {"lift": 1}
 
 
-def planned(scenario: Scenario, method: str = "plan", start: Plan | None = None) -> MissionPlan:
+def planned(scenario: Mission, method: str = "plan", start: Plan | None = None) -> MissionPlan:
     made = plan_continuous(pose_mission(scenario), method, 0.05, start)
     assert made is not None
     return made
 
 
-def together(**rules: object) -> Scenario:
+def together(**rules: object) -> Mission:
     """Return two robots at x = 0, a task for one at 5 and one for both at 10; forming takes 5."""
     robots = (Robot("a", (0, 0), LIFT), Robot("b", (0, 0), LIFT))
     tasks = (Task("small", (5, 0), LIFT), Task("large", (10, 0), {"lift": 2}))
     parts = (Grid(12, 1), ("lift",), robots, tasks)
-    return Scenario("together", *parts, time="continuous", forming=5.0, **rules)  # type: ignore[arg-type]
+    return Mission("together", *parts, time="continuous", forming=5.0, **rules)  # type: ignore[arg-type]
 
 
 GO_TOGETHER = Plan(order=(0, 1), coalitions=((0, 1), (0, 1)))
@@ -55,7 +55,7 @@ def test_a_detour_by_a_task_may_be_the_quicker_road() -> None:
     at = [roads.at(name) for name in roads.places]
     robots = (Robot("a", at[1], {"scan": 1}), Robot("b", at[0], LIFT))
     tasks = (Task("look", at[1], {"scan": 1}), Task("crate", at[2], LIFT))
-    scenario = Scenario("roads", roads, ("scan", "lift"), robots, tasks, time="continuous")
+    scenario = Mission("roads", roads, ("scan", "lift"), robots, tasks, time="continuous")
     assert planned(scenario).makespan == 2.0
 
 
@@ -64,7 +64,7 @@ def test_a_way_with_a_load_costs_no_travel() -> None:
     robots = (Robot("a", (0, 0), LIFT), Robot("b", (0, 0), {"scan": 1}))
     tasks = (Task("crate", (0, 0), LIFT, to=(9, 0)), Task("lamp", (9, 0), {"scan": 1}))
     parts = (Grid(10, 1), ("lift", "scan"), robots, tasks)
-    scenario = Scenario("ride", *parts, time="continuous", cost={"travel": 1.0})
+    scenario = Mission("ride", *parts, time="continuous", cost={"travel": 1.0})
     assert planned(scenario).cost == 0.0
 
 
@@ -72,12 +72,12 @@ def test_nobody_comes_along_for_nothing() -> None:
     robots = tuple(Robot(name, (0, 0), LIFT) for name in "abc")
     tasks = (Task("t", (5, 0), LIFT), Task("u", (6, 0), LIFT))
     parts = (Grid(12, 1), ("lift",), robots, tasks)
-    made = planned(Scenario("lone", *parts, time="continuous", forming=5.0))
+    made = planned(Mission("lone", *parts, time="continuous", forming=5.0))
     assert sorted(len(route.stops) for route in made.routes) in ([0, 0, 2], [0, 1, 1])
 
 
 def test_searches_have_seats_for_spares_only_where_they_may_pay() -> None:
     robots, tasks = (Robot("a", (0, 0), LIFT),), (Task("t", (5, 0), LIFT),)
-    plain = Scenario("plain", Grid(9, 1), ("lift",), robots, tasks, time="continuous")
+    plain = Mission("plain", Grid(9, 1), ("lift",), robots, tasks, time="continuous")
     spares = [pose_mission(scenario).problem.spares for scenario in (together(), plain)]
     assert spares == [SPARES, 0]

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from teamformer.files.drawn.generate import Spec, generate
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.mission_files import write_mission
 from teamformer.mission.parts.grid import Grid
 
 SIDES = {20: 14, 100: 30, 300: 52, 1000: 95, 3000: 164, 10_000: 300}
@@ -44,7 +44,7 @@ def measure_size(sides: dict[int, int] = SIDES) -> Iterator[SizeRow]:
         for method in ("plan", "crews") if count <= MOST_PLANNED else ("crews",):
             with TemporaryDirectory() as folder:
                 path, record = Path(folder) / "mission.yaml", Path(folder) / "record"
-                write_scenario(mission, path)
+                write_mission(mission, path)
                 run = ["run", str(path), "--method", method, "--out", str(record), "--json"]
                 told, *ran = _measured(run)
                 _, *judged = _measured(["check", str(record / "replay.json")])

@@ -16,10 +16,10 @@ import numpy as np
 from teamformer.bench.measurements.caching import measure_caching
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.mission_files import write_mission
 from teamformer.methods.learned.any_fleet import teamformer
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trial, run_trials
 from teamformer.world.env import Decision, TeamFormation
@@ -78,13 +78,13 @@ def _caching() -> Iterator[Measurement]:
     yield Measurement("caching makes it faster by", found.speedup, "times")
 
 
-def _worlds(count: int, robots: int, tasks: int, side: int, caps: int) -> list[Scenario]:
+def _worlds(count: int, robots: int, tasks: int, side: int, caps: int) -> list[Mission]:
     rng = np.random.default_rng(0)
     spec = Spec(robots, tasks, caps, world=Grid(side, side))
     return [generate(spec, rng) for _ in range(count)]
 
 
-def _spread_out(scenario: Scenario) -> Scenario:
+def _spread_out(scenario: Mission) -> Mission:
     """Put the robots anywhere: a crowd at one point would cost by its density, not its size."""
     rng = np.random.default_rng(1)
     side = int(scenario.world.width)
@@ -146,7 +146,7 @@ def _warm_start() -> float:
     """Time the whole command, the second time."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "small.yaml"
-        write_scenario(_worlds(1, 4, 4, 10, 4)[0], path)
+        write_mission(_worlds(1, 4, 4, 10, 4)[0], path)
         command = [sys.executable, "-m", "teamformer.cli", "run", str(path), "--json"]
         subprocess.run(command, check=True, capture_output=True)
         begun = time.perf_counter()

@@ -12,7 +12,7 @@ from teamformer.base.file_access import read_text
 from teamformer.bench.others.published import BEST, NUMBER, Published, read_published
 from teamformer.files.imports import import_missions
 from teamformer.files.imports.trees import read_json
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 HINT = "name folders of them: teamformer bench others FOLDER"
 LARGEST_TABLE = 1_000_000  # bytes
@@ -26,7 +26,7 @@ class Instance:
     """
 
     collection: str
-    mission: Scenario
+    mission: Mission
     published: Published
 
     @property

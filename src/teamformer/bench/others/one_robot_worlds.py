@@ -13,7 +13,7 @@ import numpy as np
 
 from teamformer.base.errors import TeamformerError
 from teamformer.bench.others.instances import Instance
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 
@@ -39,7 +39,7 @@ def draw_instances(settings: Sequence[str], worlds: int, first_seed: int) -> lis
     return drawn
 
 
-def draw_world(robots: int, tasks: int, seed: int) -> Scenario:
+def draw_world(robots: int, tasks: int, seed: int) -> Mission:
     """Return a world; the same seed gives the same one."""
     rng = np.random.default_rng([seed, robots, tasks])
     names = [f"skill-{number}" for number in range(SKILLS)]
@@ -52,7 +52,7 @@ def draw_world(robots: int, tasks: int, seed: int) -> Scenario:
         needs = {names[rng.integers(min(SKILLS, robots))]: 1}
         duration = float(LONGEST * rng.random())
         placed_tasks.append(Task(f"t{number}", _place(rng), needs, duration))
-    return Scenario(
+    return Mission(
         name=f"env_{seed}",
         world=Plane(1.0, 1.0),
         capabilities=tuple(names),

@@ -60,7 +60,7 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MethodMeans:
     """A method's means, and how often it is better than the best published, or worse.
 
     `bound` is the method's own; `gap` and `proven` are by the best bound of any method.
@@ -120,14 +120,14 @@ def result_of(row: dict[str, Any]) -> Result:
         raise TeamformerError("this row is none of `bench others`") from None
 
 
-def compare(results: Sequence[Result], method: str) -> Comparison:
+def compare(results: Sequence[Result], method: str) -> MethodMeans:
     """Return how a method did on the instances of one collection."""
     mine = [result for result in results if result.method == method]
     compared = [(result.makespan, result.best) for result in mine if result.best is not None]
     bound = {name: _bound_of(results, name) for name in {result.instance for result in mine}}
     makespan = fmean(result.makespan for result in mine)
     floor = fmean(bound[result.instance] for result in mine)
-    return Comparison(
+    return MethodMeans(
         method=method,
         instances=len(mine),
         makespan=makespan,

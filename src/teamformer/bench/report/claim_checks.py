@@ -29,17 +29,17 @@ TABLE_1 = (
 
 
 @dataclass(frozen=True)
-class Judgement:
+class ClaimJudgement:
     """What was measured for a claim, and whether it holds; None if that was not measured."""
 
     measured: str
     holds: bool | None
 
 
-Judge = Callable[[Evidence, str], Judgement]
+Judge = Callable[[Evidence, str], ClaimJudgement]
 """Judges a claim for a family of methods: `teamformer` (the paper's) or `ANY_FLEET`."""
 
-UNKNOWN = Judgement("not measured", None)
+UNKNOWN = ClaimJudgement("not measured", None)
 
 
 def method_for(family: str, setting: str) -> str:
@@ -59,7 +59,7 @@ def method_for(family: str, setting: str) -> str:
 def near_optimum(setting: str, most: float) -> Judge:
     """Judge whether makespans are within so many steps of the proven optimum."""
 
-    def judge(evidence: Evidence, family: str) -> Judgement:
+    def judge(evidence: Evidence, family: str) -> ClaimJudgement:
         method = method_for(family, setting)
         found = evidence.from_optimum(setting, method)
         if found is None:
@@ -67,7 +67,7 @@ def near_optimum(setting: str, most: float) -> Judge:
         played = evidence.difference(setting, method, "central")
         text = f"{interval(found)} from the optimum with free joins"
         text += f"; {interval(played)} from its play" if played else ""
-        return Judgement(text, found.value - _reach(found) <= most)
+        return ClaimJudgement(text, found.value - _reach(found) <= most)
 
     return judge
 
@@ -75,7 +75,7 @@ def near_optimum(setting: str, most: float) -> Judge:
 def faster_than(setting: str, families: tuple[str, ...]) -> Judge:
     """Judge whether mean makespans are below those of all other families measured."""
 
-    def judge(evidence: Evidence, family: str) -> Judgement:
+    def judge(evidence: Evidence, family: str) -> ClaimJudgement:
         method = method_for(family, setting)
         found = {
             bar: evidence.difference(setting, method, method_for(bar, setting)) for bar in families
@@ -87,7 +87,7 @@ def faster_than(setting: str, families: tuple[str, ...]) -> Judge:
         told = [f"{bar} {interval(mean)}" for bar, mean in known.items()]
         told += [f"(join-all {interval(scripted)})"] if scripted else []
         told += [f"({bar} not measured)" for bar in families if bar not in known]
-        return Judgement(", ".join(told), all(mean.value < 0 for mean in known.values()))
+        return ClaimJudgement(", ".join(told), all(mean.value < 0 for mean in known.values()))
 
     return judge
 
@@ -95,13 +95,13 @@ def faster_than(setting: str, families: tuple[str, ...]) -> Judge:
 def saves(setting: str, bar: str, claimed: float) -> Judge:
     """Judge whether a share of another family's makespan is saved, or the interval reaches it."""
 
-    def judge(evidence: Evidence, family: str) -> Judgement:
+    def judge(evidence: Evidence, family: str) -> ClaimJudgement:
         found = evidence.saving(setting, method_for(family, setting), method_for(bar, setting))
         if found is None:
             return UNKNOWN
         low, high = found.value - _reach(found), found.value + _reach(found)
         text = f"{_percent(found.value)} ({_percent(low)} to {_percent(high)})"
-        return Judgement(text, high >= claimed)
+        return ClaimJudgement(text, high >= claimed)
 
     return judge
 
@@ -109,11 +109,11 @@ def saves(setting: str, bar: str, claimed: float) -> Judge:
 def no_failure(setting: str, of: str | None = None) -> Judge:
     """Judge whether no trial failed."""
 
-    def judge(evidence: Evidence, family: str) -> Judgement:
+    def judge(evidence: Evidence, family: str) -> ClaimJudgement:
         summary = evidence.summary(setting, method_for(of or family, setting))
         if summary is None:
             return UNKNOWN
-        return Judgement(_failed(summary.failures, summary.trials), summary.failures == 0)
+        return ClaimJudgement(_failed(summary.failures, summary.trials), summary.failures == 0)
 
     return judge
 
@@ -121,7 +121,7 @@ def no_failure(setting: str, of: str | None = None) -> Judge:
 def some_failures(setting: str, of: str) -> Judge:
     """Judge whether a family's trials fail at all, without the deadlock guard if that was run."""
 
-    def judge(evidence: Evidence, family: str) -> Judgement:
+    def judge(evidence: Evidence, family: str) -> ClaimJudgement:
         method = method_for(of, setting)
         bare = evidence.summary(setting, method + BARE)
         summary = bare or evidence.summary(setting, method)
@@ -129,7 +129,7 @@ def some_failures(setting: str, of: str) -> Judge:
             return UNKNOWN
         told = _failed(summary.failures, summary.trials)
         told += " without the deadlock guard" if bare else ""
-        return Judgement(told, summary.failures > 0)
+        return ClaimJudgement(told, summary.failures > 0)
 
     return judge
 
@@ -137,41 +137,41 @@ def some_failures(setting: str, of: str) -> Judge:
 def trend(of: str | None, rises: bool) -> Judge:
     """Judge whether the makespan rises (or falls) with the requirements of 100-robot worlds."""
 
-    def judge(evidence: Evidence, family: str) -> Judgement:
+    def judge(evidence: Evidence, family: str) -> ClaimJudgement:
         found = [evidence.summary(s, method_for(of or family, s)) for s in TABLE_1[4:]]
         means = [summary.makespan.value for summary in found if summary]
         if len(means) < 2:
             return UNKNOWN
         text = ", ".join(number(mean) for mean in means)
-        return Judgement(text, means[-1] > means[0] if rises else means[-1] < means[0])
+        return ClaimJudgement(text, means[-1] > means[0] if rises else means[-1] < means[0])
 
     return judge
 
 
-def splits_fall(evidence: Evidence, family: str) -> Judgement:
+def splits_fall(evidence: Evidence, family: str) -> ClaimJudgement:
     """Judge whether teams split less as tasks require more."""
     found = [evidence.splits(s, method_for(family, s)) for s in TABLE_1[4:]]
     known = [splits for splits in found if splits is not None]
     if len(known) < 2:
         return UNKNOWN
     text = ", ".join(number(splits) for splits in known) + " splits a trial"
-    return Judgement(text, known[-1] < known[0] or known[-1] == 0)
+    return ClaimJudgement(text, known[-1] < known[0] or known[-1] == 0)
 
 
 def as_quick(setting: str, claimed: float) -> Judge:
     """Judge whether deciding takes no longer than claimed."""
 
-    def judge(evidence: Evidence, family: str) -> Judgement:
+    def judge(evidence: Evidence, family: str) -> ClaimJudgement:
         summary = evidence.summary(setting, method_for(family, setting))
         if summary is None or not summary.inference.count:
             return UNKNOWN
         told = f"{seconds(summary.inference)} s (one CPU thread)"
-        return Judgement(told, summary.inference.value <= claimed)
+        return ClaimJudgement(told, summary.inference.value <= claimed)
 
     return judge
 
 
-def slowest(evidence: Evidence, family: str) -> Judgement:
+def slowest(evidence: Evidence, family: str) -> ClaimJudgement:
     """Judge whether the method takes longer than deep set and GNN."""
     told, holds = [], []
     for setting in TABLE_1[:4]:
@@ -181,7 +181,7 @@ def slowest(evidence: Evidence, family: str) -> Judgement:
         if ours and times and ours.inference.count:
             told.append(f"{setting}: {ours.inference.value / max(times):.1f} times the slower one")
             holds.append(ours.inference.value > max(times))
-    return Judgement("; ".join(told), all(holds)) if told else UNKNOWN
+    return ClaimJudgement("; ".join(told), all(holds)) if told else UNKNOWN
 
 
 def _failed(failures: int, trials: int) -> str:

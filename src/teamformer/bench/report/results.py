@@ -12,7 +12,7 @@ from string import Template
 from typing import TypeVar
 
 from teamformer.base.whole_files import write_whole
-from teamformer.bench.report.claim_checks import ANY_FLEET, TABLE_1, Judgement, method_for
+from teamformer.bench.report.claim_checks import ANY_FLEET, TABLE_1, ClaimJudgement, method_for
 from teamformer.bench.report.claims import FAILURES, INFERENCE, Claim, claims
 from teamformer.bench.report.evidence import Evidence
 from teamformer.bench.report.tables import (
@@ -124,7 +124,7 @@ def _claim_row(claim: Claim, evidence: Evidence, notes: list[str]) -> list[str]:
     return [claim.figure, claim.text + mark, claim.paper, *map(_verdict, found)]
 
 
-def _verdict(judgement: Judgement) -> str:
+def _verdict(judgement: ClaimJudgement) -> str:
     verdict = VERDICTS[judgement.holds]
     return f"{verdict}: {judgement.measured}" if verdict else judgement.measured
 

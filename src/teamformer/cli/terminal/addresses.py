@@ -16,7 +16,7 @@ NOBODY = {socket.AF_INET: "192.0.2.1", socket.AF_INET6: "2001:db8::1"}
 
 
 @dataclass(frozen=True)
-class Address:
+class HostAndPort:
     """Where something is served; `further` are names that tunnels and proxies lead here from."""
 
     host: str = "127.0.0.1"
@@ -53,14 +53,16 @@ class Address:
         return ["::1" if ":" in self.host else "127.0.0.1", *([own] if own else [])]
 
 
-def address_of(text: str, further: tuple[str, ...] = ()) -> Address:
+def address_of(text: str, further: tuple[str, ...] = ()) -> HostAndPort:
     """Return the address that a flag names: `8765`, or with another host `0.0.0.0:8765`."""
     host, _, port = text.rpartition(":")
     if not (port.isdecimal() and 1 <= int(port) <= 65535):
         raise TeamformerError(
             f"--port {text} is no port", "write a number from 1 to 65535, or HOST:NUMBER"
         )
-    return Address(host.strip("[]") or Address.host, int(port), tuple(map(_name_of, further)))
+    return HostAndPort(
+        host.strip("[]") or HostAndPort.host, int(port), tuple(map(_name_of, further))
+    )
 
 
 def _name_of(text: str) -> str:
@@ -72,7 +74,7 @@ def _name_of(text: str) -> str:
     raise TeamformerError(f"--host {text} is no name of a host", "leave out http:// and the port")
 
 
-def check_address(at: Address, flag: str = "--port") -> None:
+def check_address(at: HostAndPort, flag: str = "--port") -> None:
     """Raise `TeamformerError` if the port is not free, and suggest one that is for its flag."""
     host, port = at.host, at.port
     with socket.socket(_family(host)) as probe:

@@ -1,8 +1,8 @@
 """Compiling on a first run before anything is timed, and shared with a second process.
 
 numba compiles on one core. So while this process compiles a planner, which it needs first,
-`python -m teamformer.cli.terminal.compiling METHOD` compiles what comes after it into the cache; with
-`--simulator` only the step, as by a shared plan no policy has to think. With `--everything` it
+`python -m teamformer.cli.terminal.compiling METHOD` compiles what comes after it into the cache;
+with `--simulator` only the step, as by a shared plan no policy has to think. With `--everything` it
 compiles what any first run needs, for a wheel that brings it along.
 """
 
@@ -21,10 +21,10 @@ from teamformer.cli.terminal.console import say
 
 if TYPE_CHECKING:
     from teamformer.methods.by_name import Method
-    from teamformer.mission.model import Scenario
+    from teamformer.mission.model import Mission
 
 
-def compile_ahead(methods: Iterable[Method], mission: Scenario | None = None) -> None:
+def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> None:
     """Compile what methods need, so that no trial's time has it in; that it does is said.
 
     If a mission is given that is large, that is also what they need for large ones.
@@ -56,11 +56,11 @@ def compile_ahead(methods: Iterable[Method], mission: Scenario | None = None) ->
 
 def _plan_anew() -> None:
     """Plan from nothing, as large missions are."""
-    from teamformer.files.drawn.smallest import smallest_scenario
+    from teamformer.files.drawn.smallest import smallest_mission
     from teamformer.planning.steps.arc_search import TeamArcs
     from teamformer.planning.steps.situation import situation_in_hindsight
 
-    TeamArcs(situation_in_hindsight(smallest_scenario())).plan_anew(rounds=10)
+    TeamArcs(situation_in_hindsight(smallest_mission())).plan_anew(rounds=10)
 
 
 def _compile(methods: Iterable[Method]) -> None:
@@ -68,14 +68,14 @@ def _compile(methods: Iterable[Method]) -> None:
 
     A class of the user's own is not asked about a mission that is not the user's.
     """
-    from teamformer.files.drawn.smallest import smallest_scenario
+    from teamformer.files.drawn.smallest import smallest_mission
     from teamformer.methods.by_name import load_method
     from teamformer.trials.trial import run_trial
 
     begun = time.perf_counter()
     ours = [method for method in methods if ":" not in method.name]
     for method in ours or [load_method("join-all")]:
-        run_trial(smallest_scenario(), method)
+        run_trial(smallest_mission(), method)
     say(f"compiled in {time.perf_counter() - begun:.0f} s")
 
 
@@ -93,9 +93,9 @@ def _compile_beside(what: str) -> None:
 
 def main() -> None:
     """Compile what a method needs, or everything."""
-    from teamformer.files.drawn.smallest import smallest_scenario
+    from teamformer.files.drawn.smallest import smallest_mission
 
-    smallest = smallest_scenario()
+    smallest = smallest_mission()
     names = sys.argv[1:]
     if names == ["--everything"]:
         _compile_everything(smallest)
@@ -105,7 +105,7 @@ def main() -> None:
         _play([smallest], names)
 
 
-def _make_a_step(smallest: Scenario) -> None:
+def _make_a_step(smallest: Mission) -> None:
     """Make one step by plans that hold nothing."""
     from teamformer.methods.coordinators.on_command import OnCommand
     from teamformer.world.env import TeamFormation
@@ -114,7 +114,7 @@ def _make_a_step(smallest: Scenario) -> None:
     env.step(env.planned_decision(env.view()))
 
 
-def _play(worlds: Iterable[Scenario], names: Iterable[str]) -> None:
+def _play(worlds: Iterable[Mission], names: Iterable[str]) -> None:
     """Run methods in worlds, as `run` does."""
     from teamformer.methods.by_name import load_method
     from teamformer.planning.bounds.makespan import lower_bound
@@ -125,7 +125,7 @@ def _play(worlds: Iterable[Scenario], names: Iterable[str]) -> None:
             run_trial(world, load_method(name, time_limit=1.0), 0, lower_bound(world))
 
 
-def _compile_everything(smallest: Scenario) -> None:
+def _compile_everything(smallest: Mission) -> None:
     """Run methods of each kind on grids with and without walls, and on a plane."""
     from teamformer.methods.listings import our_method_names
     from teamformer.mission.parts.grid import Grid

@@ -6,9 +6,9 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from teamformer.base.extras import require
-from teamformer.cli.terminal.addresses import Address, check_address
+from teamformer.cli.terminal.addresses import HostAndPort, check_address
 from teamformer.cli.terminal.console import say
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 
 if TYPE_CHECKING:
     from teamformer.record.export.foxglove_server import Follower
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 def check_foxglove(port: int) -> None:
     """Raise `TeamformerError` if the library is missing or the port is not free."""
     require("mcap", "foxglove")
-    check_address(Address("127.0.0.1", port), "--foxglove")
+    check_address(HostAndPort("127.0.0.1", port), "--foxglove")
 
 
-def play_in_foxglove(replay: Replay, port: int) -> None:
+def play_in_foxglove(replay: Record, port: int) -> None:
     """Serve a record, and play it when somebody looks, until Ctrl-C."""
     from teamformer.record.export.foxglove_server import Player
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from teamformer.cli.terminal.console import say
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.trials.outputs import write_record
 
 
-def write_and_say(replay: Replay, folder: Path) -> None:
+def write_and_say(replay: Record, folder: Path) -> None:
     """Write a record and its page into a folder, and say where they are."""
     record, page = write_record(replay, folder)
     say(f"record: {record}")

@@ -14,7 +14,7 @@ from teamformer.files.drawn.families import Amounts, Family
 from teamformer.files.drawn.generate import random_places, spawn_places
 from teamformer.files.drawn.surprises import SURPRISES, make_uncertain
 from teamformer.mission.checks.windows import find_hopeless_windows
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.capabilities import exact, total
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.parts.roads import AIR, GROUND
@@ -47,7 +47,7 @@ most. These are among the `AMONG` tasks that were drawn just before it."""
 
 def draw_mission(
     family: Family, rng: np.random.Generator, name: str, incident: str | None = None
-) -> Scenario:
+) -> Mission:
     """Return a random mission; fleets in which nobody can be spared are drawn again.
 
     With `incident` "lost" one robot that the others can do without is lost at a random step, in the
@@ -68,7 +68,7 @@ def draw_mission(
     return mission if incident is None else _let_arrive(mission, rng)
 
 
-def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Scenario, list[int]]:
+def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Mission, list[int]]:
     """Return a mission and the robots that can be spared in it."""
     world = _draw_world(family, rng)
     robots = _draw_robots(family, world, rng)
@@ -80,7 +80,7 @@ def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Scenario
         for number, robot in enumerate(robots)
         if all(have[cap] - amount >= most[cap] for cap, amount in robot.can.items())
     ]
-    mission = Scenario(
+    mission = Mission(
         name=name,
         world=world,
         capabilities=family.capabilities,
@@ -92,7 +92,7 @@ def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Scenario
     return (_with_due_dates(mission, family.due, rng) if family.due else mission), spare
 
 
-def _with_due_dates(mission: Scenario, share: float, rng: np.random.Generator) -> Scenario:
+def _with_due_dates(mission: Mission, share: float, rng: np.random.Generator) -> Mission:
     """Return a mission in which a share of the tasks is due, and tasks have weights."""
     steps, tasks = about_half_of(mission), []
     for task in mission.tasks:
@@ -228,7 +228,7 @@ def _in_steps(amount: float, amounts: Amounts) -> float:
     return exact(round(amount / amounts.step) * amounts.step)
 
 
-def _lose_one(mission: Scenario, spare: list[int], rng: np.random.Generator) -> Scenario:
+def _lose_one(mission: Mission, spare: list[int], rng: np.random.Generator) -> Mission:
     number = int(rng.choice(spare))
     robots = list(mission.robots)
     step = int(rng.integers(INCIDENT_STEPS[0], about_half_of(mission) + 1))
@@ -236,7 +236,7 @@ def _lose_one(mission: Scenario, spare: list[int], rng: np.random.Generator) -> 
     return replace(mission, robots=tuple(robots))
 
 
-def about_half_of(mission: Scenario) -> int:
+def about_half_of(mission: Mission) -> int:
     """Return a step in the first half of a mission, without a plan of it.
 
     It is the steps in which the robots that are wanted most would walk to their tasks and do them,
@@ -263,14 +263,14 @@ def _takes(task: Task) -> float:
     return task.duration + abs(to_x - x) + abs(to_y - y) + task.unload
 
 
-def _let_arrive(mission: Scenario, rng: np.random.Generator) -> Scenario:
+def _let_arrive(mission: Mission, rng: np.random.Generator) -> Mission:
     tasks = list(mission.tasks)
     for number in rng.permutation(len(tasks))[: len(tasks) // ARRIVING].tolist():
         tasks[number] = replace(tasks[number], appears=_draw_step(rng))
     return replace(mission, tasks=tuple(tasks))
 
 
-def _put_in_order(mission: Scenario, rng: np.random.Generator) -> Scenario:
+def _put_in_order(mission: Mission, rng: np.random.Generator) -> Mission:
     """Let tasks come after others; they are drawn again if one cannot keep its window then."""
     names = [task.name for task in mission.tasks]
     while True:

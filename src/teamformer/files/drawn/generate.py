@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from teamformer.base.errors import TeamformerError
-from teamformer.mission.model import Robot, Scenario, Task, World
+from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import Plane
 
@@ -57,7 +57,7 @@ class Spec:
             raise TeamformerError(f"late_between is {self.late_between}; use (first, last) step")
 
 
-def generate(spec: Spec, rng: np.random.Generator, name: str = "generated") -> Scenario:
+def generate(spec: Spec, rng: np.random.Generator, name: str = "generated") -> Mission:
     """Return a random scenario; the same spec and generator state give the same one.
 
     Robots start around a random spawn point, capabilities are dealt out evenly, and task places
@@ -73,7 +73,7 @@ def generate(spec: Spec, rng: np.random.Generator, name: str = "generated") -> S
         Robot(f"r{r + 1}", places[labels[r]], {caps[dealt[r]]: 1}, speed)
         for r in range(spec.robots)
     )
-    return Scenario(
+    return Mission(
         name=name,
         world=world,
         capabilities=caps,

@@ -25,7 +25,7 @@ from teamformer.files.drawn.families import FAMILIES, family_in, split_name
 from teamformer.files.drawn.family_missions import draw_mission
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.files.drawn.surprises import SURPRISES, make_uncertain
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 
 NAME = re.compile(
@@ -82,7 +82,7 @@ def new_tasks_of(setting: str) -> str:
     return INSERTIONS[(match and match["insertion"]) or "tsp"]
 
 
-def world_of(setting: str, world_seed: int) -> Scenario:
+def world_of(setting: str, world_seed: int) -> Mission:
     """Return a test world of a setting; the same seed gives the same one everywhere.
 
     Settings that differ only in how late tasks are inserted or in what is uncertain have the same

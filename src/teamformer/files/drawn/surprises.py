@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from teamformer.mission.model import Arrivals, Breakdown, Delays, Robot, Scenario, Task
+from teamformer.mission.model import Arrivals, Breakdown, Delays, Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 
-Kind = Callable[[Scenario, np.random.Generator], Scenario]
+Kind = Callable[[Mission, np.random.Generator], Mission]
 """Makes a mission uncertain."""
 
 LASTS = (1, 10)
@@ -31,40 +31,40 @@ SHARE_MIXED = 0.5
 """Of the tasks, where kinds are mixed: with uncertain durations, needs, places."""
 
 
-def make_uncertain(mission: Scenario, kind: str, rng: np.random.Generator) -> Scenario:
+def make_uncertain(mission: Mission, kind: str, rng: np.random.Generator) -> Mission:
     """Return a mission with surprises of a kind of `SURPRISES`."""
     return replace(SURPRISES[kind](mission, rng), step_limit=0)
 
 
-def _durations(mission: Scenario, rng: np.random.Generator) -> Scenario:
+def _durations(mission: Mission, rng: np.random.Generator) -> Mission:
     return replace(mission, tasks=tuple(replace(task, lasts=LASTS) for task in mission.tasks))
 
 
 def _needs(chance: float) -> Kind:
-    def make(mission: Scenario, rng: np.random.Generator) -> Scenario:
+    def make(mission: Mission, rng: np.random.Generator) -> Mission:
         return replace(mission, tasks=tuple(_may_need(t, chance, rng) for t in mission.tasks))
 
     return make
 
 
-def _places(mission: Scenario, rng: np.random.Generator) -> Scenario:
+def _places(mission: Mission, rng: np.random.Generator) -> Mission:
     within = WITHIN * (mission.world.unit if isinstance(mission.world, Plane) else 1.0)
     return replace(mission, tasks=tuple(replace(task, within=within) for task in mission.tasks))
 
 
-def _delays(mission: Scenario, rng: np.random.Generator) -> Scenario:
+def _delays(mission: Mission, rng: np.random.Generator) -> Mission:
     return replace(mission, robots=tuple(replace(r, delays=DELAYS) for r in mission.robots))
 
 
-def _calls(mission: Scenario, rng: np.random.Generator) -> Scenario:
+def _calls(mission: Mission, rng: np.random.Generator) -> Mission:
     return replace(mission, arrivals=CALLS)
 
 
-def _breakdowns(mission: Scenario, rng: np.random.Generator) -> Scenario:
+def _breakdowns(mission: Mission, rng: np.random.Generator) -> Mission:
     return replace(mission, robots=_break(mission.robots, BREAKDOWN.rate))
 
 
-def _mixed(mission: Scenario, rng: np.random.Generator) -> Scenario:
+def _mixed(mission: Mission, rng: np.random.Generator) -> Mission:
     """Return a mission with uncertain durations and needs, and with breakdowns."""
     tasks = mission.tasks
     tasks = tuple(
@@ -79,7 +79,7 @@ def _mixed(mission: Scenario, rng: np.random.Generator) -> Scenario:
     return replace(mission, tasks=tasks, robots=_break(mission.robots, MIXED_RATE))
 
 
-def _all(mission: Scenario, rng: np.random.Generator) -> Scenario:
+def _all(mission: Mission, rng: np.random.Generator) -> Mission:
     """Return the same mission with uncertain places, delays and calls too."""
     mixed = _mixed(mission, rng)
     hidden = zip(mixed.tasks, _places(mixed, rng).tasks, strict=True)

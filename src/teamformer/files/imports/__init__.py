@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from teamformer.base.entry_points import find_brought, names_of
-from teamformer.base.errors import ScenarioError, TeamformerError
-from teamformer.mission.model import Scenario
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.mission.model import Mission
 
 
-def import_missions(form: str, path: Path) -> Sequence[Scenario]:
+def import_missions(form: str, path: Path) -> Sequence[Mission]:
     """Return the missions in a file or folder of others, by the importer of a format's name.
 
     Raises `TeamformerError` with file and place.
@@ -21,9 +21,9 @@ def import_missions(form: str, path: Path) -> Sequence[Scenario]:
         raise TeamformerError(f"format '{form}' is unknown", hint)
     try:
         missions = importer.call(path)
-    except ScenarioError as error:
+    except MissionError as error:
         lines = [f"{path}: {problem.message}" for problem in error.problems]
         raise TeamformerError("\n".join(lines), "mend the file, or take its original") from None
-    if not (isinstance(missions, Sequence) and all(isinstance(it, Scenario) for it in missions)):
-        raise TeamformerError(f"{importer} returned something else than a list of Scenario")
+    if not (isinstance(missions, Sequence) and all(isinstance(it, Mission) for it in missions)):
+        raise TeamformerError(f"{importer} returned something else than a list of Mission")
     return missions

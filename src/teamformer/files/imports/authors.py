@@ -15,7 +15,7 @@ from typing import Any
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.file_access import read_text
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 
 LARGEST_FILE = 100_000_000  # bytes
@@ -27,7 +27,7 @@ class AuthorsWorld:
 
     setting: str
     seed: int
-    scenario: Scenario
+    scenario: Mission
     heuristic: int | None
 
 
@@ -53,7 +53,7 @@ def read_world(path: Path, seed: int) -> AuthorsWorld:
 
 def _world(tree: dict[str, Any]) -> AuthorsWorld:
     names = tuple(f"c{number}" for number in range(tree["caps"]))
-    scenario = Scenario(
+    scenario = Mission(
         name=f"{tree['setting']}-{tree['seed']}",
         world=Grid(tree["cols"], tree["rows"]),
         capabilities=names,

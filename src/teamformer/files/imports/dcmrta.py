@@ -16,7 +16,7 @@ import numpy as np
 from teamformer.base.array_types import Floats
 from teamformer.base.errors import TeamformerError
 from teamformer.files.imports.trees import HINT, Part, read_yaml, refuse_detours
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 
 START, END, DISTANCE, TIME = 0, 1, 3, 5
@@ -26,7 +26,7 @@ EXACT = 1e-6
 """How far a way between two places may be from what the file says."""
 
 
-def read(path: Path) -> list[Scenario]:
+def read(path: Path) -> list[Mission]:
     """Return the mission of an instance, a folder."""
     if not path.is_dir():
         raise TeamformerError(f"{path}: this is no folder", "name the folder with graph.yaml in it")
@@ -39,7 +39,7 @@ def read(path: Path) -> list[Scenario]:
     places -= places.min(axis=0)
     spot = [(float(x), float(y)) for x, y in places]
     return [
-        Scenario(
+        Mission(
             name=path.name,
             world=Plane(*(max(1.0, float(side)) for side in places.max(axis=0))),
             capabilities=("robot",),

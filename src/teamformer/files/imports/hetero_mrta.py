@@ -9,14 +9,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from teamformer.files.imports.trees import Part, read_json
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 
 SPEED = 0.2
 
 
-def read(path: Path) -> list[Scenario]:
+def read(path: Path) -> list[Mission]:
     """Return the mission of an instance, a JSON file."""
     tree = read_json(path)
     robots = tuple(
@@ -32,7 +32,7 @@ def read(path: Path) -> list[Scenario]:
     spots = [*(robot.at for robot in robots), *(task.at for task in tasks)]
     corner = [max(1.0, *(spot[axis] for spot in spots)) for axis in (0, 1)]
     return [
-        Scenario(
+        Mission(
             name=path.stem,
             world=Plane(*corner),
             capabilities=tuple(sorted(skills)),

@@ -12,14 +12,14 @@ from __future__ import annotations
 from pathlib import Path
 
 from teamformer.files.imports.trees import Part, read_json
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import GROUND, Roads
 
 COST = {"travel": 1.0, "tardiness": 1.0, "max_tardiness": 1.0}
 
 
-def read(path: Path) -> list[Scenario]:
+def read(path: Path) -> list[Mission]:
     """Return the mission of an instance, a JSON file."""
     tree = read_json(path)
     patients = [part for _, part in tree["patients"].parts()]
@@ -31,7 +31,7 @@ def read(path: Path) -> list[Scenario]:
     }
     caregivers = tree["caregivers"].parts()
     return [
-        Scenario(
+        Mission(
             name=path.stem,
             world=world,
             capabilities=tuple(usual),

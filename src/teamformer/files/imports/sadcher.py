@@ -16,7 +16,7 @@ from pathlib import Path
 
 from teamformer.base.array_types import Floats
 from teamformer.files.imports.trees import Part, read_json
-from teamformer.mission.model import Robot, Scenario, Task, World
+from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND, Roads
@@ -25,7 +25,7 @@ STRAIGHT = 1e-6
 """Ways that differ from straight ones by less are straight."""
 
 
-def read(path: Path) -> list[Scenario]:
+def read(path: Path) -> list[Mission]:
     """Return the missions in a JSON file."""
     tree = read_json(path)
     if isinstance(tree.value, list):
@@ -33,7 +33,7 @@ def read(path: Path) -> list[Scenario]:
     return [_mission(tree, path.stem)]
 
 
-def _mission(tree: Part, name: str) -> Scenario:
+def _mission(tree: Part, name: str) -> Mission:
     robots, needs, durations = _table(tree["Q"]), _table(tree["R"]), tree["T_e"].numbers(0)
     is_published = "task_locations" in tree.value
     places, order = (
@@ -45,7 +45,7 @@ def _mission(tree: Part, name: str) -> Scenario:
     names = ["start", *(f"t{number}" for number in range(1, len(needs) + 1)), "end"]
     world, spots = _read_world(tree, names, places)
     after = _read_order(tree[order], len(needs))
-    return Scenario(
+    return Mission(
         name=name,
         world=world,
         capabilities=tuple(f"skill-{n}" for n in range(len(robots[0]))),

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.files.trees.pins import Pinned, Pins, apply_pins
 from teamformer.files.trees.robots import read_robots
 from teamformer.files.trees.tasks import read_tasks
@@ -17,7 +17,7 @@ from teamformer.files.trees.world import read_world
 from teamformer.files.yaml.reader import Where
 from teamformer.files.yaml.tree_reader import Reader
 from teamformer.mission.keys.mission_keys import MISSION_KEYS, VERSION
-from teamformer.mission.model import Robot, Scenario, World
+from teamformer.mission.model import Mission, Robot, World
 from teamformer.mission.parts.plane import DECIMALS, Plane
 
 RECORD = "teamformer_replay"
@@ -39,7 +39,7 @@ KEYS_OF_METHODS = {
 """What files said before methods did: how a mission is solved, not what it is; and what to do."""
 
 
-def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None:
+def read_tree(reader: Reader, name: str, folder: Path | None) -> Mission | None:
     """Return the scenario in a reader's tree, or None after noting what is wrong with it.
 
     `name` is for a scenario without one; map files are looked for in `folder`.
@@ -68,8 +68,8 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Scenario | None
     if not reader.is_faithful:  # the model would complain about what stands in for the mistakes
         return None
     try:
-        return Scenario(**parts)
-    except ScenarioError as error:
+        return Mission(**parts)
+    except MissionError as error:
         told: dict[Where, Where] = {}
         for problem in error.problems:
             where = _in_file(problem.where, fleet.entries)

@@ -22,7 +22,7 @@ from teamformer.mission.keys.kinds import (
 from teamformer.mission.keys.mission_keys import MISSION_KEYS, VERSION
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
-from teamformer.mission.model import Robot, Scenario, Task, World
+from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import Counts as Brought
 from teamformer.mission.parts.capabilities import exact
 from teamformer.mission.parts.frame import Frame
@@ -31,7 +31,7 @@ from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND, Roads
 
 
-def scenario_to_tree(scenario: Scenario) -> dict[str, Any]:
+def mission_to_tree(scenario: Mission) -> dict[str, Any]:
     """Return the tree of a scenario's file, with maps written out as rows."""
     world, tasks = scenario.world, without_arrivals(scenario).tasks
     apart = {

@@ -15,7 +15,7 @@ from teamformer.fleet.agent.planning import FleetPlan, PlanKeeper
 from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.voice import Voice
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import (
     EVERYBODY,
     HERE,
@@ -32,7 +32,7 @@ from teamformer.fleet.messages import (
     PlanNote,
     Receipt,
 )
-from teamformer.fleet.planner import Planner
+from teamformer.fleet.planner import FleetPlanner
 from teamformer.mission.parts.grid import Place
 from teamformer.world.rules.constants import NOBODY
 
@@ -52,9 +52,9 @@ class Agent:
 
     def __init__(
         self,
-        mission: Mission,
+        mission: FleetMission,
         me: int,
-        planner: Planner,
+        planner: FleetPlanner,
         plan: FleetPlan,
         now: float,
         remembered: Remembered | None = None,

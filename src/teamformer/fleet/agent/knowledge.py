@@ -13,7 +13,7 @@ from msgspec import Struct
 from msgspec.msgpack import encode
 from msgspec.structs import replace
 
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import (
     MOST_DEEDS,
     MOST_MOVES,
@@ -50,7 +50,7 @@ class Remembered(Struct, frozen=True, array_like=True):
 class Knowledge:
     """The facts and words that a robot has; `me` is its number."""
 
-    def __init__(self, mission: Mission, me: int, remembered: Remembered) -> None:
+    def __init__(self, mission: FleetMission, me: int, remembered: Remembered) -> None:
         self.mission = mission
         self.me = me
         self.words = [

@@ -21,7 +21,7 @@ from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.agent.planning import PlanKeeper
 from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.sight import Company, companies, nearest_first, view_of
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import EVERYBODY, READY, LeadNote, Notice, Word
 from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.parts.grid import Place
@@ -34,7 +34,7 @@ MakePolicy = Callable[[int], Policy | None]
 """Makes the policy of a robot, by its number; None is the plan."""
 
 
-def warm_up(policy: Policy, mission: Mission, robot: int) -> None:
+def warm_up(policy: Policy, mission: FleetMission, robot: int) -> None:
     """Ask a policy about the robot alone at a task, so that it loads what it decides with."""
     task = mission.tasks[0]
     alone = Company(robot, (robot,), (task.x, task.y), task.key, False)

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 from teamformer.fleet.agent.knowledge import Knowledge
 from teamformer.fleet.agent.membership import Membership
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import SERVE, PlanNote
-from teamformer.fleet.planner import Planner, Situation
+from teamformer.fleet.planner import FleetPlanner, FleetSituation
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -55,15 +55,15 @@ class FleetPlan:
             return ()
 
 
-def first_plan(mission: Mission, planner: Planner) -> FleetPlan:
+def first_plan(mission: FleetMission, planner: FleetPlanner) -> FleetPlan:
     """Return plan 0, which every robot makes of the mission by itself before it starts."""
     tasks = tuple(task for task in mission.tasks if task.appears == 0)
     places = {robot: at.at for robot, at in enumerate(mission.scenario.robots)}
-    return FleetPlan(make_plan(mission, planner, Situation(places, tasks), 0, 0))
+    return FleetPlan(make_plan(mission, planner, FleetSituation(places, tasks), 0, 0))
 
 
 def make_plan(
-    mission: Mission, planner: Planner, situation: Situation, epoch: int, maker: int
+    mission: FleetMission, planner: FleetPlanner, situation: FleetSituation, epoch: int, maker: int
 ) -> PlanNote:
     """Plan what can be done; tasks that the robots cannot do are left out and said so."""
     robots = tuple(sorted(situation.places))
@@ -79,7 +79,7 @@ def make_plan(
 class PlanKeeper:
     """Holds the newest plan, notices when it has to be made anew, and says what is next."""
 
-    def __init__(self, knowledge: Knowledge, plan: FleetPlan, planner: Planner) -> None:
+    def __init__(self, knowledge: Knowledge, plan: FleetPlan, planner: FleetPlanner) -> None:
         self.plan = plan
         self.since = float("-inf")  # when the plan was made or taken
         self.made = 0
@@ -141,7 +141,7 @@ class PlanKeeper:
                 serving.setdefault(words[robot].goal, []).append(robot)
         tasks = tuple(knowledge.open_tasks())
         at_work = {key: tuple(robots) for key, robots in serving.items()}
-        situation = Situation(places, tasks, at_work, self.plan.stops)
+        situation = FleetSituation(places, tasks, at_work, self.plan.stops)
         epoch = self.plan.note.epoch + 1
         note = make_plan(knowledge.mission, self._planner, situation, epoch, knowledge.me)
         self._follow(FleetPlan(note), now)

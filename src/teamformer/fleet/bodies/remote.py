@@ -18,7 +18,7 @@ SILENCE = 3.0
 """Seconds without a command after which a body stops: it has no mind any more."""
 
 
-class Order(Struct, array_like=True):
+class BodyCommand(Struct, array_like=True):
     """A command on its way to the body of a robot."""
 
     robot: int
@@ -43,7 +43,7 @@ class Line(Protocol):
 
 
 encode = Encoder().encode
-decode_order = Decoder(Order).decode
+decode_order = Decoder(BodyCommand).decode
 decode_report = Decoder(
     tuple[float, float, int, bool, bool, int, bool, tuple[float, float] | None, bool, bool]
 ).decode
@@ -64,7 +64,7 @@ class RemoteBody:
         now = time.monotonic()
         if command != self._command or now - self._sent > AGAIN:
             self._command, self._sent = command, now
-            self._line.send_body("orders", encode(Order(self._robot, *command[:5])))
+            self._line.send_body("orders", encode(BodyCommand(self._robot, *command[:5])))
 
     def report(self) -> Report | None:
         """Return the newest report that has come; None before the first."""

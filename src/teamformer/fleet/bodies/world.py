@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.world.rules.constants import NOBODY
@@ -86,7 +86,7 @@ class Lifted(NamedTuple):
     place: Place
 
 
-class Service(NamedTuple):
+class WorkUnderWay(NamedTuple):
     """A team is at work on a task; the part at hand ends at a time."""
 
     team: int
@@ -107,7 +107,7 @@ class Done:
 class FleetWorld:
     """All robots and tasks; `advance` lets time pass, which must never run backwards."""
 
-    def __init__(self, mission: Mission) -> None:
+    def __init__(self, mission: FleetMission) -> None:
         self.mission = mission
         self.now = 0.0
         self._is_grid = isinstance(mission.scenario.world, Grid)
@@ -119,7 +119,7 @@ class FleetWorld:
         self.moves: list[Walked | Lifted] = []
         self._lies: dict[int, Place] = {}  # loads that were moved, by task
         self._ways_of_loads: dict[int, Leg] = {}  # of those that are carried
-        self._services: dict[int, Service] = {}  # by task
+        self._services: dict[int, WorkUnderWay] = {}  # by task
         self._events: list[tuple[float, int, int, float]] = []  # when, robot or -1, task, stamp
 
     def add_task(self, task: TaskFact) -> None:
@@ -257,7 +257,7 @@ class FleetWorld:
         for robot in who:
             at = self.place(robot)
             self._set_leg(robot, [at, *points[1:]], time)
-        self._begin(key, Service(team, NEVER if time == NEVER else way.end, CARRIED))
+        self._begin(key, WorkUnderWay(team, NEVER if time == NEVER else way.end, CARRIED))
 
     def _let_go(self, robot: int, touched: set[int]) -> None:
         """Let a robot carry no more: the others go on if they can, or set the load down."""
@@ -276,7 +276,7 @@ class FleetWorld:
             self._set_leg(other, [self.place(other)], NEVER)
         self.moves.append(Lifted(self.now, key, (), self._lies[key]))
 
-    def _begin(self, key: int, service: Service) -> None:
+    def _begin(self, key: int, service: WorkUnderWay) -> None:
         """Begin a part of a service."""
         self._services[key] = service
         if service.end < NEVER:
@@ -321,7 +321,7 @@ class FleetWorld:
             del self._services[key]
             going = None
         if going is None and able:
-            self._begin(key, Service(able[0], self.now + self.tasks[key].duration))
+            self._begin(key, WorkUnderWay(able[0], self.now + self.tasks[key].duration))
 
     def _go_on(self, key: int, touched: set[int]) -> None:
         """Go on with what follows a part of a service."""
@@ -331,7 +331,7 @@ class FleetWorld:
         if task.to is None or part == UNLOADING:
             self._finish(key, touched)
         elif self.place_of(key) == task.to:
-            self._begin(key, Service(team, self.now + task.unload, UNLOADING))
+            self._begin(key, WorkUnderWay(team, self.now + task.unload, UNLOADING))
 
     def _take_up(self, key: int, touched: set[int]) -> None:
         """Let those who have taken up a load set out with it; all who are there sense it."""

@@ -29,8 +29,8 @@ from teamformer.live.running.messages import read_incident, read_message
 from teamformer.live.running.page_trees import Tree, record_so_far
 from teamformer.live.serving.refusals import or_refuse
 from teamformer.live.serving.watchers import Watcher
-from teamformer.record.record import Replay
-from teamformer.record.writing import step_to_tree, write_replay
+from teamformer.record.record import Record
+from teamformer.record.writing import save_record, step_to_tree
 
 LISTENS = 3.0
 """Seconds that agents have to tell what was done before."""
@@ -65,7 +65,7 @@ class ObserverSession:
         self._operators: dict[int, Operator] = {}
         self._incidents: list[tuple[int, str]] = []
         self._say_aloud = say
-        self.on_step: Callable[[Replay], None] | None = None  # given what was seen so far
+        self.on_step: Callable[[Record], None] | None = None  # given what was seen so far
         names = tuple(robot.name for robot in watch.mission.scenario.robots)
         self._silence, self._alerts = Silence(names, time.monotonic()), Alerts(names)
         self._step, self._clock = watch.mission.step, MissionClock(MOST_PAST * watch.mission.step)
@@ -105,7 +105,7 @@ class ObserverSession:
         """Do what a page asks for, or tell it why not."""
         await or_refuse(watcher, self._do(watcher, text))
 
-    async def record(self) -> Replay:
+    async def record(self) -> Record:
         """Return what has been seen so far."""
         return self.watch.record()
 
@@ -113,7 +113,7 @@ class ObserverSession:
         """Write what has been seen; return the path."""
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / "replay.json"
-        write_replay(self.watch.record(), path)
+        save_record(self.watch.record(), path)
         return (path,)
 
     def close(self) -> None:

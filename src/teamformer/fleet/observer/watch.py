@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import (
     SERVE,
     Beat,
@@ -36,7 +36,7 @@ from teamformer.fleet.rehearsal.trace import Finished
 from teamformer.mission.model import Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
-from teamformer.record.record import FLEET, Ending, Replay, Step, TaskAt, TeamAt
+from teamformer.record.record import FLEET, Ending, Record, Step, TaskAt, TeamAt
 from teamformer.world.rules.constants import NOBODY
 
 STAYS = 3
@@ -64,7 +64,7 @@ class Watch:
     serve it, and not much later what they do next.
     """
 
-    def __init__(self, mission: Mission) -> None:
+    def __init__(self, mission: FleetMission) -> None:
         self.mission = mission
         self.scenario = mission.scenario
         self.words: dict[int, Word] = {}
@@ -225,11 +225,11 @@ class Watch:
         made = Step(joins, splits, tuple(lost), teams=rows, done=done)
         return replace(made, taken=tuple(taken.items()))
 
-    def record(self) -> Replay:
+    def record(self) -> Record:
         """Return what has been seen so far."""
         tasks, steps = self.scenario.tasks, len(self.steps)
         done = sum(len(step.done) for step in self.steps)
-        return Replay(
+        return Record(
             scenario=replace(self.scenario, teams=()),
             method=FLEET,
             seed=0,

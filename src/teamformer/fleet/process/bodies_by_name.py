@@ -14,7 +14,7 @@ from teamformer.fleet.bodies.own import OwnBody
 
 if TYPE_CHECKING:
     from teamformer.fleet.bodies.remote import Line
-    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.fleet_mission import FleetMission
 
 MakeBody = Callable[["Mission", int, "Line"], Body]
 """From the mission, the number of the robot, and the line to what is simulated elsewhere."""

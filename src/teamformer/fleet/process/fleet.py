@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 
 from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.world import Done
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.methods import PLAN, planner_of
 from teamformer.fleet.process.local_agent import MODULE, Start, write_start
 from teamformer.fleet.process.world_server import WorldServer
@@ -51,7 +51,7 @@ class LocalFleet:
 
     def __init__(
         self,
-        mission: Mission,
+        mission: FleetMission,
         tell: Callable[[str], None],
         method: str = PLAN,
         keys: Path | None = None,

@@ -13,16 +13,16 @@ from msgspec import Struct
 from msgspec.msgpack import decode, encode
 
 from teamformer.base.errors import TeamformerError
-from teamformer.files.mission_files import read_scenario, write_scenario
+from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.remote import RemoteBody
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import PlanNote
 from teamformer.fleet.process.facts_file import FactsFile
 from teamformer.fleet.process.loop import AgentProcess
 from teamformer.fleet.transports.keys import read_keys
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 MODULE = "teamformer.fleet.process.local_agent"
 MISSION, START = "mission.json", "start"
@@ -38,9 +38,9 @@ class Start(Struct, array_like=True):
     keys: str | None
 
 
-def write_start(folder: Path, scenario: Scenario, start: Start) -> None:
+def write_start(folder: Path, scenario: Mission, start: Start) -> None:
     """Write what agents are told into a folder."""
-    write_scenario(scenario, folder / MISSION)
+    write_mission(scenario, folder / MISSION)
     (folder / START).write_bytes(encode(start))
 
 
@@ -49,8 +49,8 @@ def run_agent(folder: Path, robot: int) -> int:
 
     It dials the world and all agents before it.
     """
-    scenario = read_scenario(folder / MISSION)
-    mission = Mission(scenario, scenario.seconds_a_step)
+    scenario = read_mission(folder / MISSION)
+    mission = FleetMission(scenario, scenario.seconds_a_step)
     start = decode((folder / START).read_bytes(), type=Start)
     keys = read_keys(None if start.keys is None else Path(start.keys))
     signatures = keys.signatures(mission, robot)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Body, Report
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import Message, Notice, Post
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
 from teamformer.fleet.process.facts_file import FactsFile
@@ -45,7 +45,7 @@ class AgentProcess:
     If it `tells`, it writes what it does, with whom, to stderr.
     """
 
-    mission: Mission
+    mission: FleetMission
     robot: int
     plan: FleetPlan
     transport: Transport

@@ -11,17 +11,17 @@ from teamformer.fleet.bodies.body import Body
 
 if TYPE_CHECKING:
     from teamformer.fleet.bodies.remote import Line
-    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.fleet_mission import FleetMission
 
 
-def simulated(mission: Mission, robot: int, address: str, line: Line) -> Body:
+def simulated(mission: FleetMission, robot: int, address: str, line: Line) -> Body:
     """Return the body of a robot in the world that another process simulates."""
     from teamformer.fleet.bodies.remote import RemoteBody
 
     return RemoteBody(line, robot)
 
 
-def vda5050(mission: Mission, robot: int, address: str, line: Line) -> Body:
+def vda5050(mission: FleetMission, robot: int, address: str, line: Line) -> Body:
     """Return the body of a vehicle behind an MQTT broker."""
     require("fleet", "paho")
     from teamformer.fleet.bodies.vda5050.body import Vda5050Body
@@ -29,7 +29,7 @@ def vda5050(mission: Mission, robot: int, address: str, line: Line) -> Body:
     return Vda5050Body(address, mission, robot)
 
 
-def nav2(mission: Mission, robot: int, address: str, line: Line) -> Body:
+def nav2(mission: FleetMission, robot: int, address: str, line: Line) -> Body:
     """Return the body of a robot in a ROS graph, once ROS is found to be there."""
     from teamformer.fleet.bodies.ros2.address import read_address
 

@@ -10,7 +10,7 @@ from msgspec import DecodeError, ValidationError
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.remote import SILENCE, decode_order, encode
 from teamformer.fleet.bodies.world import Done, FleetWorld
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import Offer, Post
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
@@ -33,7 +33,7 @@ class WorldServer:
 
     def __init__(
         self,
-        mission: Mission,
+        mission: FleetMission,
         transport: ZenohTransport,
         secret: bytes,
         signatures: Signatures | None = None,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.rehearsal.faults import Faults, losses_of
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
@@ -33,7 +33,7 @@ def bench_fleet(settings: Sequence[str], seeds: Sequence[int]) -> Iterator[dict[
     for setting in settings:
         for seed in seeds:
             scenario = world_of(setting, seed)
-            mission = Mission(scenario, scenario.seconds_a_step)
+            mission = FleetMission(scenario, scenario.seconds_a_step)
             stage, crashes = set_stage(mission), losses_of(mission)
             schedules = [Faults(crashes=crashes)]
             schedules += [Faults(number, LOSS, crashes=crashes) for number in range(SCHEDULES)]

@@ -23,7 +23,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from teamformer.fleet.bodies.world import Lifted, Walked
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import HERE, READY, TaskFact
 from teamformer.fleet.rehearsal.trace import Accepted, Broke, Event, Finished, Said, Worked
 from teamformer.mission.parts.grid import Grid, Place
@@ -41,7 +41,7 @@ LATEST = 3.0
 
 
 @dataclass
-class Robot:
+class TracedRobot:
     """What the trace says of a robot so far."""
 
     walk: Walked
@@ -68,10 +68,10 @@ class Load:
 class Checker:
     """Goes through a trace once; `violations` says what was promised and not kept."""
 
-    mission: Mission
+    mission: FleetMission
     tasks: dict[int, TaskFact]
     violations: list[str] = field(default_factory=list)
-    _robots: list[Robot] = field(default_factory=list)
+    _robots: list[TracedRobot] = field(default_factory=list)
     _done: dict[int, float] = field(default_factory=dict)
     _accepted: dict[int, float] = field(default_factory=dict)
     _able_since: dict[tuple[int, int], float] = field(default_factory=dict)
@@ -80,7 +80,7 @@ class Checker:
     def __post_init__(self) -> None:
         starts = [robot.at for robot in self.mission.scenario.robots]
         self._robots = [
-            Robot(Walked(0.0, number, (at,), 0.0, 1.0)) for number, at in enumerate(starts)
+            TracedRobot(Walked(0.0, number, (at,), 0.0, 1.0)) for number, at in enumerate(starts)
         ]
         self._is_grid = isinstance(self.mission.scenario.world, Grid)
         for key, task in self.tasks.items():
@@ -196,7 +196,7 @@ class Checker:
             self._begin(event, robot)
         self._count(event.at)
 
-    def _begin(self, event: Worked, robot: Robot) -> None:
+    def _begin(self, event: Worked, robot: TracedRobot) -> None:
         """Check that it makes sense for a robot to begin, by what the others there have said."""
         who, task = self._who(event.robot), self._name(event.task)
         if not self._stands_at(event.robot, event.task, event.at):

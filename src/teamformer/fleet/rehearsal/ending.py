@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence, Set
 
 from teamformer.fleet.bodies.world import FleetWorld
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.operator import Operator
 from teamformer.fleet.rehearsal.faults import Faults
 
 
-class Ending:
+class EndingWatch:
     """Looks at what is true, which no robot knows: who is lost for good, what is done."""
 
     def __init__(
-        self, mission: Mission, faults: Faults, world: FleetWorld, operators: Sequence[Operator]
+        self,
+        mission: FleetMission,
+        faults: Faults,
+        world: FleetWorld,
+        operators: Sequence[Operator],
     ) -> None:
         self._mission, self._faults, self._world = mission, faults, world
         self._operators = operators

@@ -6,7 +6,7 @@ import random
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 
 HARD = 0.35
@@ -92,7 +92,7 @@ class Faults:
             if (any(value) if isinstance(value, tuple) else value is not None and value != 0.0)
         )
 
-    def lines(self, mission: Mission) -> Iterator[str]:
+    def lines(self, mission: FleetMission) -> Iterator[str]:
         """Say for people what goes wrong, a line for each fault."""
         yield from self._lines_of_network()
         names = [robot.name for robot in mission.scenario.robots]
@@ -135,7 +135,7 @@ class Faults:
             yield f"{100 * self.stutter:.0f}% of bodies' reports are older ones again"
 
 
-def draw_faults(mission: Mission, seed: int, span: float) -> Faults:
+def draw_faults(mission: FleetMission, seed: int, span: float) -> Faults:
     """Draw a schedule; `span` is about how long the mission takes undisturbed, in seconds."""
     rng = random.Random(seed)
     network = _draw_network(rng, mission)
@@ -154,7 +154,7 @@ def draw_faults(mission: Mission, seed: int, span: float) -> Faults:
     )
 
 
-def _draw_network(rng: random.Random, mission: Mission) -> Faults:
+def _draw_network(rng: random.Random, mission: FleetMission) -> Faults:
     loss = rng.choice((0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)) if rng.random() < 0.6 else 0.0
     delay = rng.choice((0.1, 0.3, 1.0, 3.0)) if rng.random() < 0.4 else 0.0
     across = max(mission.scenario.world.width, mission.scenario.world.height)
@@ -186,7 +186,7 @@ def _draw_cuts(rng: random.Random, robots: int, span: float) -> Iterator[Cut]:
             yield Cut(everybody - side, side, begin, end)
 
 
-def losses_of(mission: Mission) -> tuple[Crash, ...]:
+def losses_of(mission: FleetMission) -> tuple[Crash, ...]:
     """Return what befalls robots by the mission's file, where they are lost and back."""
     return tuple(
         Crash(
@@ -200,7 +200,7 @@ def losses_of(mission: Mission) -> tuple[Crash, ...]:
     )
 
 
-def _draw_crashes(rng: random.Random, mission: Mission, span: float) -> Iterator[Crash]:
+def _draw_crashes(rng: random.Random, mission: FleetMission, span: float) -> Iterator[Crash]:
     yield from losses_of(mission)
     robots = [r for r, at in enumerate(mission.scenario.robots) if not at.absences]
     number = rng.randint(1, max(1, mission.robots // 2)) if rng.random() < 0.5 else 0
@@ -227,7 +227,7 @@ def _draw_spells(
         yield Spell(robot, begin, None if rng.random() < for_good else end)
 
 
-def _draw_orders(rng: random.Random, mission: Mission, span: float) -> Iterator[Order]:
+def _draw_orders(rng: random.Random, mission: FleetMission, span: float) -> Iterator[Order]:
     """Draw tasks that operators add: like one of the mission's, where another one is."""
     for number in range(rng.randint(1, 3)):
         like, beside = rng.choice(mission.tasks), rng.choice(mission.tasks)

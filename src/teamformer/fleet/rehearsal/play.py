@@ -14,12 +14,12 @@ from teamformer.fleet.agent.knowledge import Remembered
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.world import NEVER, FleetWorld
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import OPERATOR, Beat, Message, Notice, Post
 from teamformer.fleet.operator import AGAIN, Operator
-from teamformer.fleet.planner import Planner
+from teamformer.fleet.planner import FleetPlanner
 from teamformer.fleet.rehearsal.agenda import Agenda
-from teamformer.fleet.rehearsal.ending import Ending
+from teamformer.fleet.rehearsal.ending import EndingWatch
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.late_reports import EVERY, LateReports
 from teamformer.fleet.rehearsal.network import RehearsedNetwork
@@ -42,8 +42,8 @@ class Rehearsal:
 
     def __init__(
         self,
-        mission: Mission,
-        planner: Planner,
+        mission: FleetMission,
+        planner: FleetPlanner,
         plan: FleetPlan,
         faults: Faults,
         trace: Trace | None = None,
@@ -81,7 +81,7 @@ class Rehearsal:
         self._finished = 0
         self._is_to_look = True  # something has changed that a mission can end with
         self._operators = [Operator(order.task, robots) for order in faults.orders]
-        self._ending = Ending(mission, faults, self.world, self._operators)
+        self._ending = EndingWatch(mission, faults, self.world, self._operators)
         self._plans = 0
         self._alive_since = [0.0] * robots
         self._robot_seconds = 0.0

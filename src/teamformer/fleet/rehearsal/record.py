@@ -18,10 +18,10 @@ from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
-from teamformer.record.record import FLEET, HEARD, Ending, Replay, Step, TaskAt, TeamAt
+from teamformer.record.record import FLEET, HEARD, Ending, Record, Step, TaskAt, TeamAt
 from teamformer.world.rules.constants import NOBODY
 
 Teams = dict[int, tuple[int, ...]]
@@ -43,7 +43,7 @@ SLACK = 1e-9
 STATUSES = {"ended": "completed", "infeasible": "infeasible", "blocked": "step limit"}
 
 
-def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int) -> Replay:
+def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int) -> Record:
     """Return the record of a rehearsal that has been played."""
     mission = rehearsal.mission
     events = sorted(events, key=lambda event: event.at)
@@ -58,7 +58,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     lost = {robot: step for robot, step in ends if step is not None}
     rows = _Teller(scenario, mission.step, number).tell(events, deeds, lost)
     is_complete, steps = outcome.status == "ended", len(rows)
-    return Replay(
+    return Record(
         scenario=scenario,
         method=FLEET,
         seed=seed,
@@ -137,7 +137,7 @@ def _lost_at(faults: Faults, robot: int, step: float, busy_until: int) -> tuple[
 class _Teller:
     """Goes through a trace step by step."""
 
-    def __init__(self, scenario: Scenario, step: float, number: dict[int, int]) -> None:
+    def __init__(self, scenario: Mission, step: float, number: dict[int, int]) -> None:
         robots = range(len(scenario.robots))
         self._step, self._number = step, number
         self._is_grid = isinstance(scenario.world, Grid)

@@ -9,7 +9,7 @@ from functools import partial
 
 from teamformer.base.worker_processes import work_in_processes
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
 from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.faults import Faults, draw_faults
@@ -29,14 +29,14 @@ LOOKING = 3.0
 class Stage:
     """A mission with all that its rehearsals share."""
 
-    mission: Mission
+    mission: FleetMission
     plan: FleetPlan
     undisturbed: Outcome
     method: str = PLAN
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ScheduleVerdict:
     """What came of one schedule."""
 
     schedule: int
@@ -50,7 +50,7 @@ class Verdict:
         return not self.violations and self.outcome.status != "blocked"
 
 
-def set_stage(mission: Mission, method: str = PLAN) -> Stage:
+def set_stage(mission: FleetMission, method: str = PLAN) -> Stage:
     """Make the plan that ships with a mission, and play it undisturbed."""
     plan = first_plan(mission, planner_of(method))
     _, outcome, _ = play(mission, plan, Faults(), method=method)
@@ -58,7 +58,7 @@ def set_stage(mission: Mission, method: str = PLAN) -> Stage:
 
 
 def play(
-    mission: Mission,
+    mission: FleetMission,
     plan: FleetPlan,
     faults: Faults,
     trace: Trace | None = None,
@@ -75,7 +75,7 @@ def play(
     return rehearsal, outcome, Checker(mission, tasks).check(trace.events, undone)
 
 
-def deadline(mission: Mission, faults: Faults) -> float:
+def deadline(mission: FleetMission, faults: Faults) -> float:
     """Return when a mission must have ended that can end, in seconds; it is generous.
 
     The slack grows as the messages that arrive become fewer: of ten, one arrives where nine are
@@ -96,22 +96,22 @@ def faults_of(stage: Stage, seed: int, schedule: int) -> Faults:
     return draw_faults(stage.mission, seed * 1_000_003 + schedule, span)
 
 
-def judge(stage: Stage, seed: int, schedule: int) -> Verdict:
+def judge(stage: Stage, seed: int, schedule: int) -> ScheduleVerdict:
     """Play and judge a schedule by its number."""
     faults = faults_of(stage, seed, schedule)
     _, outcome, violations = play(stage.mission, stage.plan, faults, method=stage.method)
-    return Verdict(schedule, outcome, tuple(violations), faults.kinds)
+    return ScheduleVerdict(schedule, outcome, tuple(violations), faults.kinds)
 
 
 def judge_many(
     stage: Stage, seed: int, schedules: Iterable[int], workers: int
-) -> Iterator[Verdict]:
+) -> Iterator[ScheduleVerdict]:
     """Judge schedules in several processes, in order."""
     one = partial(judge, stage, seed)
     if workers == 1:
         yield from map(one, schedules)
         return
-    early: dict[int, Verdict] = {}
+    early: dict[int, ScheduleVerdict] = {}
     following = 0
     with closing(work_in_processes(one, schedules, workers)) as verdicts:
         for number, verdict in verdicts:
@@ -121,7 +121,7 @@ def judge_many(
                 following += 1
 
 
-def fails(mission: Mission, faults: Faults, method: str = PLAN) -> bool:
+def fails(mission: FleetMission, faults: Faults, method: str = PLAN) -> bool:
     """Say whether a mission, planned anew, breaks a promise or blocks under a schedule."""
     plan = first_plan(mission, planner_of(method))
     _, outcome, violations = play(mission, plan, faults, method=method)

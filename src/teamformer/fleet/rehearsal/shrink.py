@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.rehearsal.faults import Faults
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
-Fails = Callable[[Mission, Faults], bool]
+Fails = Callable[[FleetMission, Faults], bool]
 """Says whether a mission still fails under a schedule."""
 
 LISTS = ("cuts", "crashes", "pauses", "stuck", "orders")
@@ -21,8 +21,8 @@ CALM: dict[str, Any] = {
 
 
 def shrink(
-    mission: Mission, faults: Faults, fails: Fails, most: int = 200
-) -> tuple[Mission, Faults]:
+    mission: FleetMission, faults: Faults, fails: Fails, most: int = 200
+) -> tuple[FleetMission, Faults]:
     """Return the smallest mission and schedule found that fail alike, in `most` trials.
 
     Takes away one thing after another, faults first, then tasks, and keeps what still fails.
@@ -42,7 +42,7 @@ def shrink(
     return mission, faults
 
 
-def _smaller(mission: Mission, faults: Faults) -> Iterator[tuple[Mission, Faults]]:
+def _smaller(mission: FleetMission, faults: Faults) -> Iterator[tuple[FleetMission, Faults]]:
     for name, calm in CALM.items():
         if getattr(faults, name) != calm:
             one: dict[str, Any] = {name: calm}
@@ -54,10 +54,10 @@ def _smaller(mission: Mission, faults: Faults) -> Iterator[tuple[Mission, Faults
             yield mission, replace(faults, **fewer)
     scenario = mission.scenario
     for half in _fewer_tasks(scenario):
-        yield Mission(half, mission.step, mission.timers), faults
+        yield FleetMission(half, mission.step, mission.timers), faults
 
 
-def _fewer_tasks(scenario: Scenario) -> Iterator[Scenario]:
+def _fewer_tasks(scenario: Mission) -> Iterator[Mission]:
     tasks = scenario.tasks
     if len(tasks) > 3:
         middle = len(tasks) // 2

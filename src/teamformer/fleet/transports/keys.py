@@ -13,7 +13,7 @@ from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import require
 
 if TYPE_CHECKING:
-    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.fleet_mission import FleetMission
     from teamformer.fleet.signatures import Signatures
 
 SHARED = "shared.key"
@@ -43,7 +43,7 @@ class Keys:
     certificates: Certificates | None = None
     signers: Path | None = None
 
-    def signatures(self, mission: Mission, who: int | None) -> Signatures | None:
+    def signatures(self, mission: FleetMission, who: int | None) -> Signatures | None:
         """Return the signatures of a mission; None if its messages are not signed.
 
         `who` is a robot's number, OPERATOR, or None for one who only listens. Raises

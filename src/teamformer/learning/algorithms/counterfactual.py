@@ -14,7 +14,7 @@ from teamformer.methods.learned.codec import Codec
 from teamformer.methods.learned.macro_actions import FOLLOW
 from teamformer.methods.learned.relational_features import Relations
 from teamformer.methods.scripted.join_fitting import JoinFitting
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Decision, TeamFormation
 
 LARGEST_GAIN = 6.0
@@ -39,7 +39,7 @@ class _Tried:
 
 
 def try_others(
-    codec: Codec, worlds: Sequence[Scenario], rng: np.random.Generator, share: float
+    codec: Codec, worlds: Sequence[Mission], rng: np.random.Generator, share: float
 ) -> tuple[Trials, int]:
     """Play worlds by the script; in a share of the steps, one team of each does something else.
 

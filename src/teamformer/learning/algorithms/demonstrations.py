@@ -18,7 +18,7 @@ from teamformer.learning.algorithms.rollout import Chooser
 from teamformer.methods.learned.codec import ImitatingCodec
 from teamformer.methods.learned.policy import rows_of
 from teamformer.methods.scripted.join_fitting import JoinFitting
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.state.arrays import COMPLETED
 from teamformer.world.view import View
@@ -37,7 +37,7 @@ class Demonstrations:
 def demonstrate(
     codec: ImitatingCodec,
     choose: Chooser,
-    worlds: Sequence[Scenario],
+    worlds: Sequence[Mission],
     rng: np.random.Generator,
     by_script: float,
     share: float,

@@ -12,15 +12,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.files.maps.formats import is_map, read_coarse_map
-from teamformer.files.mission_files import read_scenario, scenario_from_tree, scenario_to_tree
+from teamformer.files.mission_files import mission_from_tree, mission_to_tree, read_mission
 from teamformer.files.trees.writer import world_to_tree
 from teamformer.files.yaml import reader, writer
 from teamformer.live.drawing.comments import rewrite
 from teamformer.mission.checks.rules import rules_not_played
 from teamformer.mission.keys.kinds import INFINITE
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 Tree = dict[str, Any]
 
@@ -67,8 +67,8 @@ FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
 def problems_of(tree: object) -> list[Tree]:
     """Return what is wrong with a draft, each with its place in the tree; nothing if it is good."""
     try:
-        problems = list(rules_not_played(scenario_from_tree(tree)))
-    except ScenarioError as error:
+        problems = list(rules_not_played(mission_from_tree(tree)))
+    except MissionError as error:
         problems = list(error.problems)
     return [{"where": list(p.where), "message": p.message} for p in problems]
 
@@ -85,12 +85,12 @@ def can_be_drawn(tree: object) -> bool:
     )
 
 
-def read_draft(tree: object) -> Scenario:
+def read_draft(tree: object) -> Mission:
     """Return the scenario of a draft that can be run; TeamformerError says why it cannot."""
     problems = problems_of(tree)
     if problems:
         raise TeamformerError("; ".join(problem["message"] for problem in problems))
-    return scenario_from_tree(tree)
+    return mission_from_tree(tree)
 
 
 def open_draft(name: str, text: str, beside: Mapping[str, bytes] | None = None) -> Tree:
@@ -123,13 +123,13 @@ def draft_of_file(path: Path, name: str) -> Tree:
 
     TeamformerError says what is wrong with the file.
     """
-    scenario = read_scenario(path)
+    scenario = read_mission(path)
     text = path.read_text(encoding="utf-8")
     tree = reader.parse_json(text) if path.suffix.lower() == ".json" else reader.parse(text)
     assert isinstance(tree.value, dict)  # or it would have been refused
     draft = {"name": name} | tree.value
     if "map" in draft["world"]:
-        draft["world"] = scenario_to_tree(scenario)["world"]
+        draft["world"] = mission_to_tree(scenario)["world"]
     return _plain(draft)
 
 

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Literal, TextIO
 
 from teamformer.base.whole_files import own_number
-from teamformer.files.mission_files import scenario_to_tree
+from teamformer.files.mission_files import mission_to_tree
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.running.happening_trees import happening_to_tree
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.page_trees import Tree
 from teamformer.record.writing import step_to_tree
 
@@ -53,7 +53,7 @@ class Autosave:
         """Return the mission's own name, by which pages know that it is another."""
         return "" if self._identity is None else self._identity.id
 
-    def begin(self, mission: Mission) -> None:
+    def begin(self, mission: RunningMission) -> None:
         """Begin the file anew with a mission before its first step."""
         self._open("w")
         if self._identity is not None:
@@ -63,7 +63,7 @@ class Autosave:
                 "draft": vars(self._identity.draft),
                 "method": mission.method_name,
                 "seed": mission.seed,
-                "scenario": scenario_to_tree(mission.drawn),
+                "scenario": mission_to_tree(mission.drawn),
             }
             self._write(header, mission)
 
@@ -71,11 +71,11 @@ class Autosave:
         """Go on with the file of a mission that was played again from it."""
         self._open("a")
 
-    def step(self, mission: Mission) -> None:
+    def step(self, mission: RunningMission) -> None:
         """Write down the latest step."""
         self._write({"step": step_to_tree(mission.latest)}, mission)
 
-    def happen(self, mission: Mission) -> None:
+    def happen(self, mission: RunningMission) -> None:
         """Write down the latest incident."""
         self._write({"happen": happening_to_tree(mission.incidents[-1][1])}, mission)
 
@@ -95,7 +95,7 @@ class Autosave:
                 self._file.close()
             self._file = None
 
-    def _write(self, entry: Tree, mission: Mission | None = None) -> None:
+    def _write(self, entry: Tree, mission: RunningMission | None = None) -> None:
         """Write a line, with the plans that were made in the latest step of a mission."""
         if self._file is None:
             return

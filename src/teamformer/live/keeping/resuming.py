@@ -13,17 +13,17 @@ from typing import Any
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.whole_files import own_number, write_whole
-from teamformer.files.mission_files import scenario_from_tree
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.keeping.autosave import NAME, VERSION, Identity
 from teamformer.live.running.happening_trees import happening_from_tree, plan_from_tree
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.page_trees import Tree
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.record.writing import step_to_tree
 
-StartMission = Callable[..., Mission]
+StartMission = Callable[..., RunningMission]
 """Makes a mission of a scenario, and of the plans that were made for it before, if any were."""
 
 NOT_FOUND = "name the file that a live mission kept: OUT/autosave.jsonl"
@@ -39,7 +39,7 @@ class Kept:
     identity: Identity
     method: str
     seed: int
-    scenario: Scenario
+    scenario: Mission
     first_plans: tuple[Plan, ...]
     entries: tuple[Tree, ...]
     is_ended: bool  # it was not cut off
@@ -80,7 +80,7 @@ def read_autosave(path: Path) -> Kept:
             Identity(header["id"], Draft(**header["draft"])),
             method=header["method"],
             seed=header["seed"],
-            scenario=scenario_from_tree(header["scenario"]),
+            scenario=mission_from_tree(header["scenario"]),
             first_plans=tuple(_plans_of(header)),
             entries=tuple(_without_undone(rows[1:])),
             is_ended="end" in rows[-1],
@@ -117,7 +117,7 @@ def _read_line(path: Path, number: int, line: str) -> Tree:
     return row
 
 
-def play_again(kept: Kept, start: StartMission) -> Mission:
+def play_again(kept: Kept, start: StartMission) -> RunningMission:
     """Return a mission as it stood when it was cut off; no plan is made again that is in the file.
 
     Raises TeamformerError where a step comes out as another than it was.
@@ -131,7 +131,9 @@ def play_again(kept: Kept, start: StartMission) -> Mission:
     return mission
 
 
-def _play_entry(kept: Kept, mission: Mission, entry: Tree, plans: list[tuple[int, Plan]]) -> None:
+def _play_entry(
+    kept: Kept, mission: RunningMission, entry: Tree, plans: list[tuple[int, Plan]]
+) -> None:
     """Have a step or an incident come again; `plans` are those that the mission is not to make."""
     at = mission.steps + ("step" in entry)
     plans[:] = [row for row in plans if row[0] < at] + [(at, it) for it in _plans_of(entry)]

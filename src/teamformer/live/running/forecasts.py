@@ -17,7 +17,7 @@ from teamformer.methods.by_name import Method
 from teamformer.methods.coordinators.replayed import Replayed
 from teamformer.mission.arrivals import once_appeared
 from teamformer.mission.coordination import Coordinator, Plan
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.truth import draw_absences, draw_truth
 from teamformer.trials.trial import decide
@@ -38,7 +38,7 @@ BAND = (0.1, 0.9)
 class Past:
     """The present of a mission, and how it came about."""
 
-    scenario: Scenario
+    scenario: Mission
     env: TeamFormation
     begin: Callable[[], Method]
     decisions: Sequence[Decision]
@@ -193,7 +193,7 @@ def _looks_alike(one: TeamFormation, other: TeamFormation) -> bool:
     )
 
 
-def possible_truth(scenario: Scenario, env: TeamFormation, seed: int) -> Scenario:
+def possible_truth(scenario: Mission, env: TeamFormation, seed: int) -> Mission:
     """Draw a truth that could be behind what has been seen in an environment so far."""
     drawn, known = draw_truth(scenario, seed), env.truths[0]
     rng, steps = np.random.default_rng(seed), env.tally().steps
@@ -248,7 +248,7 @@ def _places_left(env: TeamFormation, task: int) -> list[Place]:
 
 
 def _possible_robot(
-    scenario: Scenario, robot: Robot, real: Robot, steps: int, rng: np.random.Generator
+    scenario: Mission, robot: Robot, real: Robot, steps: int, rng: np.random.Generator
 ) -> Robot:
     """Return a robot as it could be: lost and back when it was, and later when nobody knows."""
     if robot.breaks is None:

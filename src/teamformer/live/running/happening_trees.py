@@ -16,7 +16,7 @@ from teamformer.live.running.incidents import (
 from teamformer.live.running.messages import read_incident
 from teamformer.live.running.page_trees import Tree
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Tally
 
 
@@ -39,7 +39,7 @@ def happening_to_tree(happening: Happening) -> Tree:
             return {"back": happening.robot}
 
 
-def happening_from_tree(tree: Tree, scenario: Scenario) -> Happening:
+def happening_from_tree(tree: Tree, scenario: Mission) -> Happening:
     """Return what happened to a mission; TeamformerError says why it cannot."""
     plan = None if tree.get("plan") is None else plan_from_tree(tree["plan"])
     if plan is not None and "weighs" not in tree:

@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.live.running.forecasts import Forecast, Past, forecast
 from teamformer.mission.coordination import Coordinator, Plan
-from teamformer.mission.model import Absence, Robot, Scenario, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.capabilities import Counts, describe
 from teamformer.mission.parts.grid import Place
 from teamformer.planning.steps.longer_search import search_longer
@@ -42,7 +42,7 @@ class NewTask(_Told):
     name: str
     duration: int = 0
 
-    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
         """Return the scenario in which this has happened."""
         task = Task(self.name, self.at, dict(self.needs), self.duration, now.tally().steps)
         return _checked(scenario, tasks=(*scenario.tasks, task))
@@ -62,7 +62,7 @@ class LostRobot(_Told):
 
     robot: str
 
-    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
         """Return the scenario in which the robot is lost in the next step."""
         number, steps = _number_of(scenario.robots, self.robot, "robot"), now.tally().steps
         been = [away for away in now.truths[0].robots[number].absences if away.lost <= steps]
@@ -87,7 +87,7 @@ class RobotBack(_Told):
 
     robot: str
 
-    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
         """Return the scenario in which the robot is back in the next step."""
         number, steps = _number_of(scenario.robots, self.robot, "robot"), now.tally().steps
         absences = now.truths[0].robots[number].absences
@@ -114,7 +114,7 @@ class CancelledTask(_Told):
 
     task: str
 
-    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
         """Return the scenario in which the task is called off in the next step."""
         number, steps = _number_of_undone(scenario, self.task, now), now.tally().steps
         task = scenario.tasks[number]
@@ -135,7 +135,7 @@ class NewWeight(_Told):
     weight: float
     plan: Plan | None = None
 
-    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
         """Return the scenario in which the task has always had this weight."""
         number = _number_of_undone(scenario, self.task, now)
         if scenario.cost is None:
@@ -157,7 +157,7 @@ class NewWeight(_Told):
         """Return the incident as words."""
         return f"task {self.task} has the weight {self.weight:g}"
 
-    def _weighed(self, scenario: Scenario, number: int) -> Scenario:
+    def _weighed(self, scenario: Mission, number: int) -> Mission:
         return _with_task(scenario, number, replace(scenario.tasks[number], weight=self.weight))
 
 
@@ -172,7 +172,7 @@ class PlanTakenOver(_Told):
     forecast: Forecast
     without: Forecast  # how the mission was to end before
 
-    def apply(self, scenario: Scenario, now: TeamFormation) -> Scenario:
+    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
         """Return the scenario as it is: it holds no plans."""
         return scenario
 
@@ -233,7 +233,7 @@ def _number_of(those: Sequence[Robot | Task], name: str, what: str) -> int:
     return number
 
 
-def _number_of_undone(scenario: Scenario, name: str, now: TeamFormation) -> int:
+def _number_of_undone(scenario: Mission, name: str, now: TeamFormation) -> int:
     number = _number_of(scenario.tasks, name, "task")
     done_in = now.ends().get(number)
     if done_in is not None:
@@ -241,29 +241,29 @@ def _number_of_undone(scenario: Scenario, name: str, now: TeamFormation) -> int:
     return number
 
 
-def _with_task(scenario: Scenario, number: int, task: Task) -> Scenario:
+def _with_task(scenario: Mission, number: int, task: Task) -> Mission:
     """Return the scenario with another task in the place of one."""
     tasks = list(scenario.tasks)
     tasks[number] = task
     return _checked(scenario, tasks=tuple(tasks))
 
 
-def _with_absences(scenario: Scenario, number: int, absences: tuple[Absence, ...]) -> Scenario:
+def _with_absences(scenario: Mission, number: int, absences: tuple[Absence, ...]) -> Mission:
     """Return the scenario with a robot whose absences are sure."""
     robots = list(scenario.robots)
     robots[number] = replace(robots[number], absences=absences, breaks=None)
     return _checked(scenario, robots=tuple(robots))
 
 
-def _checked(scenario: Scenario, **changes: object) -> Scenario:
+def _checked(scenario: Mission, **changes: object) -> Mission:
     """Return a changed scenario; TeamformerError says why it cannot be."""
     try:
         return replace(scenario, **changes)  # type: ignore[arg-type]
-    except ScenarioError as error:
+    except MissionError as error:
         raise TeamformerError("; ".join(problem.message for problem in error.problems)) from None
 
 
-def free_name(scenario: Scenario) -> str:
+def free_name(scenario: Mission) -> str:
     """Return a name for a new task that no task of a scenario has."""
     names = {task.name for task in scenario.tasks}
     number = len(names) + 1

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from teamformer.base.errors import ScenarioError, TeamformerError
-from teamformer.files.mission_files import scenario_from_tree, scenario_to_tree
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.live.running.incidents import (
     CancelledTask,
     Incident,
@@ -20,7 +20,7 @@ from teamformer.live.running.incidents import (
     free_name,
 )
 from teamformer.mission.keys.task_keys import LARGEST_WEIGHT, SMALLEST_WEIGHT
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 LARGEST = 4_000_000  # bytes of a message
 COMMANDS = (
@@ -90,7 +90,7 @@ class TaskRefusedError(TeamformerError):
         self.keys = tuple(keys)
 
 
-def read_incident(message: Message, scenario: Scenario) -> Incident:
+def read_incident(message: Message, scenario: Mission) -> Incident:
     """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}`, `{"cancelled": NAME}`,
     `{"weighs": NAME, "weight": NUMBER}` or `{"task": TREE}`.
 
@@ -106,10 +106,10 @@ def read_incident(message: Message, scenario: Scenario) -> Incident:
         names = ", ".join(f"'{key}'" for key in (*WITH_A_NAME, "weighs"))
         raise TeamformerError(f"an incident needs {names}: a name, or 'task': a mapping")
     task_tree = {"name": free_name(scenario)} | message["task"]
-    tree = scenario_to_tree(scenario)
+    tree = mission_to_tree(scenario)
     try:
-        task = scenario_from_tree(tree | {"tasks": [*tree["tasks"], task_tree]}).tasks[-1]
-    except ScenarioError as error:
+        task = mission_from_tree(tree | {"tasks": [*tree["tasks"], task_tree]}).tasks[-1]
+    except MissionError as error:
         text = "; ".join(problem.message for problem in error.problems)
         keys = dict.fromkeys(str(key) for it in error.problems for key in it.where[2:3])
         raise TaskRefusedError(text, tuple(keys)) from None

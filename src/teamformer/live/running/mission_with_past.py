@@ -35,10 +35,10 @@ from teamformer.methods.coordinators.replayed import Replayed
 from teamformer.methods.seam.protocol import Planner
 from teamformer.mission.arrivals import once_appeared
 from teamformer.mission.coordination import Coordinator, Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.record import Replay, Step
+from teamformer.record.record import Record, Step
 from teamformer.trials.recorder import Recorder
 from teamformer.trials.trial import begin, decide
 from teamformer.world.env import Decision, Tally, TeamFormation
@@ -51,11 +51,11 @@ class _Standing(NamedTuple):
 
     env: TeamFormation
     recorder: Recorder
-    scenario: Scenario
+    scenario: Mission
     bound: int | None
 
 
-class Mission:
+class RunningMission:
     """One mission that runs by one method; `incidents` are what happened so far, with steps.
 
     `plans` were made before, with the steps made then; they are not made again. `make_method`
@@ -65,7 +65,7 @@ class Mission:
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: Mission,
         make_method: MakeMethod,
         seed: int,
         plans: Sequence[tuple[int, Plan]] = (),
@@ -87,9 +87,9 @@ class Mission:
         self._bound: int | None = None
         self._before: list[_Standing] = []  # by incident
 
-    def anew(self) -> Mission:
+    def anew(self) -> RunningMission:
         """Return the same mission before its first step, to which nothing has happened."""
-        return Mission(self.drawn, self._make_method, self.seed)
+        return RunningMission(self.drawn, self._make_method, self.seed)
 
     @property
     def steps(self) -> int:
@@ -160,7 +160,7 @@ class Mission:
         del self._decisions[self.steps :]
         return incident
 
-    def scenario_with(self, happening: Happening) -> Scenario:
+    def mission_with(self, happening: Happening) -> Mission:
         """Return the scenario if something happened now; TeamformerError says why it cannot.
 
         Nothing is planned or played for it. What has appeared at random until now is known then, as
@@ -186,11 +186,11 @@ class Mission:
             self._bound = bound
         return self._bound
 
-    def record(self) -> Replay:
+    def record(self) -> Record:
         """Return the record so far; that of a mission that still runs is of an interrupted one."""
         return self._recorder.finish(self.method_name, self.seed, self._bound)
 
-    def as_it_stands(self) -> Mission:
+    def as_it_stands(self) -> RunningMission:
         """Return the mission as it is now, to be asked about while it goes on itself.
 
         It makes no steps and nothing happens to it.
@@ -230,7 +230,7 @@ class Mission:
         begin(method, [self.scenario], [self.scenario], self.seed)
         return method
 
-    def _stage(self, scenario: Scenario, coordinator: Coordinator | None) -> TeamFormation:
+    def _stage(self, scenario: Mission, coordinator: Coordinator | None) -> TeamFormation:
         """Return the mission before its first step; a planner brings its own coordinator."""
         policy = self._method.policy
         if isinstance(policy, Planner):
@@ -245,9 +245,9 @@ class Mission:
 
     def _changed(
         self, happening: Happening, order: int = 0
-    ) -> tuple[Happening, TeamFormation, Recorder, Scenario]:
+    ) -> tuple[Happening, TeamFormation, Recorder, Mission]:
         """Return what happens, with its plan, and the mission as it would stand if it did now."""
-        scenario = self.scenario_with(happening)
+        scenario = self.mission_with(happening)
         if isinstance(happening, NewWeight) and happening.plan is None:
             happening = happening.planned(self._env, self._coordinator(order))
         coordinator = self._coordinator(order) if self.is_planned else None
@@ -273,7 +273,7 @@ def _plans_of(incidents: Sequence[tuple[int, Happening]]) -> list[tuple[int, Pla
     return [(steps, plan) for steps, plan in plans if plan is not None]
 
 
-def _is_same_past(one: Replay, other: Replay) -> bool:
+def _is_same_past(one: Record, other: Record) -> bool:
     """Say whether the same was done; a task that appears takes assignments back in that step."""
     if one.steps[:-1] != other.steps[:-1]:
         return False

@@ -7,14 +7,14 @@ from typing import Any
 
 from teamformer.live.running.forecasts import Forecast
 from teamformer.live.running.incidents import Happening, LostRobot
-from teamformer.live.running.mission_with_past import Mission
-from teamformer.record.record import Replay
-from teamformer.record.writing import replay_to_tree, step_to_tree
+from teamformer.live.running.mission_with_past import RunningMission
+from teamformer.record.record import Record
+from teamformer.record.writing import record_to_tree, step_to_tree
 
 Tree = dict[str, Any]
 
 
-def news_of_step(record: Replay, is_running: bool) -> Tree:
+def news_of_step(record: Record, is_running: bool) -> Tree:
     """Return what the latest step of a record changed, as pages are told."""
     made = len(record.steps)
     news: Tree = {"at": made, "step": step_to_tree(record.steps[-1])}
@@ -27,7 +27,7 @@ def news_of_step(record: Replay, is_running: bool) -> Tree:
     return news
 
 
-def what_happened(mission: Mission, happening: Happening | None) -> Tree:
+def what_happened(mission: RunningMission, happening: Happening | None) -> Tree:
     """Return what has happened to a mission, where undoing goes back to, and who is leaving.
 
     These are the robots that are lost since the latest step, and count for nothing any more. That
@@ -44,9 +44,9 @@ def what_happened(mission: Mission, happening: Happening | None) -> Tree:
     }
 
 
-def record_so_far(record: Replay, is_running: bool) -> Tree:
+def record_so_far(record: Record, is_running: bool) -> Tree:
     """Return a record as a page reads it, also while its mission runs."""
-    tree = replay_to_tree(record)
+    tree = record_to_tree(record)
     if is_running:
         tree["end"]["status"] = "running"
     return finite(tree)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from teamformer.live.running.forecasts import Forecast, forecast
 from teamformer.live.running.incidents import Incident
-from teamformer.live.running.mission_with_past import Mission
+from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.page_trees import Tree, forecast_to_tree
 from teamformer.trials.noise import Noise
 
@@ -31,7 +31,7 @@ IsOver = Callable[[], bool]
 class WhatIf:
     """How a mission would end with an incident, and without it."""
 
-    now: Mission
+    now: RunningMission
     incident: Incident
     found: Forecast
     without: Forecast
@@ -52,7 +52,7 @@ class WhatIf:
         return (more < 0 and incident.can_only_delay) or (more > 0 and incident.can_only_hasten)
 
 
-def what_if(now: Mission, incident: Incident, is_over: IsOver) -> WhatIf:
+def what_if(now: RunningMission, incident: Incident, is_over: IsOver) -> WhatIf:
     """Return how a mission would end with an incident, and without it."""
     without = forecast(now.past(), is_over)
     return WhatIf(now, incident, forecast(now.past_with(incident), is_over), without)

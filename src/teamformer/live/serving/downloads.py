@@ -9,14 +9,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from teamformer.base.extras import require
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.mission_files import write_mission
 from teamformer.record.export.csv_tables import write_tables
-from teamformer.record.record import Replay
-from teamformer.record.writing import replay_to_tree, write_replay
+from teamformer.record.record import Record
+from teamformer.record.writing import record_to_tree, save_record
 from teamformer.viewer.html import write_page
 
 
-def make_download(record: Replay, name: str) -> bytes:
+def make_download(record: Record, name: str) -> bytes:
     """Return the content of the file `name`, one of `DOWNLOADS`, made of a record.
 
     Raises TeamformerError if a library for it is missing, which says how to install it.
@@ -27,11 +27,11 @@ def make_download(record: Replay, name: str) -> bytes:
         return path.read_bytes()
 
 
-def _write_page(record: Replay, path: Path) -> None:
-    write_page(replay_to_tree(record), path)
+def _write_page(record: Record, path: Path) -> None:
+    write_page(record_to_tree(record), path)
 
 
-def _write_tables(record: Replay, path: Path) -> None:
+def _write_tables(record: Record, path: Path) -> None:
     """Write the tables of `teamformer export RECORD FOLDER` into one archive."""
     archive = io.BytesIO()
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(archive, "w") as zipped:
@@ -40,16 +40,16 @@ def _write_tables(record: Replay, path: Path) -> None:
     path.write_bytes(archive.getvalue())
 
 
-def _write_mcap(record: Replay, path: Path) -> None:
+def _write_mcap(record: Record, path: Path) -> None:
     require("mcap", "foxglove")
     from teamformer.record.export.mcap_file import write_mcap
 
     write_mcap(record, path)
 
 
-DOWNLOADS: Mapping[str, Callable[[Replay, Path], None]] = {
-    "mission.yaml": lambda record, path: write_scenario(record.scenario, path),
-    "replay.json": write_replay,
+DOWNLOADS: Mapping[str, Callable[[Record, Path], None]] = {
+    "mission.yaml": lambda record, path: write_mission(record.scenario, path),
+    "replay.json": save_record,
     "replay.html": _write_page,
     "tables.zip": _write_tables,
     "replay.mcap": _write_mcap,

@@ -27,7 +27,7 @@ from teamformer.live.serving.doors import Doors, KeepApart, PromptRequests
 from teamformer.live.serving.downloads import DOWNLOADS, make_download
 from teamformer.live.serving.errands import Conversation
 from teamformer.live.serving.watchers import Watcher
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 
 SIGN_OF_LIFE = 5.0
 """Seconds after which a page is told that the server is there, if it is told nothing else."""
@@ -57,7 +57,7 @@ class Watched(Protocol):
     async def act(self, watcher: Watcher, text: str) -> None:
         """Hear a page."""
 
-    async def record(self) -> Replay | None:
+    async def record(self) -> Record | None:
         """Return the record so far; None while nothing runs."""
 
 

@@ -15,7 +15,7 @@ from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.bounds.earliest import earliest_starts
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.bounds.route_cover import raise_by_routes
@@ -23,7 +23,7 @@ from teamformer.planning.bounds.start_windows import raise_by_windows
 from teamformer.planning.problem.relaxed_problem import Relaxed, relax
 from teamformer.planning.problem.team_plan import TeamPlan, keep_order, plan_teams, routes_of
 from teamformer.planning.race import Race
-from teamformer.planning.relaxation.solve import Solution, solve
+from teamformer.planning.relaxation.solve import RelaxedSolution, solve
 from teamformer.planning.steps.shared_plan import is_too_large
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
 from teamformer.planning.steps.solve import (
@@ -62,11 +62,11 @@ FOLLOWED: tuple[tuple[str, Player], ...] = (("crews", Crews()), ("join-all", Joi
 
 
 def plan_centrally(
-    scenario: Scenario,
+    scenario: Mission,
     time_limit: float,
     seed: int = 0,
     workers: int = 2,
-    believed: Scenario | None = None,
+    believed: Mission | None = None,
     start: Plan | None = None,
 ) -> CentralPlan:
     """Return the best plan found in `time_limit` seconds; the first one if that is 0.
@@ -107,7 +107,7 @@ def plan_centrally(
     return plays.report(solution, bound, searched, is_first=time_limit == 0)
 
 
-def _first_plan(scenario: Scenario, situation: Situation) -> TimedPlan | None:
+def _first_plan(scenario: Mission, situation: Situation) -> TimedPlan | None:
     """Return a first plan; None if some task can never be done."""
     if (earliest_starts(relax(scenario)) >= FAR).any():
         return None
@@ -116,7 +116,7 @@ def _first_plan(scenario: Scenario, situation: Situation) -> TimedPlan | None:
 
 def _follow(
     name: str,
-    scenario: Scenario,
+    scenario: Mission,
     followed: Player,
     situation: Situation,
     race: Race[TimedPlan],
@@ -133,13 +133,13 @@ def _follow(
 
 
 def _search(
-    scenario: Scenario,
+    scenario: Mission,
     situation: Situation,
     first: TimedPlan,
     plays: Plays,
     seed: int,
     workers: int,
-) -> tuple[Solution, int, list[tuple[float, int]]]:
+) -> tuple[RelaxedSolution, int, list[tuple[float, int]]]:
     """Search and play what is found; return the relaxed solution, the bound and a curve.
 
     A plan may promise what no plan beats, on planes above all, and its play not keep that; and
@@ -158,19 +158,19 @@ def _search(
 
 
 def _improve(
-    scenario: Scenario,
+    scenario: Mission,
     situation: Situation,
     first: TimedPlan,
     plays: Plays,
     seed: int,
     workers: int,
-) -> tuple[Solution, Race[TimedPlan]]:
+) -> tuple[RelaxedSolution, Race[TimedPlan]]:
     """Search until it is time for the last plays, from coalitions on one thread.
 
     The other proves a bound and then searches on from the best plan.
     """
     race = begin_race(first, plays.begun, time.perf_counter() + plays.seconds_left)
-    jobs: list[Callable[[], Solution | None]] = [
+    jobs: list[Callable[[], RelaxedSolution | None]] = [
         partial(_raise_bound, scenario, relax(scenario), race),
         partial(_relax_and_search, scenario, situation, race, seed),
     ]
@@ -180,7 +180,7 @@ def _improve(
     return solution, race
 
 
-def _raise_bound(scenario: Scenario, problem: Relaxed, race: Race[TimedPlan]) -> None:
+def _raise_bound(scenario: Mission, problem: Relaxed, race: Race[TimedPlan]) -> None:
     """Prove what can be proven in a share of the time."""
     begun, seconds = time.perf_counter(), BOUNDING * race.seconds_left
 
@@ -194,8 +194,8 @@ def _raise_bound(scenario: Scenario, problem: Relaxed, race: Race[TimedPlan]) ->
 
 
 def _relax_and_search(
-    scenario: Scenario, situation: Situation, race: Race[TimedPlan], seed: int
-) -> Solution:
+    scenario: Mission, situation: Situation, race: Race[TimedPlan], seed: int
+) -> RelaxedSolution:
     """Solve the relaxed problem, then search from its coalitions and from others."""
     seconds = RELAXING * race.seconds_left
     solution = solve(scenario, seconds, seed=seed, workers=1, is_stopped=race.is_stopped)
@@ -213,5 +213,5 @@ def _team_plan(plan: Plan) -> TeamPlan:
     return plan_teams(plan.order, [coalition_of[task] for task in range(len(coalition_of))])
 
 
-def _player(scenario: Scenario, plan: TeamPlan) -> PlanPlayer:
+def _player(scenario: Mission, plan: TeamPlan) -> PlanPlayer:
     return PlanPlayer(scenario, routes_of(plan, len(scenario.robots)), plan.order.tolist())

@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from teamformer.methods.central.players import Player, decision_of, stage_for
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -17,7 +17,7 @@ from teamformer.world.rules.constants import NOBODY
 class CoalitionLog:
     """Who has done which task in a play, in the order in which they were done."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Mission) -> None:
         self._order: list[int] = []
         self._coalitions: list[list[int]] = [[] for _ in scenario.tasks]
 
@@ -38,7 +38,7 @@ class CoalitionLog:
 
 
 def plan_from_play(
-    scenario: Scenario, player: Player, deadline: float = math.inf
+    scenario: Mission, player: Player, deadline: float = math.inf
 ) -> TeamPlan | None:
     """Return the plan of a player's play; None if that does not complete, or not in time.
 

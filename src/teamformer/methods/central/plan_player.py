@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from teamformer.base.array_types import Array
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.problem.relaxed_problem import count_table
 from teamformer.world.env import Decision, TeamFormation
@@ -28,7 +28,7 @@ class PlanPlayer:
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: Mission,
         routes: Sequence[Sequence[int]],
         order: Sequence[int] | None = None,
     ) -> None:

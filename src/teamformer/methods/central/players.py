@@ -8,7 +8,7 @@ from teamformer.methods.central.plan_player import PlanPlayer
 from teamformer.methods.coordinators.on_command import OnCommand
 from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.coordination import Coordinator
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.view import View
 
@@ -20,7 +20,7 @@ def is_coordinator(player: Player) -> TypeGuard[Coordinator]:
     return not isinstance(player, PlanPlayer) and hasattr(player, "update")
 
 
-def stage_for(player: Player, mission: Scenario, truth: Scenario) -> TeamFormation:
+def stage_for(player: Player, mission: Mission, truth: Mission) -> TeamFormation:
     """Return a world for a player: with its coordinator, if it is one or takes commands."""
     coordinator: Coordinator | None = OnCommand() if isinstance(player, PlanPlayer) else None
     if is_coordinator(player):

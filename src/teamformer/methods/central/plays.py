@@ -17,8 +17,8 @@ from teamformer.methods.scripted.joining import JoinAll
 from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.coordination import Coordinator
-from teamformer.mission.model import Scenario
-from teamformer.planning.relaxation.solve import Solution
+from teamformer.mission.model import Mission
+from teamformer.planning.relaxation.solve import RelaxedSolution
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NEVER, NOBODY
 
@@ -56,12 +56,12 @@ class CentralPlan:
     script is played in `mission`, by `coordinator` if there is one.
     """
 
-    solution: Solution
+    solution: RelaxedSolution
     bound: int
     makespan: int | None
     played_by: str
     script: Script
-    mission: Scenario
+    mission: Mission
     coordinator: Coordinator | None = None
     curve: Curve = ()
     is_first: bool = False
@@ -70,7 +70,7 @@ class CentralPlan:
 class Plays:
     """What has been played of one scenario, and the time that is left."""
 
-    def __init__(self, scenario: Scenario, begun: float, time_limit: float) -> None:
+    def __init__(self, scenario: Mission, begun: float, time_limit: float) -> None:
         self.begun = begun
         self.makespan: int | None = None
         self._cost = math.inf  # of the best play: its makespan, if that alone counts
@@ -99,7 +99,7 @@ class Plays:
             until = self.seconds + SIMPLE * max(1.0, self.limit)
             self.add(name, rule, until=min(until, self._end))
 
-    def add_as_believed(self, name: str, default: Coordinator, believed: Scenario) -> None:
+    def add_as_believed(self, name: str, default: Coordinator, believed: Mission) -> None:
         """Play the default as by robots that know only what they believe of the scenario.
 
         That may be better than what the default does when it knows all.
@@ -120,7 +120,7 @@ class Plays:
         player: Player,
         until: float | None = None,
         log: CoalitionLog | None = None,
-        mission: Scenario | None = None,
+        mission: Mission | None = None,
     ) -> None:
         """Play a plan, a policy or a coordinator, and keep what it decides if it is the best.
 
@@ -171,7 +171,7 @@ class Plays:
 
     def report(
         self,
-        solution: Solution,
+        solution: RelaxedSolution,
         bound: int,
         searched: list[tuple[float, int]],
         is_first: bool = False,

@@ -7,13 +7,13 @@ from functools import cache
 
 import numpy as np
 
-from teamformer.base.errors import ScenarioError
-from teamformer.files.drawn.smallest import smallest_scenario
+from teamformer.base.errors import MissionError
+from teamformer.files.drawn.smallest import smallest_mission
 from teamformer.methods.central.plan_centrally import plan_centrally
 from teamformer.methods.central.plays import CentralPlan
 from teamformer.mission.checks.rules import rules_not_known_beforehand
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.cp_sat import make_solver
@@ -56,7 +56,7 @@ class Central:
             self.start,
         )
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+    def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         """Plan every scenario, for robots that know everything."""
         if everything is None:
             raise ValueError("the central planner has to be given the scenarios")
@@ -64,13 +64,13 @@ class Central:
 
     def plan(
         self,
-        everything: Sequence[Scenario],
-        believed: Sequence[Scenario],
+        everything: Sequence[Mission],
+        believed: Sequence[Mission],
         rng: np.random.Generator,
     ) -> None:
-        """Plan every scenario; ScenarioError names what no plan made beforehand can count with."""
+        """Plan every scenario; MissionError names what no plan made beforehand can count with."""
         if problems := [it for mission in everything for it in rules_not_known_beforehand(mission)]:
-            raise ScenarioError(problems)
+            raise MissionError(problems)
         seed = int(rng.integers(2**31))
         _warm_up()
         self.plans = [
@@ -96,7 +96,7 @@ class Central:
 def _warm_up() -> None:
     """Have everything compiled and imported before the clock starts."""
     make_solver(seed=0)
-    scenario = smallest_scenario()
+    scenario = smallest_mission()
     raise_by_routes(scenario, relax(scenario), 0, lambda _: None, lambda: False)
     situation = situation_in_hindsight(scenario)
     plan = first_plan(situation)

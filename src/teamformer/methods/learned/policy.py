@@ -10,7 +10,7 @@ from teamformer.base.array_types import Array
 from teamformer.methods.learned.codec import Codec
 from teamformer.methods.learned.deadlock_guard import DeadlockGuard
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Decision
 from teamformer.world.view import View
 
@@ -40,7 +40,7 @@ class Learned:
         """Return the same policy without its deadlock guard."""
         return Learned(self.codec, self.brain, is_guarded=False)
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+    def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         """Forget earlier trials."""
         self._guard.begin()
         self.overdue = 0

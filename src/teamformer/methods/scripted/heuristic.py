@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.methods.scripted.pairing import pair_by_slot
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Decision
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.view import View
@@ -27,7 +27,7 @@ class Heuristic:
 
     needs_everything = False
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+    def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         """Nothing to prepare."""
 
     def decide(self, view: View) -> Decision:

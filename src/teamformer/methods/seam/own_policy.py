@@ -10,7 +10,7 @@ import numpy as np
 from teamformer.base.errors import TeamformerError
 from teamformer.base.own_code import telling_where
 from teamformer.methods.seam.protocol import Planner, Policy
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Decision, read_decision
 from teamformer.world.view import View
 
@@ -35,7 +35,7 @@ class OwnPolicy:
         self._policy, self._what = policy, f"policy '{name}'"
         self.needs_everything = policy.needs_everything
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+    def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         """Have it begin; raises `TeamformerError` where it fails."""
         with telling_where(f"{self._what} failed"):
             self._policy.begin(everything, rng)
@@ -78,8 +78,8 @@ class OwnPlanner(OwnPolicy):
 
     def plan(
         self,
-        everything: Sequence[Scenario],
-        believed: Sequence[Scenario],
+        everything: Sequence[Mission],
+        believed: Sequence[Mission],
         rng: np.random.Generator,
     ) -> None:
         """Have it plan; raises `TeamformerError` where it fails."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.world.env import Decision
 from teamformer.world.view import View
 
@@ -24,7 +24,7 @@ class Policy(Protocol):
 
     needs_everything: bool
 
-    def begin(self, everything: Sequence[Scenario] | None, rng: np.random.Generator) -> None:
+    def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         """Prepare for a new batch of trials.
 
         `everything` has the scenarios of the batch; it is None if `needs_everything` is False.
@@ -58,8 +58,8 @@ class Planner(Policy, Protocol):
 
     def plan(
         self,
-        everything: Sequence[Scenario],
-        believed: Sequence[Scenario],
+        everything: Sequence[Mission],
+        believed: Sequence[Mission],
         rng: np.random.Generator,
     ) -> None:
         """Begin with a plan for each scenario; `believed` is what robots know of each."""

@@ -32,7 +32,7 @@ from teamformer.mission.parts.reach import totals_by_region, totals_there, way_f
 from teamformer.mission.parts.roads import Roads
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Robot, Scenario, Task, World
+    from teamformer.mission.model import Mission, Robot, Task, World
 
 LARGEST_COUNT = 16_000_000
 """Of one capability, in units, all robots together: 32-bit floats of networks hold it exactly."""
@@ -41,7 +41,7 @@ LONG = 60
 """Letters that a message shows of a capability, where it has to name several."""
 
 
-def find_problems(scenario: Scenario) -> Iterator[Problem]:
+def find_problems(scenario: Mission) -> Iterator[Problem]:
     """Return everything that makes a scenario impossible to run, in file order."""
     spatial = list(_problems_of_world(scenario.world))
     spatial = spatial or list(_problems_of_places(scenario))  # a broken map has no places
@@ -75,7 +75,7 @@ def _problems_of_world(world: World) -> Iterator[Problem]:
         yield Problem(("world",), f"the map has {len(world.rows)} rows, not {world.height}")
 
 
-def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_names(scenario: Mission) -> Iterator[Problem]:
     if not scenario.robots:
         yield Problem(("robots",), "there is no robot; add one")
     if not scenario.tasks:
@@ -93,7 +93,7 @@ def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
             seen.add(name)
 
 
-def _problems_of_rules(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_rules(scenario: Mission) -> Iterator[Problem]:
     for key in ("sensing_radius", "join_radius", "finding_radius"):
         radius = getattr(scenario, key)
         if not radius >= 0:  # NaN too; infinity is allowed, it means everybody
@@ -110,7 +110,7 @@ def _problems_of_rules(scenario: Scenario) -> Iterator[Problem]:
     yield from _problems_of_steps(limit, 0, where, "step_limit is", "use 1 or more")
 
 
-def _problems_of_places(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_places(scenario: Mission) -> Iterator[Problem]:
     world = scenario.world
     groups: dict[str, tuple[Robot | Task, ...]] = {
         "robots": scenario.robots,
@@ -160,7 +160,7 @@ def _way_out(world: World, place: Place) -> str:
     return "move it" if free is None else f"the nearest free cell is [{free[0]}, {free[1]}]"
 
 
-def _problems_of_robots(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_robots(scenario: Mission) -> Iterator[Problem]:
     for number, robot in enumerate(scenario.robots):
         where = ("robots", number)
         yield from _problems_of_counts(
@@ -197,7 +197,7 @@ def _problems_of_absences(robot: Robot, where: tuple[str | int, ...]) -> Iterato
         before = away
 
 
-def _problems_of_totals(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_totals(scenario: Mission) -> Iterator[Problem]:
     counts = [robot.can for robot in scenario.robots]
     if not all(is_exact(count) for can in counts for count in can.values()):
         return  # which has been told
@@ -253,7 +253,7 @@ def is_whole(number: float) -> bool:
     return number - number == 0 and number == int(number)
 
 
-def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_teams(scenario: Mission) -> Iterator[Problem]:
     seen: set[int] = set()
     for number, team in enumerate(scenario.teams):
         where = ("teams", number)
@@ -272,7 +272,7 @@ def _problems_of_teams(scenario: Scenario) -> Iterator[Problem]:
             yield Problem(where, "the robots of a starting team must start in the same place")
 
 
-def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Problem]:
+def _problems_of_tasks(scenario: Mission, places_are_good: bool) -> Iterator[Problem]:
     everybody = total(robot.can for robot in scenario.robots)
     near = totals_there(scenario.world, scenario.robots if places_are_good else ())
     for number, task in enumerate(scenario.tasks):
@@ -307,7 +307,7 @@ def _problems_of_tasks(scenario: Scenario, places_are_good: bool) -> Iterator[Pr
                 )
 
 
-def _problems_of_what_appears(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_what_appears(scenario: Mission) -> Iterator[Problem]:
     have = totals_by_region(scenario.world, scenario.robots)[busiest_part(scenario)]
     if not any(count >= 1 for count in have.values()):
         yield Problem(

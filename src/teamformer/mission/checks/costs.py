@@ -10,7 +10,7 @@ from teamformer.mission.keys.mission_keys import COST_KEYS
 from teamformer.mission.keys.task_keys import LARGEST_WEIGHT, SMALLEST_WEIGHT
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Scenario, Task
+    from teamformer.mission.model import Mission, Task
 
 COST_PARTS = tuple(key.name for key in COST_KEYS)
 """What a cost may weigh; times are added up by the weights of the tasks."""
@@ -27,7 +27,7 @@ def cost_of(weights: Mapping[str, float], parts: Mapping[str, float]) -> float:
     return weighed / sum(weights.values())
 
 
-def judged_by(mission: Scenario) -> Mapping[str, float] | None:
+def judged_by(mission: Mission) -> Mapping[str, float] | None:
     """Return the weights that plans of a mission are judged by; None: the makespan alone.
 
     A mission with windows and without a cost has its makespan and how late tasks are.
@@ -52,7 +52,7 @@ def parts_of_ends(tasks: Sequence[Task], ends: Mapping[int, float]) -> dict[str,
 
 
 def cost_in_steps(
-    mission: Scenario, ends: Mapping[int, float], makespan: int | None
+    mission: Mission, ends: Mapping[int, float], makespan: int | None
 ) -> float | None:
     """Return what a mission in steps costs that is over, None if it is not or has no cost.
 
@@ -65,13 +65,13 @@ def cost_in_steps(
 
 
 def weighed(
-    mission: Scenario, weights: Mapping[str, float], ends: Mapping[int, float], makespan: float
+    mission: Mission, weights: Mapping[str, float], ends: Mapping[int, float], makespan: float
 ) -> float:
     """Return the mean, by weights, of when all is over, when tasks end and how late, in steps."""
     return cost_of(weights, {"makespan": makespan, **parts_of_ends(mission.tasks, ends)})
 
 
-def find_cost_problems(scenario: Scenario) -> Iterator[Problem]:
+def find_cost_problems(scenario: Mission) -> Iterator[Problem]:
     """Return what is wrong with the weights of the cost and of tasks."""
     for number, task in enumerate(scenario.tasks):
         if not SMALLEST_WEIGHT <= task.weight <= LARGEST_WEIGHT:

@@ -11,10 +11,10 @@ from teamformer.mission.checks.costs import judged_by
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Scenario, Task
+    from teamformer.mission.model import Mission, Task
 
 
-def is_linked(scenario: Scenario) -> bool:
+def is_linked(scenario: Mission) -> bool:
     """Say whether starts are linked or plans are judged by more than the makespan."""
     return judged_by(scenario) is not None or any(task.starts for task in scenario.tasks)
 
@@ -44,7 +44,7 @@ def linked_with(tasks: Sequence[Task]) -> list[set[int]]:
     return linked
 
 
-def find_link_problems(scenario: Scenario) -> Iterator[Problem]:
+def find_link_problems(scenario: Mission) -> Iterator[Problem]:
     """Return what is wrong with linked starts."""
     problems = [*_problems_of_names(scenario), *_problems_of_gaps(scenario)]
     yield from problems
@@ -52,7 +52,7 @@ def find_link_problems(scenario: Scenario) -> Iterator[Problem]:
         yield from _problems_of_groups(scenario)
 
 
-def find_links(scenario: Scenario) -> Iterator[Problem]:
+def find_links(scenario: Mission) -> Iterator[Problem]:
     """Return where a scenario has linked starts."""
     for number, task in enumerate(scenario.tasks):
         if task.starts:
@@ -60,7 +60,7 @@ def find_links(scenario: Scenario) -> Iterator[Problem]:
             yield Problem(("tasks", number, "starts"), what)
 
 
-def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_names(scenario: Mission) -> Iterator[Problem]:
     names = {task.name for task in scenario.tasks}
     for number, task in enumerate(scenario.tasks):
         for name in task.starts:
@@ -72,7 +72,7 @@ def _problems_of_names(scenario: Scenario) -> Iterator[Problem]:
                 yield Problem(where, f"task '{name}' is linked with itself; name another")
 
 
-def _problems_of_gaps(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_gaps(scenario: Mission) -> Iterator[Problem]:
     for number, task in enumerate(scenario.tasks):
         for name, (least, most) in task.starts.items():
             if not 0 <= least <= most <= 1e9:
@@ -81,7 +81,7 @@ def _problems_of_gaps(scenario: Scenario) -> Iterator[Problem]:
                 yield Problem(("tasks", number, "starts", name), f"{message}; {remedy}")
 
 
-def _problems_of_groups(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_groups(scenario: Mission) -> Iterator[Problem]:
     """Return what linked tasks cannot keep together."""
     tasks = scenario.tasks
     groups = [group for group in groups_of(tasks) if len(group) > 1]
@@ -122,7 +122,7 @@ def _all_apart(tasks: Sequence[Task], group: Sequence[int]) -> list[list[int]]:
     return [sorted(apart) for apart in found]
 
 
-def _problems_of_robots(scenario: Scenario, apart: Sequence[int]) -> Iterator[Problem]:
+def _problems_of_robots(scenario: Mission, apart: Sequence[int]) -> Iterator[Problem]:
     """Return why there are too few robots for tasks that are done by different ones."""
     tasks = scenario.tasks
     where = ("tasks", max(number for number in apart if tasks[number].starts), "starts")
@@ -153,7 +153,7 @@ def _is_contradictory(tasks: Sequence[Task]) -> bool:
     return any(longest[task.name, task.name] > 0 for task in tasks)
 
 
-def _problems_of_waiting(scenario: Scenario, groups: Sequence[Sequence[int]]) -> Iterator[Problem]:
+def _problems_of_waiting(scenario: Mission, groups: Sequence[Sequence[int]]) -> Iterator[Problem]:
     """Refuse groups that wait for one another, which is a circle that single tasks need not see."""
     tasks = scenario.tasks
     leader = {tasks[number].name: tasks[group[0]].name for group in groups for number in group}

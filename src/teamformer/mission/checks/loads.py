@@ -9,10 +9,10 @@ from teamformer.base.errors import Problem
 from teamformer.mission.parts.places import believed_place
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Scenario
+    from teamformer.mission.model import Mission
 
 
-def find_load_problems(scenario: Scenario, number: int) -> Iterator[Problem]:
+def find_load_problems(scenario: Mission, number: int) -> Iterator[Problem]:
     """Return why the load of a task cannot be brought to where it is to go."""
     task, world = scenario.tasks[number], scenario.world
     if task.to is None:
@@ -34,7 +34,7 @@ def find_load_problems(scenario: Scenario, number: int) -> Iterator[Problem]:
         yield Problem(("tasks", number, "to"), f"{message} to [{to_x}, {to_y}]: {fault}; {remedy}")
 
 
-def find_flown_loads(scenario: Scenario) -> Iterator[Problem]:
+def find_flown_loads(scenario: Mission) -> Iterator[Problem]:
     """Return the loads of a mission in steps in which robots fly over obstacles.
 
     A team that flies and loses robots might set a load down where nobody on the ground gets to.
@@ -50,7 +50,7 @@ def find_flown_loads(scenario: Scenario) -> Iterator[Problem]:
             yield Problem(("tasks", number, "to"), f"{message}: {fault}; {remedy}")
 
 
-def rules_without_loads(scenario: Scenario, who: str) -> Iterator[Problem]:
+def rules_without_loads(scenario: Mission, who: str) -> Iterator[Problem]:
     """Return why `who`, such as a fleet of processes, cannot do a mission: it has loads."""
     for number, task in enumerate(scenario.tasks):
         if task.to is not None:

@@ -19,7 +19,7 @@ from teamformer.mission.parts.reach import can_reach, way_for
 from teamformer.mission.parts.roads import AIR, GROUND, Roads
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Scenario, Task
+    from teamformer.mission.model import Mission, Task
 
 NEW_TASKS = ("resolve", "nearest")
 LIKELY = 0.25
@@ -41,7 +41,7 @@ def is_time(value: float) -> bool:
     return 0 <= value <= LARGEST_NUMBER
 
 
-def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
+def find_rule_problems(scenario: Mission) -> Iterator[Problem]:
     """Return what is wrong with a scenario's time, end, precedence and time windows."""
     if scenario.time not in TIMES:
         choices = " or ".join(TIMES)
@@ -58,7 +58,7 @@ def find_rule_problems(scenario: Scenario) -> Iterator[Problem]:
     yield from find_link_problems(scenario)
 
 
-def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
+def rules_not_played(scenario: Mission) -> Iterator[Problem]:
     """Return why the step simulator cannot play a scenario; nothing if it can."""
     remedy = "plan it with `teamformer plan`"
     if scenario.time == "continuous":
@@ -78,14 +78,14 @@ def rules_not_played(scenario: Scenario) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
 
 
-def rules_not_known_beforehand(scenario: Scenario) -> Iterator[Problem]:
+def rules_not_known_beforehand(scenario: Mission) -> Iterator[Problem]:
     """Return what a plan cannot count with that is made before the mission begins."""
     remedy = "drop cancelled, or use `teamformer run` with its default method"
     rest = f"which nobody can know who plans beforehand; {remedy}"
     yield from told_once(scenario, find_unknown(scenario, BEFOREHAND), lambda _: rest)
 
 
-def rules_not_planned(scenario: Scenario) -> Iterator[Problem]:
+def rules_not_planned(scenario: Mission) -> Iterator[Problem]:
     """Return why a scenario cannot be planned: in steps, rules that these do not know."""
     if scenario.time != "continuous":
         yield from rules_not_played(scenario)
@@ -101,13 +101,13 @@ VERBS = {
 """What refuses a scenario, by verb."""
 
 
-def _verbs_for(scenario: Scenario) -> str:
+def _verbs_for(scenario: Mission) -> str:
     """Return in words which verbs take a scenario as it is."""
     verbs = [f"`{verb}`" for verb, refuse in VERBS.items() if not any(refuse(scenario))]
     return " or ".join(filter(None, (", ".join(verbs[:-1]), *verbs[-1:])))
 
 
-def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
+def rules_of_sure_missions(scenario: Mission) -> Iterator[Problem]:
     """Return why a scenario cannot be played where everything has to be known; nothing if it can.
 
     So it is where missions are to be done by robots that are real.
@@ -123,7 +123,7 @@ def rules_of_sure_missions(scenario: Scenario) -> Iterator[Problem]:
     yield from told_once(scenario, found, rest)
 
 
-def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
+def rules_of_simulated_missions(scenario: Mission) -> Iterator[Problem]:
     """Return which rules only the step simulator and the planner know; nothing if there are none.
 
     Robots that are processes of their own, or stand in an arena, refuse such missions.
@@ -143,7 +143,7 @@ def rules_of_simulated_missions(scenario: Scenario) -> Iterator[Problem]:
     yield from told_once(scenario, found, rest)
 
 
-def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_end(scenario: Mission) -> Iterator[Problem]:
     ends, world = scenario.ends, scenario.world
     if ends is None or ends == HOME:
         return
@@ -161,7 +161,7 @@ def _problems_of_end(scenario: Scenario) -> Iterator[Problem]:
                 yield Problem(("robots", number, "at"), message)
 
 
-def _problems_of_roads(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_roads(scenario: Mission) -> Iterator[Problem]:
     world = scenario.world
     if isinstance(world, Roads) and scenario.time == "steps":
         message = "roads are for continuous time: in steps robots walk on a map"
@@ -181,13 +181,13 @@ def _problems_of_roads(scenario: Scenario) -> Iterator[Problem]:
             yield Problem(where, f"{message}; name a file under roads, or change moves")
 
 
-def _problems_of_what_happens(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_what_happens(scenario: Mission) -> Iterator[Problem]:
     """Return what happens to a mission in continuous time, whose plans are made beforehand."""
     rest = "which only missions in steps know; drop {}"
     yield from told_once(scenario, find_unknown(scenario, CONTINUOUS), rest.format)
 
 
-def _problems_of_times(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_times(scenario: Mission) -> Iterator[Problem]:
     for number, task in enumerate(scenario.tasks):
         where, what = ("tasks", number), f"task '{task.name}'"
         if scenario.time == "continuous" and not is_time(task.duration):
@@ -217,7 +217,7 @@ def is_too_short(task: Task) -> bool:
     return task.between is not None and task.between[0] + task.duration > task.between[1]
 
 
-def _problems_of_precedence(scenario: Scenario) -> Iterator[Problem]:
+def _problems_of_precedence(scenario: Mission) -> Iterator[Problem]:
     names = {task.name for task in scenario.tasks}
     is_good = True
     for number, task in enumerate(scenario.tasks):
@@ -237,7 +237,7 @@ def _problems_of_precedence(scenario: Scenario) -> Iterator[Problem]:
             yield Problem(("tasks", last, "after"), f"{way}; break this circle, drop one of these")
 
 
-def _circle(scenario: Scenario) -> list[str]:
+def _circle(scenario: Mission) -> list[str]:
     """Return the names of tasks of which each is before the next and the last before the first."""
     before = {task.name: task.after for task in scenario.tasks}
     is_done: set[str] = set()

@@ -13,10 +13,10 @@ from teamformer.mission.keys.unknown import find_unknown, told_once
 from teamformer.mission.parts.capabilities import Counts, covers, describe, missing, total
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Arrivals, Breakdown, Robot, Scenario, Task
+    from teamformer.mission.model import Arrivals, Breakdown, Mission, Robot, Task
 
 
-def find_surprise_problems(scenario: Scenario) -> Iterator[Problem]:
+def find_surprise_problems(scenario: Mission) -> Iterator[Problem]:
     """Return what is wrong with a scenario's uncertain durations, needs and breakdowns."""
     if scenario.time == "continuous":
         yield from _only_in_steps(scenario)
@@ -57,7 +57,7 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
         yield Problem(("arrivals", "needs"), message)
 
 
-def _only_in_steps(scenario: Scenario) -> Iterator[Problem]:
+def _only_in_steps(scenario: Mission) -> Iterator[Problem]:
     rest = "which only missions in steps know; make {} sure, or drop it"
     yield from told_once(
         scenario, find_unknown(scenario, CONTINUOUS, is_surprise=True), rest.format
@@ -92,7 +92,7 @@ def _problems_of_breaks(
 
 
 def _problems_of_may_need(
-    scenario: Scenario, task: Task, everybody: Counts, where: tuple[str | int, ...]
+    scenario: Mission, task: Task, everybody: Counts, where: tuple[str | int, ...]
 ) -> Iterator[Problem]:
     what = f"task '{task.name}' may need"
     for name, probability in task.may_need.items():

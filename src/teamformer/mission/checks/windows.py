@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from teamformer.base.errors import Problem
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Scenario, Task
+    from teamformer.mission.model import Mission, Task
 
 LONGEST_PLAY = 1_000_000
 """Steps that a mission may take at least: every step is made and recorded, a minute for so many."""
@@ -35,7 +35,7 @@ def latest_end(between: tuple[float, float] | None) -> float:
     return math.inf if between is None else between[1]
 
 
-def find_endless_play(scenario: Scenario) -> Iterator[Problem]:
+def find_endless_play(scenario: Mission) -> Iterator[Problem]:
     """Return what makes a mission in steps so long that nobody waits for its end.
 
     A mission whose step limit is lower ends with that.
@@ -59,11 +59,11 @@ def _longest_part(task: Task) -> str:
     return max(parts, key=parts.__getitem__)
 
 
-def find_hopeless_windows(scenario: Scenario) -> Iterator[Problem]:
+def find_hopeless_windows(scenario: Mission) -> Iterator[Problem]:
     """Return the tasks that are late in every plan, because of the tasks that they are after.
 
     The scenario has no other faults. Durations that are not known count as short as they may be.
-    Whoever builds a `Scenario` may have such windows, and so may the truth of a mission: there a
+    Whoever builds a `Mission` may have such windows, and so may the truth of a mission: there a
     task may turn out to take long.
     """
     ends = _earliest_ends(scenario)
@@ -81,7 +81,7 @@ def find_hopeless_windows(scenario: Scenario) -> Iterator[Problem]:
             yield Problem(("tasks", number, "between"), f"{message}; {remedy}")
 
 
-def _earliest_ends(scenario: Scenario) -> dict[str, float]:
+def _earliest_ends(scenario: Mission) -> dict[str, float]:
     """Return when each task is over at the earliest, by name, without ways, teams and links."""
     ends: dict[str, float] = {}
     left = list(scenario.tasks)
@@ -95,7 +95,7 @@ def _earliest_ends(scenario: Scenario) -> dict[str, float]:
     return ends
 
 
-def _release(scenario: Scenario, task: Task) -> float:
+def _release(scenario: Mission, task: Task) -> float:
     """Return when a task may begin by its own keys."""
     return opening_step(task) if scenario.time == "steps" else release_of(task)
 
@@ -105,7 +105,7 @@ def release_of(task: Task) -> float:
     return max(float(task.appears), task.between[0] if task.between else 0.0)
 
 
-def _least_time(scenario: Scenario, task: Task) -> float:
+def _least_time(scenario: Mission, task: Task) -> float:
     """Return what a task takes at least; in steps it begins in the step after it may."""
     duration = task.duration if task.lasts is None else task.lasts[0]
     return duration + task.unload + (1 if scenario.time == "steps" else 0)

@@ -12,7 +12,7 @@ from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Scenario
+    from teamformer.mission.model import Mission
 
 Found = tuple[tuple[str | int, ...], str]
 """Where a robot or a task has something, and what in words."""
@@ -21,7 +21,7 @@ MOST_NAMED = 5
 
 
 def told_once(
-    scenario: Scenario, found: Iterable[Found], rest: Callable[[str], str]
+    scenario: Mission, found: Iterable[Found], rest: Callable[[str], str]
 ) -> Iterator[Problem]:
     """Return one problem for each key of robots or tasks, with the names of all that have it.
 
@@ -40,7 +40,7 @@ def told_once(
         yield Problem(where, f"{what}{others}, {rest(key)}")
 
 
-def find_unknown(scenario: Scenario, to: str, is_surprise: bool = False) -> Iterator[Found]:
+def find_unknown(scenario: Mission, to: str, is_surprise: bool = False) -> Iterator[Found]:
     """Return where a scenario has keys that somebody does not know, and what they say, in words.
 
     These are keys of what is open until it shows, if it `is_surprise`, else the other ones.

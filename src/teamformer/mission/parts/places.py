@@ -10,7 +10,7 @@ from teamformer.base.errors import Problem
 from teamformer.mission.parts.plane import DECIMALS, Plane
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Scenario, Task, World
+    from teamformer.mission.model import Mission, Task, World
     from teamformer.mission.parts.grid import Place
 
 WIDEST = 30
@@ -59,7 +59,7 @@ def find_region_problems(
         yield Problem(where, f"{what}, where no cell is free; move it or widen it")
 
 
-def busiest_part(scenario: Scenario) -> int:
+def busiest_part(scenario: Mission) -> int:
     """Return the connected part of the map in which most robots start, the first of equals."""
     parts = [scenario.world.region(robot.at) for robot in scenario.robots]
     return max(sorted(set(parts)), key=parts.count)

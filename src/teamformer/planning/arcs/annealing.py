@@ -44,7 +44,7 @@ from teamformer.planning.graph.graph import (
 from teamformer.planning.graph.judging import (
     AIMED,
     CHAINED,
-    Trial,
+    ArcChange,
     accept,
     empty_trial,
     sum_up_trial,
@@ -185,7 +185,7 @@ def anneal_arcs(
     problem: ArcProblem,
     graph: Graph,
     best: Graph,
-    trial: Trial,
+    trial: ArcChange,
     choice: Choice,
     moved: Moved,
     random: Array,

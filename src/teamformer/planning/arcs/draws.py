@@ -6,7 +6,7 @@ from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, takes_with
 from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
-from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, Trial
+from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.meeting import TICKS
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
@@ -19,7 +19,7 @@ MOST_DRAWS = 30
 
 
 @kernel
-def draw_task(problem: ArcProblem, graph: Graph, trial: Trial, random: Array) -> int:
+def draw_task(problem: ArcProblem, graph: Graph, trial: ArcChange, random: Array) -> int:
     """Draw a task, often one that the makespan hangs on.
 
     Of such a task it is noted by which of its seats what the makespan hangs on comes and leaves.
@@ -37,7 +37,7 @@ def draw_task(problem: ArcProblem, graph: Graph, trial: Trial, random: Array) ->
 
 
 @kernel
-def _find_chain(problem: ArcProblem, graph: Graph, trial: Trial) -> None:
+def _find_chain(problem: ArcProblem, graph: Graph, trial: ArcChange) -> None:
     """List the tasks on the way back from the home that is reached last."""
     seats, tasks, most = graph.seats, len(problem.near), problem.most[0]
     leaves_by = seats[len(seats) - len(graph.back) + graph.total[LATEST]].prev

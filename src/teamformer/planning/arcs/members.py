@@ -16,14 +16,14 @@ if TYPE_CHECKING:
     from teamformer.base.array_types import Array
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.graph import Graph
-    from teamformer.planning.graph.judging import Trial
+    from teamformer.planning.graph.judging import ArcChange
 
 
 @kernel
 def replace_member(
     problem: ArcProblem,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     choice: Choice,
     moved: Moved,
     random: Array,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from teamformer.base.array_types import Array
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.graph import Graph
-    from teamformer.planning.graph.judging import Trial
+    from teamformer.planning.graph.judging import ArcChange
 
 SKIPS, JOINS = 20, 20  # percent
 """How many changes of riders skip tasks and, in steps, join at one task; the others follow a
@@ -31,7 +31,7 @@ guide."""
 def ride(
     problem: ArcProblem,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     moved: Moved,
     random: Array,
     task: int,
@@ -45,7 +45,7 @@ def ride(
 
 @kernel
 def change_riders(
-    problem: ArcProblem, graph: Graph, trial: Trial, moved: Moved, random: Array, task: int
+    problem: ArcProblem, graph: Graph, trial: ArcChange, moved: Moved, random: Array, task: int
 ) -> bool:
     """Have a robot come along with others, or skip what can be done without it.
 
@@ -69,7 +69,7 @@ def change_riders(
 
 @kernel
 def _skip(
-    problem: ArcProblem, graph: Graph, trial: Trial, moved: Moved, random: Array, task: int
+    problem: ArcProblem, graph: Graph, trial: ArcChange, moved: Moved, random: Array, task: int
 ) -> None:
     """Have a robot skip tasks, from one on, while they can be done without it."""
     seats, nodes = graph.seats, graph.nodes
@@ -108,7 +108,7 @@ def covers_with(
 
 
 @kernel
-def leave_out(graph: Graph, trial: Trial, task: int, seat: int) -> None:
+def leave_out(graph: Graph, trial: ArcChange, task: int, seat: int) -> None:
     """Take a robot out of a coalition; the last seat takes its place."""
     seats, node = graph.seats, graph.nodes[task]
     last = node.first + node.taken - 1
@@ -138,7 +138,7 @@ def _draw_fellow(problem: ArcProblem, graph: Graph, random: Array, task: int) ->
 
 
 @kernel
-def _come_along(graph: Graph, trial: Trial, task: int, tail: int) -> None:
+def _come_along(graph: Graph, trial: ArcChange, task: int, tail: int) -> None:
     """Lead the robot that leaves a seat by a task, too."""
     seats, node = graph.seats, graph.nodes[task]
     seat, head = node.first + node.taken, seats[tail].next
@@ -150,7 +150,7 @@ def _come_along(graph: Graph, trial: Trial, task: int, tail: int) -> None:
 
 @kernel
 def _follow_a_guide(
-    problem: ArcProblem, graph: Graph, trial: Trial, moved: Moved, random: Array, task: int
+    problem: ArcProblem, graph: Graph, trial: ArcChange, moved: Moved, random: Array, task: int
 ) -> None:
     """Have a robot go with another one of a task until they meet again."""
     seats, nodes = graph.seats, graph.nodes
@@ -163,7 +163,7 @@ def _follow_a_guide(
 
 @kernel
 def _ride_along(
-    problem: ArcProblem, graph: Graph, trial: Trial, moved: Moved, random: Array, task: int
+    problem: ArcProblem, graph: Graph, trial: ArcChange, moved: Moved, random: Array, task: int
 ) -> None:
     """Have a robot that is on its way when a task starts do it, too, and go on from there.
 
@@ -186,7 +186,7 @@ def _ride_along(
 def _go_with(
     problem: ArcProblem,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     moved: Moved,
     tail: int,
     guide: int,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from teamformer.base.array_types import Array
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.graph import Graph
-    from teamformer.planning.graph.judging import Trial
+    from teamformer.planning.graph.judging import ArcChange
 
 LONGEST = 6
 """How many tasks a stretch has at most."""
@@ -26,7 +26,7 @@ LONGEST = 6
 def move_stretch(
     problem: ArcProblem,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     moved: Moved,
     random: Array,
     task: int,
@@ -74,7 +74,9 @@ def move_stretch(
 
 
 @kernel
-def _put_beside(graph: Graph, trial: Trial, task: int, edge: int, key: int, is_after: bool) -> bool:
+def _put_beside(
+    graph: Graph, trial: ArcChange, task: int, edge: int, key: int, is_after: bool
+) -> bool:
     """Put a task into all arcs that leave another, or lead there; say if that makes no circle."""
     seats, nodes = graph.seats, graph.nodes
     node, at = nodes[task], nodes[edge]

@@ -11,7 +11,7 @@ from teamformer.planning.graph.graph import Graph, leave
 from teamformer.planning.graph.judging import (
     COMES_BY,
     LEAVES_BY,
-    Trial,
+    ArcChange,
     begin_trial,
     connect,
     propagate,
@@ -22,7 +22,7 @@ from teamformer.world.rules.chance import draw_below
 
 @kernel
 def swap_heads(
-    problem: ArcProblem, graph: Graph, trial: Trial, random: Array, task: int, limit: int
+    problem: ArcProblem, graph: Graph, trial: ArcChange, random: Array, task: int, limit: int
 ) -> bool:
     """Lead an arc from a task to one near it, or from there; say if no chain is too long then.
 

@@ -22,7 +22,7 @@ from teamformer.planning.arcs.coalition_choice import (
 from teamformer.planning.arcs.draws import cut_beside_near, keeps_order
 from teamformer.planning.graph.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
 from teamformer.planning.graph.graph import MAKESPAN, Graph
-from teamformer.planning.graph.judging import COMES_BY, Trial, begin_trial, connect, propagate
+from teamformer.planning.graph.judging import COMES_BY, ArcChange, begin_trial, connect, propagate
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
 
@@ -61,7 +61,7 @@ def empty_moved(seats: int) -> Moved:
 def move_task(
     problem: ArcProblem,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     choice: Choice,
     moved: Moved,
     random: Array,
@@ -116,7 +116,7 @@ def _draw_cut(
 def _put(
     problem: ArcProblem,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     choice: Choice,
     moved: Moved,
     task: int,

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.base.array_types import Array
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.bounds.forming import raise_for_forming
 from teamformer.planning.problem.relaxed_problem import Relaxed, in_blocks, steps_from_starts
 from teamformer.planning.problem.team_plan import keep_order
 from teamformer.world.rules.constants import FAR, NOBODY
 
 
-def earliest_in_order(scenario: Scenario, problem: Relaxed) -> Array:
+def earliest_in_order(scenario: Mission, problem: Relaxed) -> Array:
     """Return the same as `earliest_formed`, raised by the tasks that each comes after."""
     start = earliest_formed(scenario, problem)
     for task in keep_order(problem.before, list(range(len(start)))):
@@ -22,7 +22,7 @@ def earliest_in_order(scenario: Scenario, problem: Relaxed) -> Array:
     return np.minimum(start, FAR)
 
 
-def earliest_formed(scenario: Scenario, problem: Relaxed) -> Array:
+def earliest_formed(scenario: Mission, problem: Relaxed) -> Array:
     """Return the first step in which a team that can do it can be at each task, as (tasks,).
 
     Like `earliest_starts`, with what forming costs.

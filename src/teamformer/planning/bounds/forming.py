@@ -12,13 +12,13 @@ import math
 import numpy as np
 
 from teamformer.base.array_types import Array
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.problem.relaxed_problem import Relaxed, in_blocks, steps_from_starts
 from teamformer.world.rules.constants import FAR
 
 
-def raise_for_forming(scenario: Scenario, problem: Relaxed, walked: Array) -> Array:
+def raise_for_forming(scenario: Mission, problem: Relaxed, walked: Array) -> Array:
     """Return the first step by which each task's team can have walked and formed, as (tasks,).
 
     `walked` is the first step in which enough of each capability can be there, as (tasks,), 0 if

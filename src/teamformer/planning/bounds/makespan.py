@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Array, Floats
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.bounds.earliest import earliest_in_order, earliest_starts
 from teamformer.planning.bounds.legs import least_legs, one_for_each_place
 from teamformer.planning.bounds.open_paths import LARGEST_EXACT, bound_paths, shortest_path, span
@@ -42,7 +42,7 @@ LEFT_OUT = (0.0, 0.5, 0.8)
 """Shares of the tasks, those that can start first, to leave out: far tasks bound better alone."""
 
 
-def lower_bound(scenario: Scenario) -> int:
+def lower_bound(scenario: Mission) -> int:
     """Return a number of steps in which no policy can complete a scenario faster.
 
     Tasks that are called off do not count: they need not be done.
@@ -68,7 +68,7 @@ def _tasks_a_tour(problem: Relaxed) -> int:
     return TASKS_A_TOUR - round(math.log(more, 3))
 
 
-def _without_cancelled(scenario: Scenario) -> Scenario:
+def _without_cancelled(scenario: Mission) -> Mission:
     gone = {task.name for task in scenario.tasks if task.cancelled is not None}
     if not gone:
         return scenario

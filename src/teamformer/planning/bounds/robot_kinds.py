@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from teamformer.base.array_types import Array
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.prize_routes import Stops, make_stops
 from teamformer.planning.problem.relaxed_problem import Relaxed
@@ -42,7 +42,7 @@ class Kind(NamedTuple):
         return int(np.floor(self.units * min(makespan, self.last) + ROUNDING))
 
 
-def robot_kinds(scenario: Scenario, problem: Relaxed, start: Array, needs: Array) -> list[Kind]:
+def robot_kinds(scenario: Mission, problem: Relaxed, start: Array, needs: Array) -> list[Kind]:
     """Return all kinds of robots that some need has use for.
 
     `needs` (needs, 2) are pairs of task and capability; a stop at a task brings something to all
@@ -60,7 +60,7 @@ def size_of_kinds(problem: Relaxed) -> tuple[int, int]:
     return len(first), int((stops.astype(np.int64) ** 2).sum())
 
 
-def joining_steps(scenario: Scenario, problem: Relaxed) -> Array:
+def joining_steps(scenario: Mission, problem: Relaxed) -> Array:
     """Return the steps that robots form in before a task if it is their first, (tasks, robots).
 
     Who starts in a team that has less than a task needs joins at least once before it can start,

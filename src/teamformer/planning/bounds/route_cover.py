@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from teamformer.base.array_types import Array
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.earliest import earliest_formed
 from teamformer.planning.bounds.legs import one_for_each_place
@@ -52,7 +52,7 @@ LEAP = 0.5
 
 
 def raise_by_routes(
-    scenario: Scenario,
+    scenario: Mission,
     problem: Relaxed,
     bound: int,
     offer: Callable[[int], None],
@@ -102,7 +102,7 @@ def _raise(
             return bound
 
 
-def _covers(scenario: Scenario, problem: Relaxed) -> Iterator[RouteCover]:
+def _covers(scenario: Mission, problem: Relaxed) -> Iterator[RouteCover]:
     """Yield what has to be covered, apart for capabilities that no robot links."""
     start = earliest_formed(scenario, problem)
     tasks: Array = np.flatnonzero(start < FAR)
@@ -133,7 +133,7 @@ def linked_capabilities(counts: Array) -> list[list[int]]:
 class RouteCover:
     """What tasks need, the robots by kind, and the prizes that have proven most so far."""
 
-    def __init__(self, scenario: Scenario, problem: Relaxed, start: Array, is_need: Array) -> None:
+    def __init__(self, scenario: Mission, problem: Relaxed, start: Array, is_need: Array) -> None:
         needs = np.argwhere(is_need)  # (needs, 2) task and capability
         self.amount = problem.needs[is_need].astype(np.int64)  # (needs,)
         self.margin = 0.0  # share of all prizes that the last proof had to spare

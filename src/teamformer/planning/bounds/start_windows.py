@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from teamformer.base.array_types import Array
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.bounds.earliest import earliest_in_order
 from teamformer.planning.bounds.legs import least_legs, one_for_each_place
 from teamformer.planning.bounds.refutation import (
@@ -33,7 +33,7 @@ HALVINGS = (0, 1, 4, 16)
 
 
 def raise_by_windows(
-    scenario: Scenario,
+    scenario: Mission,
     problem: Relaxed,
     bound: int,
     offer: Callable[[int], None],

@@ -16,12 +16,12 @@ from teamformer.mission.checks.links import is_linked
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.coordination import Plan
 from teamformer.mission.keys.mission_keys import HOME as ENDS_HOME
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.roads import AIR, Roads
 from teamformer.mission.precedence import tasks_before
 from teamformer.planning.continuous.solve import Solution
-from teamformer.planning.continuous.times import Clock
+from teamformer.planning.continuous.times import TaskClock
 from teamformer.planning.linked.solve import LinkedSolution
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
@@ -55,7 +55,7 @@ NO_WAY = 1000
 class ContinuousMission:
     """A mission's times as they are, and in ticks, of which there are `scale` in a unit."""
 
-    scenario: Scenario
+    scenario: Mission
     ways: Floats  # (paces, places, tasks) from places, which are tasks and starts, to tasks
     home: Floats  # (robots, places)
     origin: Ints  # (robots,) the place where each starts
@@ -115,10 +115,10 @@ class ContinuousMission:
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules."""
         parts = (self.ways, self.home, self.pace, self.origin, self.base.site, self.carry)
-        return Clock(self.scenario, *parts).time(plan)
+        return TaskClock(self.scenario, *parts).time(plan)
 
 
-def pose_mission(scenario: Scenario) -> ContinuousMission:
+def pose_mission(scenario: Mission) -> ContinuousMission:
     """Return a mission in continuous time as a problem in ticks."""
     robots, tasks = scenario.robots, scenario.tasks
     starts = list(dict.fromkeys(robot.at for robot in robots))
@@ -164,13 +164,13 @@ def pose_mission(scenario: Scenario) -> ContinuousMission:
     return ContinuousMission(scenario, ways, home, origin, pace, carry, scale, linked)
 
 
-def rounding_of(scenario: Scenario) -> int:
+def rounding_of(scenario: Mission) -> int:
     """Return by how many ticks a time may be off: what is rounded in a chain, half a tick each."""
     return len(scenario.tasks) + 2
 
 
 def _may_spare_pay(
-    scenario: Scenario, ways: Floats, home: Floats, pace: Ints, takes: Floats
+    scenario: Mission, ways: Floats, home: Floats, pace: Ints, takes: Floats
 ) -> bool:
     """Say whether it may pay that a robot takes part in a task that can be done without it.
 
@@ -197,7 +197,7 @@ def _has_detour(ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
     return False
 
 
-def _link(scenario: Scenario, problem: CoalitionProblem, scale: float) -> LinkedProblem:
+def _link(scenario: Mission, problem: CoalitionProblem, scale: float) -> LinkedProblem:
     """Return a mission's problem with its linked starts and the weights of its cost.
 
     The longest gaps are longer by what ticks round, so that one which is just long enough is.
@@ -229,7 +229,7 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
 
 
 def _distances(
-    scenario: Scenario, moves: str, origins: Sequence[Place], goals: Sequence[Place]
+    scenario: Mission, moves: str, origins: Sequence[Place], goals: Sequence[Place]
 ) -> Floats:
     """Return how long ways take at speed 1, as (origins, goals); infinite where there is none."""
     world = scenario.world
@@ -243,7 +243,7 @@ def _distances(
     return np.where(cells < UNREACHABLE, cells.astype(np.float64), np.inf)
 
 
-def _ways_home(scenario: Scenario, places: Sequence[Place]) -> Floats:
+def _ways_home(scenario: Mission, places: Sequence[Place]) -> Floats:
     """Return how long each robot takes home from each place, (robots, places)."""
     robots, ends = scenario.robots, scenario.ends
     if ends is None:
@@ -255,7 +255,7 @@ def _ways_home(scenario: Scenario, places: Sequence[Place]) -> Floats:
     return np.array([home[r.moves, r.at if ends == ENDS_HOME else ends] / r.speed for r in robots])
 
 
-def _longest(scenario: Scenario, ways: Floats, home: Floats, carry: Floats) -> tuple[float, float]:
+def _longest(scenario: Mission, ways: Floats, home: Floats, carry: Floats) -> tuple[float, float]:
     """Return how long all that is done takes at most, and when the last task may begin."""
     longest = max(part[np.isfinite(part)].max(initial=0.0) for part in (ways, home))
     total = sum(task.duration + task.unload + scenario.forming for task in scenario.tasks)

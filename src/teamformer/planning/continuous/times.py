@@ -10,7 +10,7 @@ import numpy as np
 from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end, release_of
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
 from teamformer.planning.problem.schedule import CoalitionPlan
 
@@ -18,7 +18,7 @@ SAME = 1e-5
 """By such a share of all time starts may go on to change, as times are rounded."""
 
 
-class Clock:
+class TaskClock:
     """When tasks start by a plan, and what it has robots do.
 
     `ways` is (paces, places, tasks), `home` (robots, places); `site` (places,) is the same for
@@ -28,7 +28,7 @@ class Clock:
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: Mission,
         ways: Floats,
         home: Floats,
         pace: Ints,

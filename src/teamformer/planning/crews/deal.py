@@ -30,7 +30,7 @@ from teamformer.world.rules.sorting import sort_indices
 from teamformer.world.rules.tour import plan_tour
 
 if TYPE_CHECKING:
-    from teamformer.planning.crews.evaluation import Room
+    from teamformer.planning.crews.evaluation import CrewRoom
     from teamformer.planning.crews.routes import CrewRoutes, Parties, Shared
 
 
@@ -64,7 +64,7 @@ def _gather_all(shared: Shared, crew: Array) -> Parties:
 
 @allocating_kernel
 def _merge_lists(
-    shared: Shared, lists: CrewRoutes, parties: Parties, task_crew: Array, room: Room
+    shared: Shared, lists: CrewRoutes, parties: Parties, task_crew: Array, room: CrewRoom
 ) -> Array:
     """Write whose list each task is on; return all in one order, by the steps they are done in."""
     sequence = np.empty(len(task_crew), dtype=np.int64)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from teamformer.planning.crews.routes import Parties, Shared
 
 
-class Room(NamedTuple):
+class CrewRoom(NamedTuple):
     """Room to work in."""
 
     place: Array  # (parties,) of the crew on its walk
@@ -36,10 +36,10 @@ class Room(NamedTuple):
 
 
 @allocating_kernel
-def empty_room(shared: Shared, parties: Parties) -> Room:
+def empty_room(shared: Shared, parties: Parties) -> CrewRoom:
     """Return room for the walks of any crew."""
     most, tasks = parties.place.shape[1], len(shared.duration)
-    return Room(
+    return CrewRoom(
         np.zeros(most, dtype=np.int32),
         np.zeros(most, dtype=np.int64),
         np.zeros(most, dtype=np.float64),
@@ -55,7 +55,7 @@ def empty_room(shared: Shared, parties: Parties) -> Room:
 
 @kernel
 def walk_list(
-    shared: Shared, parties: Parties, number: int, tasks: Array, length: int, room: Room
+    shared: Shared, parties: Parties, number: int, tasks: Array, length: int, room: CrewRoom
 ) -> np.int64:
     """Return the step in which a crew is done with a list; `room.ends` has each task's."""
     count = _load(parties, number, room)
@@ -81,7 +81,7 @@ def walk_list(
 
 
 @kernel
-def _load(parties: Parties, number: int, room: Room) -> int:
+def _load(parties: Parties, number: int, room: CrewRoom) -> int:
     count = parties.size[number]
     for party in range(count):
         room.place[party] = parties.place[number, party]
@@ -93,7 +93,7 @@ def _load(parties: Parties, number: int, room: Room) -> int:
 
 
 @kernel
-def _meet_at(shared: Shared, room: Room, count: int, task: int) -> tuple[Any, Any]:
+def _meet_at(shared: Shared, room: CrewRoom, count: int, task: int) -> tuple[Any, Any]:
     """Bring all that help with a task there and make them one; return when it is done, and
     how many parties there are from then on.
 
@@ -132,7 +132,7 @@ def _takes(shared: Shared, task: int, slowness: float) -> np.int64:
 
 
 @kernel
-def _helps(shared: Shared, room: Room, party: int, task: int) -> bool:
+def _helps(shared: Shared, room: CrewRoom, party: int, task: int) -> bool:
     for word in range(room.can.shape[1]):
         if room.can[party, word] & shared.wants[task, word]:
             return True
@@ -150,7 +150,7 @@ def _insert(arrival: Array, count: int, step: int) -> None:
 
 
 @kernel
-def _absorb(room: Room, one: int, other: int, last: int) -> None:
+def _absorb(room: CrewRoom, one: int, other: int, last: int) -> None:
     """Add a party to another one; the last party takes its number."""
     room.slowness[one] = max(room.slowness[one], room.slowness[other])
     room.place[other], room.ready[other] = room.place[last], room.ready[last]

@@ -26,7 +26,7 @@ from teamformer.world.rules.chance import draw_below
 from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
-    from teamformer.planning.crews.evaluation import Room
+    from teamformer.planning.crews.evaluation import CrewRoom
     from teamformer.planning.crews.routes import CrewRoutes, Parties, Shared
 
 HEAT = 5
@@ -61,7 +61,7 @@ def improve_lists(
     parties: Parties,
     crew: Array,
     is_able: Array,
-    room: Room,
+    room: CrewRoom,
     rounds: int,
 ) -> None:
     """Try so many changes and leave the best lists found.
@@ -118,7 +118,7 @@ def _try_change(
     parties: Parties,
     is_able: Array,
     near: Array,
-    room: Room,
+    room: CrewRoom,
     best: Kept,
     reference: int,
     cost: int,
@@ -156,7 +156,7 @@ def _try_trade(
     parties: Parties,
     crew: Array,
     is_alone: Array,
-    room: Room,
+    room: CrewRoom,
     best: Kept,
     reference: int,
     cost: int,
@@ -202,7 +202,7 @@ def _trade(
     crew: Array,
     robot: int,
     partner: int,
-    room: Room,
+    room: CrewRoom,
 ) -> tuple[Any, Any]:
     """Swap the crews of two robots; return when the crew of the first and of the second was done,
     from then on."""

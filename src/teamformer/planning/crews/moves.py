@@ -10,7 +10,7 @@ from teamformer.world.rules.chance import draw_below
 from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
-    from teamformer.planning.crews.evaluation import Room
+    from teamformer.planning.crews.evaluation import CrewRoom
     from teamformer.planning.crews.routes import CrewRoutes
 
 LONGEST_STRETCH = 3
@@ -18,7 +18,9 @@ LONGEST_STRETCH = 3
 
 
 @kernel
-def change_lists(lists: CrewRoutes, is_able: Array, near: Array, slowest: int, room: Room) -> Any:
+def change_lists(
+    lists: CrewRoutes, is_able: Array, near: Array, slowest: int, room: CrewRoom
+) -> Any:
     """Draw a change; write the lists that it gives to `room.first` and `room.second`.
 
     Return the two crews, the same twice if only one list changes, and the lengths of the new
@@ -39,7 +41,7 @@ def change_lists(lists: CrewRoutes, is_able: Array, near: Array, slowest: int, r
 
 
 @kernel
-def _move(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: Room) -> Any:
+def _move(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: CrewRoom) -> Any:
     """Move a stretch that begins with a task beside another one, or now and then anywhere."""
     random = room.random
     one, begin = lists.crew[task], lists.position[task]
@@ -90,7 +92,7 @@ def _can_do(
 
 @kernel
 def _turn(
-    lists: CrewRoutes, is_able: Array, task: int, beside: int, room: Room
+    lists: CrewRoutes, is_able: Array, task: int, beside: int, room: CrewRoom
 ) -> tuple[Any, Any, Any, Any]:
     """Reverse the stretch between two tasks (2-opt), or let two lists cross over there."""
     one, other = lists.crew[task], lists.crew[beside]
@@ -107,7 +109,13 @@ def _turn(
 
 @kernel
 def _cross_over(
-    lists: CrewRoutes, is_able: Array, one: int, cut: int, other: int, other_cut: int, room: Room
+    lists: CrewRoutes,
+    is_able: Array,
+    one: int,
+    cut: int,
+    other: int,
+    other_cut: int,
+    room: CrewRoom,
 ) -> Any:
     """Exchange what comes from a cut on in each of two lists."""
     if not _can_do(lists, is_able, other, one, cut, lists.length[one]):
@@ -134,7 +142,7 @@ def _splice(
 
 
 @kernel
-def _swap(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: Room) -> Any:
+def _swap(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: CrewRoom) -> Any:
     """Swap a task with the one after another, so that it comes beside that."""
     one, other = lists.crew[task], lists.crew[beside]
     begin, end = lists.position[task], lists.position[beside] + 1

@@ -53,7 +53,7 @@ the chain, or NOBODY if the plan has changed since it was listed; and the aim of
 change."""
 
 
-class Trial(NamedTuple):
+class ArcChange(NamedTuple):
     """A change at hand."""
 
     number: Ints  # (8,)
@@ -64,12 +64,12 @@ class Trial(NamedTuple):
     chain: Int32s  # (tasks, 3) tasks that the makespan hangs on, each with COMES_BY and LEAVES_BY
 
 
-def empty_trial(graph: Graph, timed_again: int = 0) -> Trial:
+def empty_trial(graph: Graph, timed_again: int = 0) -> ArcChange:
     """Return room for a change; `timed_again` is how often tasks may be timed more than once."""
     room = 10 * len(graph.seats) + 5 * len(graph.nodes) + len(graph.back) + timed_again
     number = np.zeros(8, np.int64)
     number[CHAINED] = NOBODY
-    return Trial(
+    return ArcChange(
         number=number,
         log=np.zeros(room, ENTRY).view(np.recarray),
         agenda=np.zeros(len(graph.nodes) + 1, WAITING).view(np.recarray),
@@ -80,7 +80,7 @@ def empty_trial(graph: Graph, timed_again: int = 0) -> Trial:
 
 
 @kernel
-def begin_trial(trial: Trial) -> None:
+def begin_trial(trial: ArcChange) -> None:
     """Begin a change."""
     trial.number[LOGGED] = 0
     trial.number[WAITS] = 0
@@ -89,7 +89,7 @@ def begin_trial(trial: Trial) -> None:
 
 
 @kernel
-def record(trial: Trial, what: int, index: int, old: int) -> None:
+def record(trial: ArcChange, what: int, index: int, old: int) -> None:
     """Write into the log what something was before."""
     entry = trial.number[LOGGED]
     trial.log[entry].what = what
@@ -99,7 +99,7 @@ def record(trial: Trial, what: int, index: int, old: int) -> None:
 
 
 @kernel
-def connect(graph: Graph, trial: Trial, seat: int, to: int) -> None:
+def connect(graph: Graph, trial: ArcChange, seat: int, to: int) -> None:
     """Lead the arc that leaves a seat to another; what comes after it will be timed."""
     seats, nodes = graph.seats, graph.nodes
     record(trial, NEXT, seat, seats[seat].next)
@@ -116,7 +116,7 @@ def connect(graph: Graph, trial: Trial, seat: int, to: int) -> None:
 
 
 @kernel
-def follow(graph: Graph, trial: Trial, seat: int) -> None:
+def follow(graph: Graph, trial: ArcChange, seat: int) -> None:
     """Have the task or home of a seat timed."""
     node = graph.seats[seat].node
     if node == len(graph.nodes) - 1:
@@ -130,7 +130,7 @@ def follow(graph: Graph, trial: Trial, seat: int) -> None:
 
 
 @kernel
-def wait(graph: Graph, trial: Trial, task: int, key: int) -> None:
+def wait(graph: Graph, trial: ArcChange, task: int, key: int) -> None:
     """Put a task on the agenda: it is short, so that room is made by shifting."""
     agenda, place = trial.agenda, trial.number[WAITS]
     while place > 0 and agenda[place - 1].key < key:
@@ -144,7 +144,7 @@ def wait(graph: Graph, trial: Trial, task: int, key: int) -> None:
 
 
 @kernel
-def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bool:
+def propagate(problem: ArcProblem, graph: Graph, trial: ArcChange, limit: int) -> bool:
     """Time what has changed; stop if some chain is longer than the limit, and say if none is."""
     number, nodes = trial.number, graph.nodes
     while number[WAITS] > 0:
@@ -174,7 +174,7 @@ def propagate(problem: ArcProblem, graph: Graph, trial: Trial, limit: int) -> bo
 
 
 @kernel
-def fit_duration(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> bool:
+def fit_duration(problem: ArcProblem, graph: Graph, trial: ArcChange, task: int) -> bool:
     """Have a load take as long as it does with its coalition; say whether it did before."""
     node = graph.nodes[task]
     duration = takes(problem, graph, task)
@@ -187,7 +187,7 @@ def fit_duration(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> 
 
 
 @kernel
-def follow_on(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> None:
+def follow_on(problem: ArcProblem, graph: Graph, trial: ArcChange, task: int) -> None:
     """Have all timed that follows a task: where its robots go, and what it must come before."""
     node = graph.nodes[task]
     for seat in range(node.first, node.first + node.taken):
@@ -197,7 +197,7 @@ def follow_on(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> Non
 
 
 @kernel
-def _follow_links(problem: ArcProblem, graph: Graph, trial: Trial, task: int) -> None:
+def _follow_links(problem: ArcProblem, graph: Graph, trial: ArcChange, task: int) -> None:
     """Have the tasks timed that a task must come before."""
     for other in problem.after[task]:
         if other == NOBODY:
@@ -207,7 +207,7 @@ def _follow_links(problem: ArcProblem, graph: Graph, trial: Trial, task: int) ->
 
 
 @kernel
-def _send_on(problem: ArcProblem, graph: Graph, trial: Trial, node: int) -> None:
+def _send_on(problem: ArcProblem, graph: Graph, trial: ArcChange, node: int) -> None:
     """Work out when those who leave a node are at their next ones, and have those timed.
 
     What starts in the same step has its turn after the node, which may have changed.
@@ -229,7 +229,7 @@ def _send_on(problem: ArcProblem, graph: Graph, trial: Trial, node: int) -> None
 
 
 @kernel
-def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
+def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
     """Time the homes, and return what the plan costs now; `total` stays until it is accepted."""
     number, back, total = trial.number, graph.back, graph.total
     makespan, back_sum, price, end_sum = 0, total[BACK_SUM], total[PRICE], total[END_SUM]
@@ -262,7 +262,7 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: Trial) -> int:
 
 
 @kernel
-def undo(graph: Graph, trial: Trial) -> None:
+def undo(graph: Graph, trial: ArcChange) -> None:
     """Make all as it was before the change."""
     number, seats = trial.number, graph.seats
     for place in range(number[WAITS]):
@@ -292,7 +292,7 @@ def undo(graph: Graph, trial: Trial) -> None:
 
 
 @kernel
-def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
+def accept(problem: ArcProblem, graph: Graph, trial: ArcChange, cost: int) -> None:
     """Give tasks the keys of their starts and their tails, from the latest one backwards."""
     number, nodes, seats = trial.number, graph.nodes, graph.seats
     total, back = graph.total, graph.back
@@ -332,7 +332,7 @@ def accept(problem: ArcProblem, graph: Graph, trial: Trial, cost: int) -> None:
 
 
 @kernel
-def hang_tails(problem: ArcProblem, graph: Graph, trial: Trial) -> None:
+def hang_tails(problem: ArcProblem, graph: Graph, trial: ArcChange) -> None:
     """Work out the tails of the tasks on the agenda, which has them by falling keys."""
     number, nodes, seats = trial.number, graph.nodes, graph.seats
     most, tasks = problem.most[0], len(problem.near)

@@ -32,7 +32,7 @@ CANDIDATE = np.dtype([("seat", np.int64), ("kind", np.int64), ("cost", np.float6
 FOUND, PICKS, STAMP = range(3)
 
 
-class Room(NamedTuple):
+class CandidateRoom(NamedTuple):
     """Room to choose a coalition in."""
 
     number: Ints  # (3,) arcs found, robots picked, and what arcs that were seen are marked with
@@ -46,10 +46,10 @@ class Room(NamedTuple):
     heat: Floats  # (1,)
 
 
-def empty_room(problem: ArcProblem, links: Links, seats: int) -> Room:
+def empty_room(problem: ArcProblem, links: Links, seats: int) -> CandidateRoom:
     """Return room for a graph with so many seats."""
     most = int(problem.most[0])
-    return Room(
+    return CandidateRoom(
         number=np.zeros(3, np.int64),
         found=np.zeros(MOST_CANDIDATES, CANDIDATE).view(np.recarray),
         pick=np.zeros(most + 1, np.int32),
@@ -67,7 +67,7 @@ def gather(
     problem: ArcProblem,
     links: Links,
     graph: Graph,
-    room: Room,
+    room: CandidateRoom,
     random: Array,
     task: int,
     cut: int,
@@ -101,7 +101,7 @@ def _consider(
     problem: ArcProblem,
     links: Links,
     graph: Graph,
-    room: Room,
+    room: CandidateRoom,
     random: Array,
     task: int,
     cut: int,
@@ -155,7 +155,7 @@ def _cost_of(
 
 
 @kernel
-def choose(problem: ArcProblem, room: Room, need: int) -> bool:
+def choose(problem: ArcProblem, room: CandidateRoom, need: int) -> bool:
     """Pick arcs until a need is covered, the cheapest that helps each time; say if it is."""
     number, lacking = room.number, room.lacking
     number[PICKS] = 0
@@ -187,13 +187,13 @@ def _is_lacking(lacking: Int32s) -> bool:
 
 
 @kernel
-def _helps(problem: ArcProblem, room: Room, index: int) -> bool:
+def _helps(problem: ArcProblem, room: CandidateRoom, index: int) -> bool:
     which = problem.kinds[room.found[index].kind].type
     return helps(problem.counts[which], room.lacking)
 
 
 @kernel
-def _is_picked(room: Room, index: int) -> bool:
+def _is_picked(room: CandidateRoom, index: int) -> bool:
     for place in range(room.number[PICKS]):
         if room.pick[place] == index:
             return True
@@ -201,7 +201,7 @@ def _is_picked(room: Room, index: int) -> bool:
 
 
 @kernel
-def _drop_spare(problem: ArcProblem, room: Room) -> None:
+def _drop_spare(problem: ArcProblem, room: CandidateRoom) -> None:
     """Drop robots that are not needed, the last picked first."""
     pick, number, lacking = room.pick, room.number, room.lacking
     for place in range(number[PICKS] - 1, -1, -1):

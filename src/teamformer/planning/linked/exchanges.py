@@ -7,8 +7,8 @@ from teamformer.base.kernels.jit import kernel
 from teamformer.planning.arcs.draws import draw_near
 from teamformer.planning.graph.arc_problem import ArcProblem
 from teamformer.planning.graph.graph import Graph
-from teamformer.planning.graph.judging import KIND, Trial, record
-from teamformer.planning.linked.candidates import Room
+from teamformer.planning.graph.judging import KIND, ArcChange, record
+from teamformer.planning.linked.candidates import CandidateRoom
 from teamformer.planning.linked.judging import Ledger, Links, lead, way_out
 from teamformer.planning.linked.moves import has_links_apart
 from teamformer.planning.problem.links import TRAVEL
@@ -20,9 +20,9 @@ def exchange_rests(
     problem: ArcProblem,
     links: Links,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     ledger: Ledger,
-    room: Room,
+    room: CandidateRoom,
     random: Array,
     task: int,
 ) -> bool:
@@ -96,7 +96,7 @@ def _last(problem: ArcProblem, graph: Graph, seat: int) -> int:
 
 @kernel
 def _change_kinds(
-    problem: ArcProblem, graph: Graph, trial: Trial, ledger: Ledger, seat: int, kind: int
+    problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, seat: int, kind: int
 ) -> None:
     """Let all seats from one on be taken by a robot of another kind, but for the home."""
     tasks = len(problem.near)

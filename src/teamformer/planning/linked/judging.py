@@ -24,7 +24,7 @@ from teamformer.planning.graph.judging import (
     KEY,
     LOGGED,
     WAITS,
-    Trial,
+    ArcChange,
     begin_trial,
     connect,
     empty_trial,
@@ -94,14 +94,14 @@ def empty_ledger(problem: LinkedProblem) -> Ledger:
     )
 
 
-def room_for_change(problem: LinkedProblem, graph: Graph) -> Trial:
+def room_for_change(problem: LinkedProblem, graph: Graph) -> ArcChange:
     """Return room for a change; linked tasks may be timed more than once in it."""
     timed = MOST_TIMED + TIMED_EACH * len(graph.nodes)
     return empty_trial(graph, timed * problem.members.shape[1])
 
 
 @kernel
-def begin_change(trial: Trial, ledger: Ledger) -> None:
+def begin_change(trial: ArcChange, ledger: Ledger) -> None:
     """Begin a change."""
     begin_trial(trial)
     ledger.is_less_late[0] = 0
@@ -134,7 +134,7 @@ def travel_of(problem: ArcProblem, graph: Graph) -> int:
 
 @kernel
 def lead(
-    problem: ArcProblem, graph: Graph, trial: Trial, ledger: Ledger, seat: int, to: int
+    problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, seat: int, to: int
 ) -> None:
     """Lead the arc that leaves a seat to another one."""
     ledger.then[TRAVEL] -= way_out(problem, graph, seat)
@@ -144,7 +144,7 @@ def lead(
 
 @kernel
 def propagate(
-    problem: ArcProblem, links: Links, graph: Graph, trial: Trial, ledger: Ledger, most: int
+    problem: ArcProblem, links: Links, graph: Graph, trial: ArcChange, ledger: Ledger, most: int
 ) -> bool:
     """Time what has changed; say if that came to an end after so many tasks."""
     number, nodes, start = trial.number, graph.nodes, ledger.start
@@ -192,7 +192,7 @@ def _keep_gaps(links: Links, members: Int32s, start: Ints) -> None:
 
 @kernel
 def _start(
-    problem: ArcProblem, links: Links, graph: Graph, trial: Trial, ledger: Ledger, task: int
+    problem: ArcProblem, links: Links, graph: Graph, trial: ArcChange, ledger: Ledger, task: int
 ) -> None:
     """Let a task start when the ledger says, and have all that follows it timed."""
     node, then = graph.nodes[task], ledger.then
@@ -212,7 +212,7 @@ def _start(
 
 @kernel
 def sum_up_change(
-    problem: ArcProblem, links: Links, graph: Graph, trial: Trial, ledger: Ledger
+    problem: ArcProblem, links: Links, graph: Graph, trial: ArcChange, ledger: Ledger
 ) -> None:
     """Work out what the graph costs with the change at hand; homes only where they count."""
     number, then, back = trial.number, ledger.then, graph.back
@@ -254,7 +254,7 @@ def is_better(ledger: Ledger, one: int, other: int) -> bool:
 
 
 @kernel
-def accept_change(graph: Graph, trial: Trial, ledger: Ledger) -> None:
+def accept_change(graph: Graph, trial: ArcChange, ledger: Ledger) -> None:
     """Give tasks the keys of their starts."""
     for place in range(trial.number[LOGGED]):
         what = trial.log[place].what
@@ -274,7 +274,7 @@ def replace_cost(ledger: Ledger, one: int, other: int) -> None:
 
 @entry
 def time_links(
-    problem: ArcProblem, links: Links, graph: Graph, trial: Trial, ledger: Ledger, most: int
+    problem: ArcProblem, links: Links, graph: Graph, trial: ArcChange, ledger: Ledger, most: int
 ) -> bool:
     """Work out all times and the cost of a graph that is timed as if nothing were linked.
 

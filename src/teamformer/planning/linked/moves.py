@@ -9,8 +9,8 @@ from teamformer.planning.arcs.riders import change_riders
 from teamformer.planning.arcs.task_moves import Moved
 from teamformer.planning.graph.arc_problem import ArcProblem, takes_with
 from teamformer.planning.graph.graph import LAST, Graph
-from teamformer.planning.graph.judging import KEY, KIND, TAKEN, Trial, connect, record
-from teamformer.planning.linked.candidates import PICKS, STAMP, Room, choose, gather
+from teamformer.planning.graph.judging import KEY, KIND, TAKEN, ArcChange, connect, record
+from teamformer.planning.linked.candidates import PICKS, STAMP, CandidateRoom, choose, gather
 from teamformer.planning.linked.judging import Ledger, Links, lead, travel_of, way_out
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.planning.problem.links import FREE, TRAVEL
@@ -29,9 +29,9 @@ def move(
     problem: ArcProblem,
     links: Links,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     ledger: Ledger,
-    room: Room,
+    room: CandidateRoom,
     random: Array,
     task: int,
     leg: int,
@@ -73,7 +73,7 @@ def ride(
     problem: ArcProblem,
     links: Links,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     ledger: Ledger,
     moved: Moved,
     random: Array,
@@ -136,9 +136,9 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
 def _take_out(
     problem: ArcProblem,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     ledger: Ledger,
-    room: Room,
+    room: CandidateRoom,
     task: int,
     was: int,
 ) -> int:
@@ -160,9 +160,9 @@ def _put_in(
     problem: ArcProblem,
     links: Links,
     graph: Graph,
-    trial: Trial,
+    trial: ArcChange,
     ledger: Ledger,
-    room: Room,
+    room: CandidateRoom,
     random: Array,
     task: int,
     cut: int,
@@ -213,7 +213,7 @@ def are_apart(links: Links, graph: Graph, members: Array) -> bool:
 
 
 @kernel
-def has_links_apart(links: Links, graph: Graph, room: Room, seat: int) -> bool:
+def has_links_apart(links: Links, graph: Graph, room: CandidateRoom, seat: int) -> bool:
     """Say whether the robot that leaves a seat does no two tasks on all its way that are linked."""
     nodes, seats, tasks = graph.nodes, graph.seats, len(links.group)
     while seats[seat].node < tasks:

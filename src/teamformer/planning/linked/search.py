@@ -19,8 +19,8 @@ from teamformer.planning.arcs.annealing import copy_graph
 from teamformer.planning.arcs.task_moves import Moved, empty_moved, take_back
 from teamformer.planning.graph.arc_problem import RIDE, ArcProblem, most_seats, pose_arcs
 from teamformer.planning.graph.graph import Graph, empty_graph, lay, plan_of
-from teamformer.planning.graph.judging import Trial, undo
-from teamformer.planning.linked.candidates import Room, empty_room
+from teamformer.planning.graph.judging import ArcChange, undo
+from teamformer.planning.linked.candidates import CandidateRoom, empty_room
 from teamformer.planning.linked.exchanges import exchange_rests
 from teamformer.planning.linked.first_plan import construct
 from teamformer.planning.linked.judging import (
@@ -167,9 +167,9 @@ def anneal_links(
     links: Links,
     graph: Graph,
     best: Graph,
-    trial: Trial,
+    trial: ArcChange,
     ledger: Ledger,
-    room: Room,
+    room: CandidateRoom,
     moved: Moved,
     random: Array,
     slacks: Array,

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from teamformer.base.array_types import Ints
 from teamformer.mission.checks.costs import judged_by
-from teamformer.mission.model import Scenario, Task
+from teamformer.mission.model import Mission, Task
 from teamformer.world.rules.constants import NEVER
 
 SHARES = 3200
@@ -29,7 +29,7 @@ class Prices(NamedTuple):
     whole: Ints  # (2,) of each step of the makespan, and of each that the latest task is late
 
 
-def prices_of(scenario: Scenario, tasks: Sequence[Task]) -> Prices:
+def prices_of(scenario: Mission, tasks: Sequence[Task]) -> Prices:
     """Return the prices of plans for some tasks of a mission; none if its makespan alone counts."""
     weights = judged_by(scenario)
     if weights is None or not tasks:

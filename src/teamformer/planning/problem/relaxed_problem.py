@@ -22,7 +22,7 @@ import numpy as np
 from teamformer.base.array_types import Array, Floats, Int32s
 from teamformer.base.kernels.jit import kernel
 from teamformer.mission.checks.windows import opening_step
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.precedence import tasks_before
@@ -79,7 +79,7 @@ class Future(NamedTuple):
     lost: Int32s  # (robots,) as in Relaxed
 
 
-def relax(scenario: Scenario, in_table: bool = True) -> Relaxed:
+def relax(scenario: Mission, in_table: bool = True) -> Relaxed:
     """Return the relaxed problem of a scenario.
 
     Without `in_table` it has no table of ways where these can be worked out as they are needed.
@@ -105,7 +105,7 @@ def relax(scenario: Scenario, in_table: bool = True) -> Relaxed:
 
 
 def relax_ways(
-    scenario: Scenario,
+    scenario: Mission,
     tasks: Sequence[Task],
     robots: Sequence[Robot],
     places: Sequence[Place],
@@ -186,7 +186,7 @@ def without_directions(problem: Relaxed) -> Relaxed:
     return problem._replace(cells=cells)
 
 
-def future_of(scenario: Scenario) -> Future:
+def future_of(scenario: Mission) -> Future:
     """Return when tasks may begin and robots are missing."""
     return Future(
         appears=np.array([opening_step(task) for task in scenario.tasks], dtype=np.int32),
@@ -199,7 +199,7 @@ def _lost_for_good(robot: Robot) -> int:
     return FAR if robot.lost_for_good is None else robot.lost_for_good
 
 
-def may_set_down(scenario: Scenario) -> bool:
+def may_set_down(scenario: Mission) -> bool:
     """Say whether loads may be set down on their way, so that several teams bring them by turns.
 
     Then robots that will be lost help with what ends later, and nobody has to go all the way: a
@@ -276,7 +276,7 @@ def pace_together(problem: Relaxed, one: int, other: int) -> int:
     return rank + speeds if min(one, other) >= speeds else rank
 
 
-def count_table(parts: Sequence[Counts], scenario: Scenario) -> Int32s:
+def count_table(parts: Sequence[Counts], scenario: Mission) -> Int32s:
     """Return how much each part has of each capability, (parts, caps), in units."""
     rows = (scenario.in_units(part) for part in parts)
     return np.array([[row.get(cap, 0) for cap in scenario.capabilities] for row in rows], np.int32)

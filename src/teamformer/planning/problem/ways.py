@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Floats, Int32s
-from teamformer.mission.model import Robot, Scenario, Task, World
+from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.world.rules.constants import FAR, MICROMETRES, ROUNDING
@@ -35,7 +35,7 @@ def are_ways_straight(world: World, tasks: Sequence[Task]) -> bool:
     return is_open and all(task.to is None for task in tasks)
 
 
-def ways_of(scenario: Scenario) -> tuple[Int32s, Floats]:
+def ways_of(scenario: Mission) -> tuple[Int32s, Floats]:
     """Return the cells from places to tasks, (tasks, places), and what robots walk in a step."""
     tasks, speed = [t.at for t in scenario.tasks], np.array([r.speed for r in scenario.robots])
     places = ends_of(scenario.tasks) + [robot.at for robot in scenario.robots]
@@ -62,7 +62,7 @@ def _most_walked(plane: Plane, speed: Floats, forming_steps: int) -> Floats:
     return np.maximum(pace, plane.arrival_radius)
 
 
-def flights(scenario: Scenario, goals: Sequence[Place], places: Sequence[Place]) -> Int32s | None:
+def flights(scenario: Mission, goals: Sequence[Place], places: Sequence[Place]) -> Int32s | None:
     """Return the cells from places to goals in the air, (goals, places).
 
     None if nobody flies, or nothing is in the way, so that all ways are as on the ground.

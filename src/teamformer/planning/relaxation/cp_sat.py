@@ -20,7 +20,7 @@ from teamformer.base.array_types import Int32s
 from teamformer.base.import_apart import import_apart
 from teamformer.planning.bounds.earliest import earliest_starts
 from teamformer.planning.problem.relaxed_problem import Relaxed
-from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
+from teamformer.planning.relaxation.schedule import RelaxedSchedule, make_plan, read_schedule
 from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -233,7 +233,7 @@ def make_solver(seed: int) -> cp_model.CpSolver:
 
 
 def minimise(
-    circuits: Circuits, solver: cp_model.CpSolver, offer: Callable[[Schedule | None], None]
+    circuits: Circuits, solver: cp_model.CpSolver, offer: Callable[[RelaxedSchedule | None], None]
 ) -> tuple[bool, int]:
     """Solve a model, offering each schedule found on the way.
 
@@ -255,7 +255,7 @@ def minimise(
     return status == cp_model.OPTIMAL, math.ceil(solver.best_objective_bound - 1e-6)
 
 
-def read_solution(circuits: Circuits, value: Callable[[Any], int]) -> Schedule | None:
+def read_solution(circuits: Circuits, value: Callable[[Any], int]) -> RelaxedSchedule | None:
     """Return the schedule of a solution; `value` says what a variable is in it."""
     starts = [value(start) for start in circuits.start]
     coalitions: list[list[int]] = [[] for _ in starts]

@@ -25,7 +25,7 @@ from teamformer.world.rules.chance import draw, draw_below, first_state
 from teamformer.world.rules.constants import FAR, NOBODY
 
 if TYPE_CHECKING:
-    from teamformer.planning.relaxation.relaxed_plan import Plan, Timing
+    from teamformer.planning.relaxation.relaxed_plan import RelaxedPlan, Timing
 
 STEP = 10
 """A step of makespan weighs as much as ten steps of slack or of walking."""
@@ -46,7 +46,7 @@ ASK = np.dtype([("cap", np.int32), ("count", np.int32), ("candidates", np.int32)
 """A capability, how often it is needed, and how many robots are considered for it."""
 
 
-class Workspace(NamedTuple):
+class InsertionRoom(NamedTuple):
     """Room to work in while a task is inserted."""
 
     scarce: Array  # (caps,) capabilities, those that few robots have first
@@ -61,11 +61,11 @@ class Workspace(NamedTuple):
     random: Array  # (1,) state of the random numbers
 
 
-def empty_workspace(problem: Relaxed, seed: int) -> Workspace:
+def empty_workspace(problem: Relaxed, seed: int) -> InsertionRoom:
     """Return the room, with the random numbers seeded."""
     robots, (tasks, caps) = len(problem.pace), problem.needs.shape
     by_distance = np.argsort(problem.cells[:, :tasks], axis=1, kind="stable")  # (tasks, tasks)
-    return Workspace(
+    return InsertionRoom(
         scarce=_scarce_first(problem),
         least=least_brought(problem.counts),
         near=np.ascontiguousarray(by_distance[:, : min(NEIGHBOURS, tasks)]).astype(np.int32),
@@ -91,7 +91,12 @@ def _scarce_first(problem: Relaxed) -> Array:
 
 @allocating_kernel
 def insert_task(
-    problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, task: int, makespan: int
+    problem: Relaxed,
+    plan: RelaxedPlan,
+    timing: Timing,
+    workspace: InsertionRoom,
+    task: int,
+    makespan: int,
 ) -> None:
     """Put a task into a plan whose tails have just been hung, if a coalition can do it.
 
@@ -127,7 +132,7 @@ def insert_task(
 
 
 @kernel
-def _place_task(plan: Plan, task: int, gap: int, coalition: Array, size: int) -> None:
+def _place_task(plan: RelaxedPlan, task: int, gap: int, coalition: Array, size: int) -> None:
     for position in range(plan.placed[0], gap, -1):
         plan.order[position] = plan.order[position - 1]
     plan.order[gap] = task
@@ -139,7 +144,7 @@ def _place_task(plan: Plan, task: int, gap: int, coalition: Array, size: int) ->
 
 @kernel
 def _gather_candidates(
-    problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, task: int
+    problem: Relaxed, plan: RelaxedPlan, timing: Timing, workspace: InsertionRoom, task: int
 ) -> None:
     """Choose whom to consider, scarce capabilities first, and weigh each at the first gap."""
     robots, asked, candidates = timing.robots, workspace.asked, workspace.candidates
@@ -169,9 +174,9 @@ def _gather_candidates(
 @kernel
 def _consider_nearby(
     problem: Relaxed,
-    plan: Plan,
+    plan: RelaxedPlan,
     robots: Array,
-    workspace: Workspace,
+    workspace: InsertionRoom,
     kind: int,
     task: int,
     many: int,

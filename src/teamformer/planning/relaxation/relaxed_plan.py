@@ -40,7 +40,7 @@ ROBOT = np.dtype(
 VISIT = np.dtype([("next", np.int32), ("here", np.int32), ("out", np.int32)])
 
 
-class Plan(NamedTuple):
+class RelaxedPlan(NamedTuple):
     """Which tasks are placed in what order, and who does them."""
 
     order: Array  # (tasks,) a task comes after those that its robots do before it
@@ -58,11 +58,11 @@ class Timing(NamedTuple):
     visits: Array  # (tasks, width) VISIT: what each robot of the coalition does after the task
 
 
-def empty_plan(problem: Relaxed) -> Plan:
+def empty_plan(problem: Relaxed) -> RelaxedPlan:
     """Return a plan without any task; `width` is the largest coalition without a spare robot."""
     tasks = len(problem.appears)
     width = int(most_in_coalitions(problem).max())
-    return Plan(
+    return RelaxedPlan(
         np.full(tasks, NOBODY, np.int32),
         np.zeros(1, np.int32),
         np.zeros((tasks, width), np.int32),
@@ -70,7 +70,7 @@ def empty_plan(problem: Relaxed) -> Plan:
     )
 
 
-def empty_timing(problem: Relaxed, plan: Plan) -> Timing:
+def empty_timing(problem: Relaxed, plan: RelaxedPlan) -> Timing:
     """Return room for the times of a plan, which plain Python can use as well as kernels."""
     robots, tasks = len(problem.pace), len(problem.appears)
     timing = Timing(
@@ -83,14 +83,14 @@ def empty_timing(problem: Relaxed, plan: Plan) -> Timing:
     return timing
 
 
-def overwrite_plan(plan: Plan, into: Plan) -> None:
+def overwrite_plan(plan: RelaxedPlan, into: RelaxedPlan) -> None:
     """Overwrite a plan with another."""
     for array, kept in zip(plan, into, strict=True):
         kept[:] = array
 
 
 @kernel
-def copy_plan(plan: Plan, into: Plan) -> None:
+def copy_plan(plan: RelaxedPlan, into: RelaxedPlan) -> None:
     """Overwrite a plan with another, in kernels: loops compile sooner than whole arrays."""
     into.placed[0] = plan.placed[0]
     for task in range(len(plan.size)):
@@ -150,7 +150,7 @@ def set_free(robots: Array, ready: Array) -> None:
 
 
 @entry
-def start_tasks(problem: Relaxed, plan: Plan, timing: Timing) -> tuple[Any, Any, Any]:
+def start_tasks(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> tuple[Any, Any, Any]:
     """Start every placed task as early as can be.
 
     Returns the makespan, the steps walked by all robots, and how many visits come too late
@@ -176,7 +176,7 @@ def start_tasks(problem: Relaxed, plan: Plan, timing: Timing) -> tuple[Any, Any,
 
 
 @entry
-def hang_tasks(problem: Relaxed, plan: Plan, timing: Timing) -> None:
+def hang_tasks(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> None:
     """Work out every tail, from the last task backwards.
 
     Leaves the robots at home with their first tasks before them.

@@ -16,8 +16,8 @@ from teamformer.planning.relaxation.relaxed_plan import hang_tasks, start_tasks
 from teamformer.world.rules.chance import draw, draw_below
 
 if TYPE_CHECKING:
-    from teamformer.planning.relaxation.insertion import Workspace
-    from teamformer.planning.relaxation.relaxed_plan import Plan, Timing
+    from teamformer.planning.relaxation.insertion import InsertionRoom
+    from teamformer.planning.relaxation.relaxed_plan import RelaxedPlan, Timing
 
 NEARBY, STRETCH = 0.5, 0.3
 """How often tasks in one area, or done around one time, are torn out; else any tasks."""
@@ -27,7 +27,9 @@ LARGEST_RUIN = 10
 
 
 @kernel
-def ruin(problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, torn: Array) -> Any:
+def ruin(
+    problem: Relaxed, plan: RelaxedPlan, timing: Timing, workspace: InsertionRoom, torn: Array
+) -> Any:
     """Take tasks out of a plan; list them, and those that had no coalition; return how many."""
     first = _choose_first(problem, plan, timing, workspace)
     wanted = 1 + draw_below(workspace.random, min(LARGEST_RUIN, len(plan.size)))
@@ -44,7 +46,9 @@ def ruin(problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, tor
 
 
 @kernel
-def _choose_first(problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace) -> int:
+def _choose_first(
+    problem: Relaxed, plan: RelaxedPlan, timing: Timing, workspace: InsertionRoom
+) -> int:
     """Choose any task, or every other time one that the makespan hangs on."""
     chosen = draw_below(workspace.random, len(plan.size))
     if draw(workspace.random) < 0.5:
@@ -61,7 +65,7 @@ def _choose_first(problem: Relaxed, plan: Plan, timing: Timing, workspace: Works
 
 
 @kernel
-def _tear_nearby(plan: Plan, workspace: Workspace, first: int, wanted: int) -> None:
+def _tear_nearby(plan: RelaxedPlan, workspace: InsertionRoom, first: int, wanted: int) -> None:
     """Take out tasks around one, most but not all of the nearest."""
     for nearby in range(workspace.near.shape[1]):
         if wanted > 1 and draw(workspace.random) < 0.6:
@@ -70,7 +74,7 @@ def _tear_nearby(plan: Plan, workspace: Workspace, first: int, wanted: int) -> N
 
 
 @kernel
-def _tear_stretch(plan: Plan, workspace: Workspace, first: int, wanted: int) -> None:
+def _tear_stretch(plan: RelaxedPlan, workspace: InsertionRoom, first: int, wanted: int) -> None:
     """Take out tasks that are done around the same time as one."""
     at = 0
     while at < plan.placed[0] and plan.order[at] != first:
@@ -81,7 +85,7 @@ def _tear_stretch(plan: Plan, workspace: Workspace, first: int, wanted: int) -> 
 
 
 @kernel
-def _close_gaps(plan: Plan, torn: Array) -> int:
+def _close_gaps(plan: RelaxedPlan, torn: Array) -> int:
     """Drop tasks without a coalition from the order and list them; return how many."""
     kept = 0
     for position in range(plan.placed[0]):
@@ -100,7 +104,12 @@ def _close_gaps(plan: Plan, torn: Array) -> int:
 
 @allocating_kernel
 def recreate(
-    problem: Relaxed, plan: Plan, timing: Timing, workspace: Workspace, torn: Array, count: int
+    problem: Relaxed,
+    plan: RelaxedPlan,
+    timing: Timing,
+    workspace: InsertionRoom,
+    torn: Array,
+    count: int,
 ) -> None:
     """Put tasks back, in random order."""
     for last in range(count - 1, 0, -1):

@@ -13,7 +13,7 @@ from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
 from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.relaxation.insertion import drop_spares
 from teamformer.planning.relaxation.relaxed_plan import (
-    Plan,
+    RelaxedPlan,
     arrival_at,
     empty_plan,
     empty_timing,
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Schedule:
+class RelaxedSchedule:
     """Who does what when if joining is free; times in steps, per task.
 
     `order` is one in which every robot can do its tasks; `routes` are the tasks of each robot in
@@ -50,7 +50,7 @@ class Schedule:
         return max(self.end)
 
 
-def schedule_tasks(problem: Relaxed, ranking: Sequence[int]) -> Schedule | None:
+def schedule_tasks(problem: Relaxed, ranking: Sequence[int]) -> RelaxedSchedule | None:
     """Return the list schedule of an order of all tasks.
 
     Each task in turn gets the coalition that can be there first. None if robots that will be lost
@@ -61,7 +61,7 @@ def schedule_tasks(problem: Relaxed, ranking: Sequence[int]) -> Schedule | None:
     return read_schedule(problem, plan)
 
 
-def read_schedule(problem: Relaxed, plan: Plan) -> Schedule | None:
+def read_schedule(problem: Relaxed, plan: RelaxedPlan) -> RelaxedSchedule | None:
     """Return a plan with its times; None if a task or a robot is lost in it."""
     tasks = len(plan.size)
     timing = empty_timing(problem, plan)
@@ -70,7 +70,7 @@ def read_schedule(problem: Relaxed, plan: Plan) -> Schedule | None:
         return None
     coalitions = [plan.coalition[task, : plan.size[task]].tolist() for task in range(tasks)]
     order = plan.order.tolist()
-    return Schedule(
+    return RelaxedSchedule(
         order=tuple(order),
         coalitions=tuple(tuple(sorted(coalition)) for coalition in coalitions),
         start=tuple(timing.start.tolist()),
@@ -89,7 +89,9 @@ def _routes(
     return tuple(map(tuple, routes))
 
 
-def make_plan(problem: Relaxed, order: Sequence[int], coalitions: Sequence[Sequence[int]]) -> Plan:
+def make_plan(
+    problem: Relaxed, order: Sequence[int], coalitions: Sequence[Sequence[int]]
+) -> RelaxedPlan:
     """Return a plan as arrays; robots that a coalition can spare are sent away."""
     plan = empty_plan(problem)
     plan.order[:] = order
@@ -103,7 +105,7 @@ def make_plan(problem: Relaxed, order: Sequence[int], coalitions: Sequence[Seque
 
 
 @entry
-def decode(problem: Relaxed, ranking: Array, plan: Plan, timing: Timing) -> Any:
+def decode(problem: Relaxed, ranking: Array, plan: RelaxedPlan, timing: Timing) -> Any:
     """Give each task in turn the coalition that can be there first; return the makespan.
 
     Of those that come until there are enough, the first are sent away again if they can be spared:

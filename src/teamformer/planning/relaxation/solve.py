@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Literal
 
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.earliest import earliest_starts
 from teamformer.planning.bounds.makespan import bound_makespan
@@ -28,8 +28,8 @@ from teamformer.planning.relaxation.cp_sat import (
     make_solver,
     minimise,
 )
-from teamformer.planning.relaxation.schedule import Schedule
-from teamformer.planning.relaxation.threshold import HOT, Search
+from teamformer.planning.relaxation.schedule import RelaxedSchedule
+from teamformer.planning.relaxation.threshold import HOT, ThresholdSearch
 from teamformer.world.rules.constants import FAR
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
@@ -54,7 +54,7 @@ EARLY = 0.3
 
 
 @dataclass(frozen=True)
-class Solution:
+class RelaxedSolution:
     """What the solver found.
 
     `value` is the makespan of `schedule`, `bound` what no plan can beat, under the rules either.
@@ -63,7 +63,7 @@ class Solution:
     (seconds, value).
     """
 
-    schedule: Schedule | None
+    schedule: RelaxedSchedule | None
     value: int | None
     bound: int
     status: Status
@@ -72,13 +72,13 @@ class Solution:
 
 
 def solve(
-    scenario: Scenario,
+    scenario: Mission,
     time_limit: float,
     seed: int = 0,
     workers: int = 2,
-    hint: Schedule | None = None,
+    hint: RelaxedSchedule | None = None,
     is_stopped: Callable[[], bool] = lambda: False,
-) -> Solution:
+) -> RelaxedSolution:
     """Minimise the makespan if joining is free, for up to `time_limit` seconds.
 
     Starts from `hint`, if given, and works on up to `workers` threads. A limit of 0 returns
@@ -91,7 +91,7 @@ def solve(
     if (earliest_starts(progress.problem) >= FAR).any():
         progress.is_infeasible = progress.is_bounding
         return progress.report()
-    search = Search(progress.problem, seed, hint)
+    search = ThresholdSearch(progress.problem, seed, hint)
     search.run(1)
     progress.offer(search.best)
     if progress.is_bounding:
@@ -115,7 +115,7 @@ class SolverProgress:
     ) -> None:
         self.problem = problem
         self._is_stopped = is_stopped
-        self.best: Schedule | None = None
+        self.best: RelaxedSchedule | None = None
         self.is_exhausted = False  # nothing better is left to be found
         self.is_infeasible = False
         self.is_bounding = True  # what is proven of the relaxed problem holds for all plans
@@ -139,7 +139,7 @@ class SolverProgress:
         """Say whether time is up, somebody stops it, or nothing better is left to be found."""
         return self.seconds_left == 0 or self.is_exhausted or self._is_stopped()
 
-    def offer(self, schedule: Schedule | None) -> None:
+    def offer(self, schedule: RelaxedSchedule | None) -> None:
         """Take a schedule if it is faster than the best."""
         with self._lock:
             if schedule and (self.best is None or schedule.makespan < self.best.makespan):
@@ -157,11 +157,11 @@ class SolverProgress:
         self.is_exhausted = True
         self.stop_solver()
 
-    def report(self) -> Solution:
+    def report(self) -> RelaxedSolution:
         """Return where things stand."""
         best, status = self.best, self._status()
         value = best.makespan if best else None
-        return Solution(best, value, self.bound, status, self.seconds, tuple(self._curve))
+        return RelaxedSolution(best, value, self.bound, status, self.seconds, tuple(self._curve))
 
     def _status(self) -> Status:
         if self.best is None:
@@ -169,7 +169,9 @@ class SolverProgress:
         return "optimal" if self.best.makespan <= self.bound else "feasible"
 
 
-def _cool_down(progress: SolverProgress, search: Search, rounds: float, seconds: float) -> None:
+def _cool_down(
+    progress: SolverProgress, search: ThresholdSearch, rounds: float, seconds: float
+) -> None:
     """Search once from hot to cool, over so many rounds or seconds, whichever are over first."""
     begin, made = progress.seconds, 0
     at_once = max(1, MOST_AT_ONCE // len(progress.problem.appears))
@@ -186,7 +188,7 @@ def _cool_down(progress: SolverProgress, search: Search, rounds: float, seconds:
 
 def _search_on(progress: SolverProgress, seed: int) -> None:
     """Search until time is up."""
-    search = Search(progress.problem, seed, progress.best)
+    search = ThresholdSearch(progress.problem, seed, progress.best)
     _cool_down(progress, search, math.inf, EARLY * progress.seconds_left)
     if progress.best:
         search.restart(progress.best)
@@ -236,8 +238,8 @@ def _compile() -> None:
     """Compile the kernels, or load what was compiled before, on a smallest problem."""
     robots = tuple(Robot(f"r{r}", (0, 0), {cap: 1}) for r, cap in enumerate("aab"))
     tasks = tuple(Task(f"t{k}", (k, 0), {"a": 1, "b": 1}) for k in range(2))
-    problem = relax(Scenario("smallest", Grid(2, 1), ("a", "b"), robots, tasks))
-    search = Search(problem, seed=0)
+    problem = relax(Mission("smallest", Grid(2, 1), ("a", "b"), robots, tasks))
+    search = ThresholdSearch(problem, seed=0)
     search.run(1)
     if search.best is not None:
         search.restart(search.best)

@@ -22,11 +22,11 @@ from teamformer.planning.relaxation.relaxed_plan import (
     start_tasks,
 )
 from teamformer.planning.relaxation.ruin_recreate import recreate, ruin
-from teamformer.planning.relaxation.schedule import Schedule, make_plan, read_schedule
+from teamformer.planning.relaxation.schedule import RelaxedSchedule, make_plan, read_schedule
 
 if TYPE_CHECKING:
-    from teamformer.planning.relaxation.insertion import Workspace
-    from teamformer.planning.relaxation.relaxed_plan import Plan, Timing
+    from teamformer.planning.relaxation.insertion import InsertionRoom
+    from teamformer.planning.relaxation.relaxed_plan import RelaxedPlan, Timing
 
 STEP = 5
 """What a step of makespan costs, for each robot; a step that a robot walks costs 1."""
@@ -38,10 +38,10 @@ ENDLESS = 2**62
 """The cost of no plan."""
 
 
-class Search:
+class ThresholdSearch:
     """A search: where it stands, the best plan it has seen, and room to work in."""
 
-    def __init__(self, problem: Relaxed, seed: int, start: Schedule | None = None) -> None:
+    def __init__(self, problem: Relaxed, seed: int, start: RelaxedSchedule | None = None) -> None:
         self.problem = problem
         self._plan, self._best, self._spare = (empty_plan(problem) for _ in range(3))
         self._timing = empty_timing(problem, self._plan)
@@ -51,7 +51,7 @@ class Search:
         if start is not None:
             self.restart(start)
 
-    def restart(self, start: Schedule) -> None:
+    def restart(self, start: RelaxedSchedule) -> None:
         """Go on from another schedule."""
         overwrite_plan(make_plan(self.problem, start.order, start.coalitions), self._plan)
         self._costs[0] = cost_of(self.problem, self._plan, self._timing)
@@ -75,7 +75,7 @@ class Search:
         return int(self._costs[1])
 
     @property
-    def best(self) -> Schedule | None:
+    def best(self) -> RelaxedSchedule | None:
         """Return the best schedule seen, None if each has a task that nobody is left to do."""
         return read_schedule(self.problem, self._best)
 
@@ -88,11 +88,11 @@ def is_compiled() -> bool:
 @entry
 def _search(
     problem: Relaxed,
-    plan: Plan,
-    best: Plan,
+    plan: RelaxedPlan,
+    best: RelaxedPlan,
     spare: Array,
     timing: Timing,
-    workspace: Workspace,
+    workspace: InsertionRoom,
     torn: Array,
     costs: Array,
     rounds: int,
@@ -119,7 +119,7 @@ def _search(
 
 
 @entry
-def cost_of(problem: Relaxed, plan: Plan, timing: Timing) -> Any:
+def cost_of(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> Any:
     """Return what the search minimises."""
     makespan, walked, late = start_tasks(problem, plan, timing)
     undone = late + len(plan.size) - plan.placed[0]

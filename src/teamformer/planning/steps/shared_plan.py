@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.mission.coordination import Known, Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.problem.relaxed_problem import Relaxed, has_prices, most_in_coalitions
 from teamformer.planning.problem.team_plan import TeamPlan
 from teamformer.planning.steps.arc_search import LARGE, TeamArcs
@@ -100,7 +100,7 @@ def relaxed_rounds(problem: Relaxed) -> int:
     return min(3 * tasks * tasks // 2, 130_000 // (tasks + 10 * needs // tasks))
 
 
-def is_too_large(scenario: Scenario) -> bool:
+def is_too_large(scenario: Mission) -> bool:
     """Say whether a shared plan would take too long to wait for; crews are planned sooner."""
     tasks = len(scenario.tasks)
     return tasks * (tasks + len(scenario.robots)) > MOST_AT_ONCE

@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.mission.checks.windows import opening_step
 from teamformer.mission.coordination import Known, Plan
-from teamformer.mission.model import Scenario, Task
+from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.planning.problem.relaxed_problem import Future, Relaxed, future_of, relax_ways
 from teamformer.planning.problem.team_plan import TeamPlan
@@ -80,7 +80,7 @@ def _opens(known: Known, task: Task) -> int:
     return max([known.step, opening_step(task), *ends])
 
 
-def situation_in_hindsight(scenario: Scenario) -> Situation:
+def situation_in_hindsight(scenario: Mission) -> Situation:
     """Return the start as arrays for who knows what will happen: what appears, who will be lost."""
     start = Known(
         mission=scenario,
@@ -107,13 +107,13 @@ def plan_of(situation: Situation, found: TeamPlan) -> Plan:
     )
 
 
-def _paces(scenario: Scenario, robots: tuple[int, ...]) -> Array:
+def _paces(scenario: Mission, robots: tuple[int, ...]) -> Array:
     """Return what each robot walks in a step, in cells or metres, (robots,)."""
     return np.array([scenario.world.pace(scenario.robots[robot].speed) for robot in robots])
 
 
 def _ways(
-    scenario: Scenario, spots: list[Place], places: list[Place], robots: tuple[int, ...]
+    scenario: Mission, spots: list[Place], places: list[Place], robots: tuple[int, ...]
 ) -> tuple[Array, Array]:
     """Return the cells from places to tasks, (tasks, places), and those that robots walk a step.
 

@@ -11,7 +11,7 @@ from teamformer.planning.crews.deal import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.planning.problem.relaxed_problem import Relaxed, steps_from_starts, walked_cells
 from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
-from teamformer.planning.relaxation.threshold import Search
+from teamformer.planning.relaxation.threshold import ThresholdSearch
 from teamformer.world.rules.constants import FAR, NOBODY
 
 
@@ -86,7 +86,7 @@ def _regions(is_way: Array) -> tuple[Array, Array]:
 
 def plan_from_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> TeamPlan | None:
     """Return coalitions that are good where joining is free, as teams."""
-    search = Search(problem, seed)
+    search = ThresholdSearch(problem, seed)
     search.run(rounds)
     schedule = search.best
     if schedule is None:

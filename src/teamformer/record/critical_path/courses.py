@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
 from teamformer.record.phases import (
@@ -23,7 +23,7 @@ from teamformer.record.phases import (
     is_same_place,
     phase_of,
 )
-from teamformer.record.record import Replay, Step
+from teamformer.record.record import Record, Step
 from teamformer.record.teams import Teams
 from teamformer.world.rules.constants import NOBODY
 
@@ -55,7 +55,7 @@ class Changing(Generic[Value]):
 
 
 @dataclass(frozen=True)
-class Service:
+class TeamService:
     """What a team did for a task: from the end of step `begun` to the end of step `ended`.
 
     A load has several: each time that it is loaded and carried, and at last unloaded.
@@ -80,15 +80,15 @@ class _Course:
     formed: set[int] = field(default_factory=set)
     back: set[int] = field(default_factory=set)
     told: dict[int, int] = field(default_factory=dict)  # what it pursued where the record says it
-    services: list[Service] = field(default_factory=list)
+    services: list[TeamService] = field(default_factory=list)
 
 
 class Courses:
     """What the robots of a record did."""
 
-    def __init__(self, replay: Replay) -> None:
-        self.mission: Scenario = replay.mission
-        self.services: dict[int, Service] = {}  # the last one of each task
+    def __init__(self, replay: Record) -> None:
+        self.mission: Mission = replay.mission
+        self.services: dict[int, TeamService] = {}  # the last one of each task
         self.done_in: dict[int, list[int]] = {}  # tasks by the step in which they were done
         self.set_down_in: dict[int, list[tuple[int, Robots]]] = {}  # step -> loads and carriers
         self._up: dict[int, tuple[int, Robots]] = {}  # load -> step, carriers
@@ -162,7 +162,7 @@ class Courses:
         self, task: int, doing: str, begun: int, ended: int, robots: tuple[int, ...]
     ) -> None:
         beginners = self._beginners(task, begun, robots)
-        service = Service(task, doing, begun, ended, beginners, robots)
+        service = TeamService(task, doing, begun, ended, beginners, robots)
         self.services[task] = service
         for robot in {*robots, *beginners}:
             self._of[robot].services.append(service)
@@ -187,7 +187,7 @@ class Courses:
         """Return the robots of a robot's team after so many steps; of a lost one, nobody."""
         return self._of[robot].team.after(steps)
 
-    def service_in(self, robot: int, step: int) -> Service | None:
+    def service_in(self, robot: int, step: int) -> TeamService | None:
         """Return the service that a robot took part in during a step, if it did."""
         team = set(self.team(robot, step))
         for service in self._of[robot].services:

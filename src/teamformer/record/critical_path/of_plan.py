@@ -8,7 +8,7 @@ from collections.abc import Generator, Iterator
 from typing import NamedTuple
 
 from teamformer.mission.checks.windows import release_of
-from teamformer.mission.model import Scenario, Task
+from teamformer.mission.model import Mission, Task
 from teamformer.planning.problem.routes import MissionPlan, Stop
 from teamformer.record.critical_path.stretches import CLOSED, LINKED, UNKNOWN, Stretch, in_order
 from teamformer.record.phases import (
@@ -34,7 +34,7 @@ class _Visit(NamedTuple):
     stop: Stop
 
 
-def path_of_plan(mission: Scenario, plan: MissionPlan) -> tuple[Stretch, ...]:
+def path_of_plan(mission: Mission, plan: MissionPlan) -> tuple[Stretch, ...]:
     """Return the stretches that a plan's makespan is the sum of, the first one first.
 
     A task starts when its last robot is there and the coalition has formed, or later: when it
@@ -43,13 +43,13 @@ def path_of_plan(mission: Scenario, plan: MissionPlan) -> tuple[Stretch, ...]:
     """
     if not plan.makespan:
         return ()
-    return in_order(_Tracing(mission, plan).stretches())
+    return in_order(_PlanTracing(mission, plan).stretches())
 
 
-class _Tracing:
+class _PlanTracing:
     """Goes back through a plan from the end of its last way; `_now` is where the path has come."""
 
-    def __init__(self, mission: Scenario, plan: MissionPlan) -> None:
+    def __init__(self, mission: Mission, plan: MissionPlan) -> None:
         self._mission, self._plan = mission, plan
         self._now = plan.makespan
         self._near = NEAR * max(1.0, plan.makespan)

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from teamformer.record.critical_path.courses import Courses, Service
+from teamformer.record.critical_path.courses import Courses, TeamService
 from teamformer.record.critical_path.stretches import CLOSED, UNKNOWN, Stretch, in_order
 from teamformer.record.phases import AT_WORK, FORMING, IDLE, WAITING
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.task_times import opening_steps
 from teamformer.world.rules.constants import NOBODY
 
 
-def path_of_record(replay: Replay) -> tuple[Stretch, ...]:
+def path_of_record(replay: Record) -> tuple[Stretch, ...]:
     """Return the stretches that the makespan is the sum of, the first one first.
 
     Where robots waited for one another, the path goes on with the one that came last; where they
@@ -30,7 +30,7 @@ def path_of_record(replay: Replay) -> tuple[Stretch, ...]:
 class _Tracing:
     """Goes back through a record: `_now` steps are made, and it hangs on `_robots` being ready."""
 
-    def __init__(self, replay: Replay) -> None:
+    def __init__(self, replay: Record) -> None:
         self._courses = Courses(replay)
         self._opens = opening_steps(replay)
         self._tasks = replay.mission.tasks
@@ -88,7 +88,7 @@ class _Tracing:
             yield from self._told_of(robot)
             yield stretch
 
-    def _go_before(self, service: Service, until: int) -> None:
+    def _go_before(self, service: TeamService, until: int) -> None:
         """Go back to when those who began a service were ready for it."""
         self._robots, self._task = _led_by(self._robots, service.begun_by), service.task
         stretch = Stretch(service.begun, until, service.doing, task=service.task)

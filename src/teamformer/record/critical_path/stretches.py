@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.record.phases import PHASES
 from teamformer.world.rules.constants import NOBODY
 
@@ -59,7 +59,7 @@ def _is_same(one: Stretch, other: Stretch) -> bool:
     return (one.doing, one.robot, one.task) == (other.doing, other.robot, other.task)
 
 
-def path_rows(mission: Scenario, path: Sequence[Stretch]) -> list[dict[str, Any]]:
+def path_rows(mission: Mission, path: Sequence[Stretch]) -> list[dict[str, Any]]:
     """Return what `--json` prints of a critical path: a row for each stretch, with names."""
     return [
         {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.record.critical_path.stretches import CLOSED, DOINGS, LINKED, UNKNOWN, Stretch
 from teamformer.record.phases import (
     CARRYING,
@@ -46,7 +46,7 @@ SHARES = {
 }
 
 
-def why_so_late(mission: Scenario, path: Sequence[Stretch]) -> list[str]:
+def why_so_late(mission: Mission, path: Sequence[Stretch]) -> list[str]:
     """Return what is said of a critical path, line by line; nothing of an empty one.
 
     The first line says how much of the time each thing takes, the others go from task to task: from
@@ -66,7 +66,7 @@ def why_so_late(mission: Scenario, path: Sequence[Stretch]) -> list[str]:
     return [f"why so late: {length:g}{unit} are {', '.join(shares)}", *before, *told]
 
 
-def _line(mission: Scenario, part: Sequence[Stretch]) -> str:
+def _line(mission: Mission, part: Sequence[Stretch]) -> str:
     """Return what is done on the path for one task, by whom for how long."""
     task, said = part[0].task, []
     for robot, stretches in groupby(part, key=lambda s: s.robot):

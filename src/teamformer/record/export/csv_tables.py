@@ -16,14 +16,14 @@ from teamformer.record.export.events import events
 from teamformer.record.export.moments import Moment, moments
 from teamformer.record.export.services import begun_steps
 from teamformer.record.phases import PHASES
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, known_steps, lateness
 from teamformer.world.rules.constants import NEVER, NOBODY
 
 Row = Sequence[object]
 
 
-def write_tables(replay: Replay, folder: Path) -> tuple[Path, ...]:
+def write_tables(replay: Record, folder: Path) -> tuple[Path, ...]:
     """Write `robots.csv`, `tasks.csv`, `events.csv` and `gantt.csv` into a folder."""
     seen = list(moments(replay))
     tables = {
@@ -35,7 +35,7 @@ def write_tables(replay: Replay, folder: Path) -> tuple[Path, ...]:
     return tuple(_write(folder / f"{name}.csv", rows) for name, rows in tables.items())
 
 
-def _robots(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
+def _robots(replay: Record, seen: Sequence[Moment]) -> Iterable[Row]:
     """Yield each robot with the steps it spent in each phase."""
     places = ("x", "y", "lost_in_step", "back_in_step")
     robots = replay.scenario.robots
@@ -76,7 +76,7 @@ BECAME = ("appears", "cancelled_in_step", "begun_in_step", "done_in_step", "late
 """Columns of tasks: what each is, and what became of it; between them is what details show."""
 
 
-def _tasks(replay: Replay) -> Iterable[Row]:
+def _tasks(replay: Record) -> Iterable[Row]:
     """Yield what each task is, and what became of it."""
     more = _in_details(TASK_KEYS, replay.mission.tasks)
     yield (*WANTED, *(key.name for key in more), *BECAME)
@@ -100,7 +100,7 @@ def _wanted(task: Task) -> Row:
     return (task.name, describe(task.needs), *task.at, task.duration, *to, after, *window)
 
 
-def _events(replay: Replay) -> Iterable[Row]:
+def _events(replay: Record) -> Iterable[Row]:
     yield ("step", "seconds", "kind", "robots", "task", "text")
     length = replay.scenario.seconds_a_step
     for event in events(replay):
@@ -110,7 +110,7 @@ def _events(replay: Replay) -> Iterable[Row]:
         yield (event.step, seconds, event.kind, names, task, event.text(replay.mission))
 
 
-def _bars(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
+def _bars(replay: Record, seen: Sequence[Moment]) -> Iterable[Row]:
     """Yield each robot's runs of one phase and task, between the ends of two steps."""
     yield ("robot", "phase", "task", "from_step", "to_step")
     for robot in range(len(replay.scenario.robots)):
@@ -125,11 +125,11 @@ def _bars(replay: Replay, seen: Sequence[Moment]) -> Iterable[Row]:
             yield (_name(replay, robot), *doing, begun, seen[-1].step)
 
 
-def _name(replay: Replay, robot: int) -> str:
+def _name(replay: Record, robot: int) -> str:
     return replay.scenario.robots[robot].name
 
 
-def _task_name(replay: Replay, task: int) -> str:
+def _task_name(replay: Record, task: int) -> str:
     return "" if task == NOBODY else replay.scenario.tasks[task].name
 
 

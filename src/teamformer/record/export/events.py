@@ -6,10 +6,10 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.grid import Place
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, known_steps
 from teamformer.record.teams import Teams
 
@@ -42,7 +42,7 @@ class Event:
     task: int | None = None
     place: Place | None = None  # of what is set down
 
-    def text(self, scenario: Scenario) -> str:
+    def text(self, scenario: Mission) -> str:
         """Return the event as a sentence; the scenario is the mission as it really was."""
         if self.kind not in TOLD:
             return self.kind
@@ -58,7 +58,7 @@ class Event:
         )
 
 
-def events(replay: Replay) -> Iterator[Event]:
+def events(replay: Record) -> Iterator[Event]:
     """Yield the events of a record."""
     teams = Teams(replay)
     appears: defaultdict[int, list[int]] = defaultdict(list)
@@ -96,5 +96,5 @@ def events(replay: Replay) -> Iterator[Event]:
     yield Event(len(replay.steps), replay.end.status)
 
 
-def _names(scenario: Scenario, robots: Sequence[int]) -> str:
+def _names(scenario: Mission, robots: Sequence[int]) -> str:
     return ", ".join(scenario.robots[robot].name for robot in robots)

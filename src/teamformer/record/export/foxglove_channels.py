@@ -43,13 +43,13 @@ from foxglove.messages import (
     Vector3,
 )
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.grid import Grid as GridWorld
 from teamformer.mission.parts.grid import Place
 from teamformer.record.export.events import Event, events
 from teamformer.record.export.moments import Moment, moments
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.task_times import known_steps, over_steps
 from teamformer.world.rules.constants import NOBODY
 
@@ -73,7 +73,7 @@ class Told(NamedTuple):
     events: Sequence[Event]
 
 
-def telling(replay: Replay) -> Iterator[Told]:
+def telling(replay: Record) -> Iterator[Told]:
     """Yield what is told of a record, moment by moment, the start first."""
     length = replay.scenario.seconds_a_step
     log: defaultdict[int, list[Event]] = defaultdict(list)
@@ -85,7 +85,7 @@ def telling(replay: Replay) -> Iterator[Told]:
         yield Told(moment, time, spans, log.get(moment.step, ()))
 
 
-def _ends(replay: Replay) -> list[int]:
+def _ends(replay: Record) -> list[int]:
     """Return the step in which each task was over, or one after the last."""
     over = over_steps(replay)
     return [over.get(task, len(replay.steps) + 1) for task in range(len(replay.scenario.tasks))]
@@ -100,18 +100,18 @@ class Channels:
         self._map = GridChannel("/map", context=context)
         self._log = LogChannel("/log", context=context)
 
-    def tell(self, mission: Scenario, told: Told) -> None:
+    def tell(self, mission: Mission, told: Told) -> None:
         """Log a moment; `mission` is what it really was."""
         self.show(mission, told)
         for event in told.events:
             self._say(event.text(mission), event.kind == "lost", told.time)
 
-    def show(self, mission: Scenario, told: Told) -> None:
+    def show(self, mission: Mission, told: Told) -> None:
         """Log where everybody is at a moment, and not what happened."""
         self._show_frames(mission, told.moment, told.time)
         self._show_scene(mission, told)
 
-    def map(self, scenario: Scenario, time: int = 0) -> None:
+    def map(self, scenario: Mission, time: int = 0) -> None:
         """Log the map: 255 is blocked, 0 free."""
         world = scenario.world
         if not isinstance(world, GridWorld) or not world.rows:
@@ -135,7 +135,7 @@ class Channels:
         )
         self._map.log(grid, log_time=time)
 
-    def _show_frames(self, scenario: Scenario, moment: Moment, time: int) -> None:
+    def _show_frames(self, scenario: Mission, moment: Moment, time: int) -> None:
         """Log where each robot is that is not lost."""
         transforms = [
             FrameTransform(
@@ -150,7 +150,7 @@ class Channels:
         ]
         self._frames.log(FrameTransforms(transforms=transforms), log_time=time)
 
-    def _show_scene(self, scenario: Scenario, told: Told) -> None:
+    def _show_scene(self, scenario: Mission, told: Told) -> None:
         """Log tasks and robots as things to see."""
         moment, time = told.moment, told.time
         entities = [*_tasks(scenario, moment, told.spans, time), *_robots(scenario, moment, time)]
@@ -164,7 +164,7 @@ class Channels:
 
 
 def _tasks(
-    scenario: Scenario, moment: Moment, spans: Sequence[Span], time: int
+    scenario: Mission, moment: Moment, spans: Sequence[Span], time: int
 ) -> Iterator[SceneEntity]:
     size = _unit(scenario)
     for number, (task, (opens, ends)) in enumerate(zip(scenario.tasks, spans, strict=True)):
@@ -181,7 +181,7 @@ def _tasks(
         yield _entity(f"task/{task.name}", time, cubes=[box], texts=texts, facts=facts)
 
 
-def _robots(scenario: Scenario, moment: Moment, time: int) -> Iterator[SceneEntity]:
+def _robots(scenario: Mission, moment: Moment, time: int) -> Iterator[SceneEntity]:
     """Yield each robot in its team's colour, with a line to the task that it heads for."""
     size = _unit(scenario)
     for robot, place in enumerate(moment.place):
@@ -238,7 +238,7 @@ def _text(text: str, place: Place, size: float) -> TextPrimitive:
     return TextPrimitive(pose=pose, billboard=True, font_size=0.3 * size, color=dark, text=text)
 
 
-def _unit(scenario: Scenario) -> float:
+def _unit(scenario: Mission) -> float:
     """Return the length that a robot is drawn in: a cell, or a plane's unit."""
     return 1.0 if isinstance(scenario.world, GridWorld) else scenario.world.unit
 

@@ -24,7 +24,7 @@ from foxglove.websocket import (
 
 from teamformer.base.errors import TeamformerError
 from teamformer.record.export.foxglove_channels import NANOSECONDS, Channels, Told, telling
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 
 HOST = "127.0.0.1"
 
@@ -38,7 +38,7 @@ class Player(ServerListener):
     `run` returns when `stop` was called. Raises `TeamformerError` if the port cannot be used.
     """
 
-    def __init__(self, replay: Replay, port: int) -> None:
+    def __init__(self, replay: Record, port: int) -> None:
         self._mission = replay.mission
         self._told = list(telling(replay))
         self._times = [told.time for told in self._told]
@@ -135,7 +135,7 @@ class Follower(ServerListener):
         """Return the address to open in Foxglove."""
         return f"ws://{HOST}:{self._server.port}"
 
-    def follow(self, replay: Replay) -> None:
+    def follow(self, replay: Record) -> None:
         """Tell what is new in a record since it was last given; newcomers get the map."""
         told = list(telling(replay))
         if self._has_newcomer:
@@ -153,7 +153,7 @@ class Follower(ServerListener):
         """Show a newcomer the map with the next step, which has all else."""
         self._has_newcomer = True
 
-    def _without_ending(self, told: Told, replay: Replay) -> Told:
+    def _without_ending(self, told: Told, replay: Record) -> Told:
         """Return it without how the record ends, unless that is news: all is done."""
         status = replay.end.status
         is_news = status == "completed" and not self._has_ended

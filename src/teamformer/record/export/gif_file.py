@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw, ImageFont
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.record.export.moments import Moment, moments
 from teamformer.record.phases import AT_WORK, IDLE, LOST
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, done_steps, known_steps
 from teamformer.world.rules.constants import NOBODY
 
@@ -43,7 +43,7 @@ PAPER, WALL, INK, FAINT, GREY = "#ffffff", "#5b6472", "#1c2430", "#e3e7ed", "#9a
 Point = tuple[float, float]
 
 
-def write_gif(replay: Replay, path: Path) -> None:
+def write_gif(replay: Record, path: Path) -> None:
     """Write a record as a GIF."""
     seen = [_pursuing(*pair) for pair in pairwise([None, *moments(replay)])]
     stride = math.ceil(len(seen) / MOST_FRAMES)
@@ -73,7 +73,7 @@ def _pursuing(before: Moment | None, moment: Moment | None) -> Moment:
 class _Sheet:
     """Draws the moments of one record on a map that is drawn once."""
 
-    def __init__(self, replay: Replay) -> None:
+    def __init__(self, replay: Record) -> None:
         self._replay, self._scenario = replay, replay.mission
         world = self._scenario.world
         self._is_grid = isinstance(world, Grid)

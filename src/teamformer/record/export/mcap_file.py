@@ -7,10 +7,10 @@ from pathlib import Path
 import foxglove
 
 from teamformer.record.export.foxglove_channels import Channels, telling
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 
 
-def write_mcap(replay: Replay, path: Path) -> None:
+def write_mcap(replay: Record, path: Path) -> None:
     """Write a record as MCAP, over what is there."""
     context = foxglove.Context()
     channels = Channels(context)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from teamformer.files.mission_files import write_scenario
-from teamformer.record.record import Replay
+from teamformer.files.mission_files import write_mission
+from teamformer.record.record import Record
 
 
-def write_mission(replay: Replay, path: Path) -> None:
+def write_mission(replay: Record, path: Path) -> None:
     """Write the mission with all that happened to it."""
-    write_scenario(replay.scenario, path)
+    write_mission(replay.scenario, path)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from teamformer.mission.parts.grid import Place
 from teamformer.record.export.services import Services
 from teamformer.record.phases import IDLE, is_same_place, phase_of
-from teamformer.record.record import Replay, Step
+from teamformer.record.record import Record, Step
 from teamformer.record.teams import Teams
 from teamformer.world.rules.constants import NOBODY
 
@@ -29,7 +29,7 @@ class Moment:
     task_at: tuple[Place, ...]  # one a task: where it is, a load that is carried with its team
 
 
-def moments(replay: Replay) -> Iterator[Moment]:
+def moments(replay: Record) -> Iterator[Moment]:
     """Yield the moments of a record, the start first."""
     count = len(replay.scenario.robots)
     activities = _Activities(replay)
@@ -41,7 +41,7 @@ def moments(replay: Replay) -> Iterator[Moment]:
 class _Activities:
     """What each robot was about in a step."""
 
-    def __init__(self, replay: Replay) -> None:
+    def __init__(self, replay: Record) -> None:
         self._mission = replay.mission
         self.teams = Teams(replay)
         self._services = Services(replay, self.teams)

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from collections.abc import Set as AbstractSet
 from typing import TypeVar
 
-from teamformer.record.record import Replay, SharedPlanMade
+from teamformer.record.record import Record, SharedPlanMade
 
 Made = TypeVar("Made")
 
@@ -18,7 +18,7 @@ class PlansInForce:
     `made` says after which step the latest plan of any kind was made, 0 at the start.
     """
 
-    def __init__(self, replay: Replay) -> None:
+    def __init__(self, replay: Record) -> None:
         self.order: tuple[int, ...] = ()
         self.made = 0
         self.is_taken_over = False

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.record.export.events import events
 from teamformer.record.export.moments import Moment, moments
@@ -23,7 +23,7 @@ from teamformer.record.phases import (
     UNLOADING,
     WAITING,
 )
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.task_times import known_steps, opening_steps, over_steps
 from teamformer.world.rules.constants import NEVER, NOBODY
 
@@ -38,7 +38,7 @@ class Chapter:
     why: str
 
 
-def explain(replay: Replay, robot: int) -> list[Chapter]:
+def explain(replay: Record, robot: int) -> list[Chapter]:
     """Return the story of a robot, a chapter for each thing that it did.
 
     The record is gone through once: a chapter is told when it begins, by what was known then.
@@ -59,7 +59,7 @@ def explain(replay: Replay, robot: int) -> list[Chapter]:
 class _Narrator:
     """Tells what a robot does in a step and why; goes on from step to step."""
 
-    def __init__(self, replay: Replay, robot: int) -> None:
+    def __init__(self, replay: Record, robot: int) -> None:
         self._replay, self._scenario, self._robot = replay, replay.scenario, robot
         self._known, self._opens = known_steps(replay), opening_steps(replay)
         self._over_in = over_steps(replay)
@@ -171,7 +171,7 @@ class _Narrator:
         return f"planned anew after step {made}{': ' if causes else ''}{', '.join(causes)}"
 
 
-def _why_waiting(scenario: Scenario, moment: Moment, robot: int, task: int) -> str:
+def _why_waiting(scenario: Mission, moment: Moment, robot: int, task: int) -> str:
     mates = _team(moment, robot)
     short = missing(total(scenario.robots[mate].can for mate in mates), scenario.tasks[task].needs)
     if not short:
@@ -185,7 +185,7 @@ def _why_waiting(scenario: Scenario, moment: Moment, robot: int, task: int) -> s
     return f"lacks {describe(short)}, which {who} {'bring' if len(coming) > 1 else 'brings'}"
 
 
-def _in_plan(scenario: Scenario, robots: tuple[int, ...]) -> str:
+def _in_plan(scenario: Mission, robots: tuple[int, ...]) -> str:
     names = ", ".join(scenario.robots[robot].name for robot in robots)
     together = " together" if len(robots) > 1 else ""
     return f"the plan has {names} do it{together}" if robots else ""
@@ -196,12 +196,12 @@ def _team(moment: Moment, robot: int) -> list[int]:
     return [mate for mate, team in enumerate(moment.team) if team == slot and slot != NOBODY]
 
 
-def _mates(scenario: Scenario, moment: Moment, robot: int) -> str:
+def _mates(scenario: Mission, moment: Moment, robot: int) -> str:
     names = [scenario.robots[mate].name for mate in _team(moment, robot) if mate != robot]
     return f"with {', '.join(names)}" if names else ""
 
 
-def story_lines(replay: Replay, robot: int) -> Iterator[tuple[str, str, str]]:
+def story_lines(replay: Record, robot: int) -> Iterator[tuple[str, str, str]]:
     """Yield (steps, what, why) of each chapter as texts."""
     for chapter in explain(replay, robot):
         yield f"{chapter.begun + 1}-{chapter.ended}", chapter.what, chapter.why

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
 from teamformer.record.phases import believed_places, is_same_place, work_on
-from teamformer.record.record import Replay, Step
+from teamformer.record.record import Record, Step
 from teamformer.record.task_times import cancelled_steps, done_steps, opening_steps
 from teamformer.record.teams import Teams
 from teamformer.world.rules.constants import NOBODY
@@ -17,7 +17,7 @@ from teamformer.world.rules.constants import NOBODY
 class Services:
     """Who serves which task after a step; `teams` are those of the same step."""
 
-    def __init__(self, replay: Replay, teams: Teams) -> None:
+    def __init__(self, replay: Record, teams: Teams) -> None:
         self._mission, self._teams = replay.mission, teams
         self._serving: dict[int, set[int]] = {}  # task -> robots that began it and stayed with it
         self._opens, self._done = opening_steps(replay), done_steps(replay)
@@ -153,7 +153,7 @@ class Services:
         return covers(total(robot.can for robot in robots), self._mission.tasks[task].needs)
 
 
-def begun_steps(replay: Replay) -> dict[int, int]:
+def begun_steps(replay: Record) -> dict[int, int]:
     """Return the step in which each task was begun last that was, by number.
 
     A task without a duration begins in the step in which it is done.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from teamformer.record.record import Replay, Step
+from teamformer.record.record import Record, Step
 from teamformer.record.referee.plans.moments import News, judge_moments
 from teamformer.record.referee.plans.planned_forming import check_forming
 from teamformer.record.referee.plans.planned_tasks import PlannedTasks, check_assignments
@@ -20,8 +20,8 @@ from teamformer.record.referee.plans.pursuit import (
     possible_pursuits,
 )
 from teamformer.record.referee.rules.completion import Tasks
-from teamformer.record.referee.rules.delays import Delays
-from teamformer.record.referee.rules.finding import Search
+from teamformer.record.referee.rules.delays import DelayDraws
+from teamformer.record.referee.rules.finding import PlaceSearch
 from teamformer.record.referee.rules.formation import (
     check_reach,
     due_losses,
@@ -30,7 +30,7 @@ from teamformer.record.referee.rules.formation import (
     return_robots,
     split_teams,
 )
-from teamformer.record.referee.rules.headway import Move, Ways, check_headway
+from teamformer.record.referee.rules.headway import Move, ShortestWays, check_headway
 from teamformer.record.referee.rules.lifecycle import (
     judge_ending,
     judge_orders,
@@ -40,23 +40,23 @@ from teamformer.record.referee.rules.lifecycle import (
 from teamformer.record.referee.rules.loads import follow_lost
 from teamformer.record.referee.rules.rows import check_rows, judge_rows
 from teamformer.record.referee.rules.teams import Fleet
-from teamformer.record.referee.rules.truth import Knowledge, judge_truth
+from teamformer.record.referee.rules.truth import NeedsKnown, judge_truth
 from teamformer.record.referee.rules.verdict import Notes, Verdict
 from teamformer.record.referee.rules.walking import move_team
 
 
-def judge(replay: Replay) -> Verdict:
+def judge(replay: Record) -> Verdict:
     """Return everything in a record that breaks the rules."""
     notes = Notes()
     judge_truth(replay, notes)
     judge_rows(replay, notes)
     fleet = start_fleet(replay, notes)
     tasks = Tasks(replay.mission, replay.scenario, replay.is_coordinated)
-    knowledge, ways = Knowledge(replay.scenario, replay.foresight), Ways(replay.mission)
-    search = Search(replay.scenario, ways, replay.foresight)
+    knowledge, ways = NeedsKnown(replay.scenario, replay.foresight), ShortestWays(replay.mission)
+    search = PlaceSearch(replay.scenario, ways, replay.foresight)
     lists = PlannedTasks(replay)
     referee = _Referee(fleet, tasks, knowledge, ways, search, lists, notes)
-    delays, news, over = Delays(replay.mission), [News()], ""
+    delays, news, over = DelayDraws(replay.mission), [News()], ""
     for number, step in enumerate(replay.steps, start=1):
         notes.step = number
         if over:
@@ -80,9 +80,9 @@ class _Referee:
 
     fleet: Fleet
     tasks: Tasks
-    knowledge: Knowledge
-    ways: Ways
-    search: Search
+    knowledge: NeedsKnown
+    ways: ShortestWays
+    search: PlaceSearch
     lists: PlannedTasks
     notes: Notes
 

@@ -20,8 +20,8 @@ from teamformer.base.errors import TeamformerError
 from teamformer.base.whole_files import write_all
 from teamformer.methods.learned.onnx_sessions import shipped
 from teamformer.methods.listings import DEFAULT, STAND_IN
-from teamformer.mission.model import Scenario
-from teamformer.robotarium.deployment.graphs import Graph
+from teamformer.mission.model import Mission
+from teamformer.robotarium.deployment.graphs import NetworkGraph
 from teamformer.robotarium.deployment.onnx_files import read_graph
 from teamformer.robotarium.experiment import start_poses
 from teamformer.robotarium.mission_checks import check_mission
@@ -57,7 +57,7 @@ DEPLOYED = {
 """Methods that the testbed can run, and what makes their policies there."""
 
 
-def deploy(mission: Scenario, name: str, seed: int, folder: Path) -> list[Path]:
+def deploy(mission: Mission, name: str, seed: int, folder: Path) -> list[Path]:
     """Write the folder for a mission and a method; return its files, the main one first.
 
     What an earlier deployment has left in the folder is replaced. Raises `TeamformerError` for a
@@ -158,17 +158,18 @@ def _shim(name: str) -> str:
     return (SHIMS / name).read_text()
 
 
-def _scenario_text(scenario: Scenario, poses: np.ndarray, seed: int) -> str:
+def _scenario_text(scenario: Mission, poses: np.ndarray, seed: int) -> str:
     return (
         '"""The scenario, where its robots start, and the seed."""\n\n'
         "from math import inf\n\n"  # which a radius may be
-        "from tf_mission_parts_grid import Grid\nfrom tf_mission_model import Robot, Scenario, Task\n"
+        "from tf_mission_parts_grid import Grid\n"
+        "from tf_mission_model import Mission, Robot, Task\n"
         "from tf_mission_parts_plane import Plane\n\n"
         f"SCENARIO = {scenario!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
     )
 
 
-def _graph_text(graph: Graph) -> str:
+def _graph_text(graph: NetworkGraph) -> str:
     """Return a module that builds a network from weights.npy, in which constants lie end to end."""
     at, places = 0, {}
     for name, constant in graph.constants.items():
@@ -182,6 +183,6 @@ def _graph_text(graph: Graph) -> str:
     )
 
 
-def _weights(graph: Graph) -> np.ndarray:
+def _weights(graph: NetworkGraph) -> np.ndarray:
     """Return all constants end to end; whole numbers are small and stay exact."""
     return np.concatenate([c.astype(np.float64).ravel() for c in graph.constants.values()])

@@ -19,7 +19,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Graph:
+class NetworkGraph:
     """A network: operations in the order to run them, and its constants."""
 
     nodes: tuple[Node, ...]

@@ -12,7 +12,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.errors import TeamformerError
-from teamformer.robotarium.deployment.graphs import Graph
+from teamformer.robotarium.deployment.graphs import NetworkGraph
 
 DTYPES = {1: np.float32, 6: np.int32, 7: np.int64, 9: np.bool_, 11: np.float64}
 
@@ -23,7 +23,7 @@ class NumpyNetwork:
     Raises `TeamformerError` for a network with an operation that is not known here.
     """
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: NetworkGraph) -> None:
         unknown = {node.operation for node in graph.nodes} - set(OPERATIONS)
         if unknown:
             names = ", ".join(sorted(unknown))

@@ -14,7 +14,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.errors import TeamformerError
-from teamformer.robotarium.deployment.graphs import Graph, Node
+from teamformer.robotarium.deployment.graphs import NetworkGraph, Node
 from teamformer.robotarium.deployment.numpy_network import DTYPES
 
 Fields = defaultdict[int, list[Any]]
@@ -26,7 +26,7 @@ FLOAT, INT, STRING, TENSOR, FLOATS, INTS = 1, 2, 3, 4, 6, 7
 """Types of attributes."""
 
 
-def read_graph(content: bytes) -> Graph:
+def read_graph(content: bytes) -> NetworkGraph:
     """Return the network in an ONNX file.
 
     Raises `TeamformerError` for a file that is cut off, and for what the testbed cannot run.
@@ -37,7 +37,7 @@ def read_graph(content: bytes) -> Graph:
         raise TeamformerError(f"this is no ONNX file that can be read here: {error!r}") from None
 
 
-def _graph(graph: Fields) -> Graph:
+def _graph(graph: Fields) -> NetworkGraph:
     constants = dict(map(_tensor, graph[5]))
     nodes = []
     for part in graph[1]:
@@ -51,7 +51,7 @@ def _graph(graph: Fields) -> Graph:
             nodes.append(Node(operation, inputs, outputs, settings))
     names = [tuple(_fields(value)[1][0].decode() for value in graph[f]) for f in (11, 12)]
     inputs = tuple(name for name in names[0] if name not in constants)
-    return Graph(tuple(nodes), constants, inputs, names[1])
+    return NetworkGraph(tuple(nodes), constants, inputs, names[1])
 
 
 def _attribute(part: bytes) -> tuple[str, Any]:

@@ -39,7 +39,7 @@ class Robots(Protocol):
 
 
 @dataclass(frozen=True)
-class Faults:
+class Violations:
     """How often rules were broken, in robots (for collisions pairs) times ticks.
 
     `min_separation` is how near the centres of two robots came, in metres.
@@ -55,7 +55,7 @@ class Faults:
         """Say whether Robotarium would accept the experiment."""
         return not (self.collisions or self.boundary_violations or self.actuator_violations)
 
-    def after(self, poses: Array, velocities: Array) -> Faults:
+    def after(self, poses: Array, velocities: Array) -> Violations:
         """Return the count with one tick more, in which robots at poses are told velocities."""
         ahead = separations(points_ahead(poses, LOOK_AHEAD))  # (robots, robots)
         centres = separations(poses[:, :2])  # (robots, robots)
@@ -91,7 +91,7 @@ class Plant:
         still = np.zeros((len(poses), 2))
         ticks = round(self._weather.delay / TICK)
         self._under_way = deque([still] * ticks)
-        self.faults = Faults()
+        self.faults = Violations()
 
     @property
     def true_poses(self) -> Array:

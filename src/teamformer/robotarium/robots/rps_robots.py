@@ -15,7 +15,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import how_to_install
-from teamformer.robotarium.robots.plant import Faults
+from teamformer.robotarium.robots.plant import Violations
 
 
 def load_robotarium() -> Any:
@@ -46,7 +46,7 @@ class RpsRobots:
                 initial_conditions=np.array(poses, dtype=float).T.copy(),
             )
         self._measured = self._look()
-        self.faults = Faults()
+        self.faults = Violations()
 
     @property
     def true_poses(self) -> Array:

@@ -13,11 +13,11 @@ from teamformer.base.errors import TeamformerError
 from teamformer.methods.by_name import default_for
 from teamformer.methods.listings import DEFAULT
 from teamformer.mission.checks.links import is_linked
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.planning.continuous.rules import warm_up
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.trials.advice.changes import changes_of
-from teamformer.trials.advice.measuring import Found, Progress, Search, searched
+from teamformer.trials.advice.measuring import Found, PlannedSearch, Progress, searched
 from teamformer.trials.advice.suggestions import Advice, Suggestion
 from teamformer.trials.noise import Noise
 
@@ -32,7 +32,7 @@ OF_THE_MISSION = 3
 
 
 def advise_on(
-    mission: Scenario,
+    mission: Mission,
     seconds: float,
     workers: int = 1,
     progress: Progress | None = None,
@@ -55,7 +55,7 @@ def advise_on(
 
 
 def _make(
-    measuring: _Measuring, jobs: Iterator[Search], workers: int, progress: Progress | None
+    measuring: _Measuring, jobs: Iterator[PlannedSearch], workers: int, progress: Progress | None
 ) -> None:
     """Make searches and have their results taken."""
     with closing(searched(jobs, workers)) as results:
@@ -68,7 +68,7 @@ def _make(
 class _Measuring:
     """The changes of a mission, and what searches have found of each, by its number."""
 
-    def __init__(self, mission: Scenario, seconds: float, clock: Callable[[], float]) -> None:
+    def __init__(self, mission: Mission, seconds: float, clock: Callable[[], float]) -> None:
         self._mission, self._clock, self._spent = mission, clock, 0.0
         self._begun = clock()
         self._deadline = self._begun + seconds
@@ -98,19 +98,21 @@ class _Measuring:
         """Say whether one search more is expected to end in time."""
         return self._clock() + self._spent / max(1, self.made) < self._deadline
 
-    def searches(self) -> Iterator[Search]:
+    def searches(self) -> Iterator[PlannedSearch]:
         """Yield the searches to make, while there is time; the first of the mission anyway."""
         for turn in range(ROUNDS):
             for order in range(turn * OF_THE_MISSION, (turn + 1) * OF_THE_MISSION):
                 if turn and not self._has_time:
                     return
-                yield Search(self._own, self._mission, self._method, order, with_path=order == 0)
+                yield PlannedSearch(
+                    self._own, self._mission, self._method, order, with_path=order == 0
+                )
             for number in self._promising_first():
                 change = self._changes[number]
                 if not self._has_time:
                     return
                 if change.mission is not None and number not in self._failed:
-                    yield Search(number, change.mission, self._method, turn)
+                    yield PlannedSearch(number, change.mission, self._method, turn)
 
     def _promising_first(self) -> list[int]:
         """Return the changes, those first that the critical path is about for the longest time."""

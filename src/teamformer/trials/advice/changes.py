@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from teamformer.base.errors import ScenarioError
-from teamformer.mission.model import Robot, Scenario, Task
+from teamformer.base.errors import MissionError
+from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.orders import with_robots
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.world.rules.constants import NOBODY
@@ -24,7 +24,7 @@ class Change:
 
     kind: str  # one of KINDS
     what: str
-    mission: Scenario | None
+    mission: Mission | None
     robots: tuple[int, ...] = ()
     task: int = NOBODY
 
@@ -34,7 +34,7 @@ class Change:
         return sum(stretch.end - stretch.begin for stretch in parts)
 
 
-def changes_of(mission: Scenario) -> Iterator[Change]:
+def changes_of(mission: Mission) -> Iterator[Change]:
     """Yield every change that is measured, in a fixed order.
 
     One more robot of each kind, where the first of it starts; one fewer, the last of it; each robot
@@ -75,17 +75,17 @@ def changes_of(mission: Scenario) -> Iterator[Change]:
 
 
 def _change(
-    kind: str, what: str, make: Callable[[], Scenario], robots: Sequence[int] = ()
+    kind: str, what: str, make: Callable[[], Mission], robots: Sequence[int] = ()
 ) -> Change:
     """Return a change; one that makes the mission impossible has none."""
     try:
         mission = make()
-    except ScenarioError:
+    except MissionError:
         return Change(kind, what, None, tuple(robots))
     return Change(kind, what, mission, tuple(robots))
 
 
-def _kinds(mission: Scenario) -> list[list[int]]:
+def _kinds(mission: Mission) -> list[list[int]]:
     """Return the robots of each kind, in order."""
     kinds: dict[object, list[int]] = {}
     for number, robot in enumerate(mission.robots):
@@ -94,7 +94,7 @@ def _kinds(mission: Scenario) -> list[list[int]]:
     return list(kinds.values())
 
 
-def _different(mission: Scenario) -> list[int]:
+def _different(mission: Mission) -> list[int]:
     """Return the robots that differ, by what they are and where they start: the first of equals."""
     first: dict[object, int] = {}
     for number, robot in enumerate(mission.robots):
@@ -103,37 +103,37 @@ def _different(mission: Scenario) -> list[int]:
     return list(first.values())
 
 
-def _adding(mission: Scenario, like: Robot) -> Callable[[], Scenario]:
+def _adding(mission: Mission, like: Robot) -> Callable[[], Mission]:
     names = {robot.name for robot in mission.robots}
     number = next(n for n in range(2, len(names) + 3) if f"{like.name}-{n}" not in names)
     new = replace(like, name=f"{like.name}-{number}", absences=())
     return lambda: replace(mission, robots=(*mission.robots, new), step_limit=0)
 
 
-def _without_robot(mission: Scenario, gone: int) -> Callable[[], Scenario]:
-    def make() -> Scenario:
+def _without_robot(mission: Mission, gone: int) -> Callable[[], Mission]:
+    def make() -> Mission:
         left = [number for number in range(len(mission.robots)) if number != gone]
         return with_robots(mission, left)
 
     return make
 
 
-def _faster(mission: Scenario, robots: list[int]) -> Callable[[], Scenario]:
+def _faster(mission: Mission, robots: list[int]) -> Callable[[], Mission]:
     return _changing(mission, robots, lambda robot: replace(robot, speed=2 * robot.speed))
 
 
-def _taught(mission: Scenario, robots: list[int], cap: str) -> Callable[[], Scenario]:
+def _taught(mission: Mission, robots: list[int], cap: str) -> Callable[[], Mission]:
     """Teach robots a capability: as much of it as the robot that brings least of it."""
     least = min((robot.can[cap] for robot in mission.robots if robot.can.get(cap)), default=1)
     return _changing(mission, robots, lambda robot: replace(robot, can={**robot.can, cap: least}))
 
 
 def _changing(
-    mission: Scenario, chosen: list[int], change: Callable[[Robot], Robot]
-) -> Callable[[], Scenario]:
+    mission: Mission, chosen: list[int], change: Callable[[Robot], Robot]
+) -> Callable[[], Mission]:
     """Change some of the robots."""
 
-    def make() -> Scenario:
+    def make() -> Mission:
         robots = enumerate(mission.robots)
         changed = (change(robot) if number in chosen else robot for number, robot in robots)
         return replace(mission, robots=tuple(changed), step_limit=0)
@@ -141,10 +141,10 @@ def _changing(
     return make
 
 
-def _without_task(mission: Scenario, gone: Task) -> Callable[[], Scenario]:
+def _without_task(mission: Mission, gone: Task) -> Callable[[], Mission]:
     """Leave a task out; what was after it is after what that was after."""
 
-    def make() -> Scenario:
+    def make() -> Mission:
         left = []
         for task in mission.tasks:
             if task.name == gone.name:

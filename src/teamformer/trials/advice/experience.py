@@ -17,9 +17,9 @@ import numpy as np
 
 from teamformer.base.array_types import Floats
 from teamformer.base.errors import TeamformerError
-from teamformer.mission.model import Scenario, Task, default_step_limit
+from teamformer.mission.model import Mission, Task, default_step_limit
 from teamformer.mission.parts.grid import Place
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 
 NEAR = (1 / 32, 1 / 16, 1 / 8, 1 / 4, np.inf)
 """What may count as near, as a share of the longer side of the world; the last: all of it."""
@@ -52,11 +52,11 @@ class Lesson:
 class Experience:
     """A mission as records of its site show it, and what was learned of its tasks."""
 
-    mission: Scenario
+    mission: Mission
     lessons: tuple[Lesson, ...]
 
 
-def learn(mission: Scenario, records: Sequence[Replay]) -> Experience:
+def learn(mission: Mission, records: Sequence[Record]) -> Experience:
     """Return a mission whose uncertain durations and needs are as records of its site show them.
 
     Only what has shown itself counts: durations of tasks that were done, needs that became known.
@@ -113,7 +113,7 @@ class _Case:
     said: float  # what was to be expected by the file of its mission
 
 
-def _cases(record: Replay) -> Iterator[_Case]:
+def _cases(record: Record) -> Iterator[_Case]:
     """Return what a record shows of durations and needs that were not known."""
     done = {task for step in record.steps for task, _ in step.done}
     seen = {task for step in record.steps for task in step.shown}

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from teamformer.base.errors import TeamformerError
 from teamformer.base.worker_processes import work_in_processes
 from teamformer.methods.by_name import load_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.orders import in_order
 from teamformer.mission.truth import expected_mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
@@ -24,14 +24,14 @@ from teamformer.trials.trial import run_trial
 
 
 @dataclass(frozen=True)
-class Search:
+class PlannedSearch:
     """A search to make: for a plan of a mission, or a whole trial by a method.
 
     `order` is one of the orders in which it can be written, 0 the one that it is written in.
     """
 
     about: int  # what the mission is, to whom wants to know the result
-    mission: Scenario
+    mission: Mission
     method: str
     order: int = 0
     with_path: bool = False  # whether what the end hangs on is asked for too
@@ -45,7 +45,7 @@ class Found(NamedTuple):
     path: tuple[Stretch, ...] = ()
 
 
-def search(job: Search) -> Found:
+def search(job: PlannedSearch) -> Found:
     """Make a search."""
     begun = time.perf_counter()
     mission = in_order(job.mission, job.order)
@@ -55,7 +55,7 @@ def search(job: Search) -> Found:
 
 
 def _played(
-    mission: Scenario, method: str, with_path: bool
+    mission: Mission, method: str, with_path: bool
 ) -> tuple[float | None, tuple[Stretch, ...]]:
     replay = run_trial(expected_mission(mission), load_method(method)).replay
     value = replay.end.makespan if mission.cost is None else cost_of_record(replay)
@@ -64,7 +64,7 @@ def _played(
 
 
 def _planned(
-    mission: Scenario, method: str, with_path: bool
+    mission: Mission, method: str, with_path: bool
 ) -> tuple[float | None, tuple[Stretch, ...]]:
     try:
         made = plan_continuous(pose_mission(mission), method, 0.0)
@@ -76,15 +76,17 @@ def _planned(
     return made.makespan if made.cost is None else made.cost, path
 
 
-def searched(jobs: Iterable[Search], workers: int) -> Generator[tuple[Search, Found], None, None]:
+def searched(
+    jobs: Iterable[PlannedSearch], workers: int
+) -> Generator[tuple[PlannedSearch, Found], None, None]:
     """Make searches, in processes if there is more than one worker; yield them with results."""
     if workers <= 1:
         for job in jobs:
             yield job, search(job)
         return
-    given: list[Search] = []
+    given: list[PlannedSearch] = []
 
-    def noted() -> Generator[Search, None, None]:
+    def noted() -> Generator[PlannedSearch, None, None]:
         for job in jobs:
             given.append(job)
             yield job

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.trials.advice.changes import FEWER, Change
 from teamformer.viewer.advice_page import advice_page
 from teamformer.viewer.notebook_page import Page
@@ -29,7 +29,7 @@ class Suggestion:
     gain: float
     noise: float
     searches: int
-    mission: Scenario
+    mission: Mission
 
     @property
     def is_sure(self) -> bool:
@@ -47,7 +47,7 @@ class Advice:
     those that there was no time for.
     """
 
-    mission: Scenario
+    mission: Mission
     method: str
     makespan: float
     written: float

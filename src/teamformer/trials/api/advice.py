@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from teamformer.base.errors import TeamformerError
-from teamformer.mission.model import Scenario
-from teamformer.record.record import Replay
+from teamformer.mission.model import Mission
+from teamformer.record.record import Record
 from teamformer.trials.advice.advise import advise_on
 from teamformer.trials.advice.experience import Experience
 from teamformer.trials.advice.experience import learn as learn_from
@@ -14,7 +14,7 @@ from teamformer.trials.advice.suggestions import Advice
 from teamformer.trials.api.arguments import known_seconds, refuse_no_mission
 
 
-def advise(mission: Scenario, seconds: float = 60.0, workers: int = 1) -> Advice:
+def advise(mission: Mission, seconds: float = 60.0, workers: int = 1) -> Advice:
     """Return what would help a mission most, and which robots could be spared.
 
     The mission is planned again with one thing changed at a time: one more robot of each kind, one
@@ -37,7 +37,7 @@ def advise(mission: Scenario, seconds: float = 60.0, workers: int = 1) -> Advice
     return advise_on(mission, known_seconds(seconds), workers)
 
 
-def learn(mission: Scenario, records: Sequence[Replay]) -> Experience:
+def learn(mission: Mission, records: Sequence[Record]) -> Experience:
     """Return a mission whose uncertain durations and needs are as records of its site show them.
 
     The result has the `mission`, and its `lessons` one by one. Records are of missions in the same
@@ -53,9 +53,9 @@ def learn(mission: Scenario, records: Sequence[Replay]) -> Experience:
     True
     """
     refuse_no_mission(mission, "learn")
-    records = [records] if isinstance(records, Replay) else list(records)
+    records = [records] if isinstance(records, Record) else list(records)
     for record in records:
-        if not isinstance(record, Replay):
+        if not isinstance(record, Record):
             what = f"learn takes records, not {type(record).__name__}"
             raise TeamformerError(what, "write trial.record for each trial")
     return learn_from(mission, records)

@@ -6,14 +6,14 @@ import operator
 from os import PathLike
 
 from teamformer.base.errors import TeamformerError
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 PathOrName = str | PathLike[str]
 
 
 def refuse_no_mission(mission: object, verb: str) -> None:
     """Raise `TeamformerError` for what is no mission, such as the path of one."""
-    if not isinstance(mission, Scenario):
+    if not isinstance(mission, Mission):
         what = f"{verb} takes a mission, not {type(mission).__name__}"
         raise TeamformerError(what, f"write tf.{verb}(tf.load('mission.yaml'))")
 

@@ -11,12 +11,12 @@ from teamformer.base.errors import TeamformerError
 from teamformer.files.drawn.generate import Spec
 from teamformer.files.drawn.generate import generate as draw
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import read_scenario, write_scenario
-from teamformer.mission.model import Scenario
+from teamformer.files.mission_files import read_mission, write_mission
+from teamformer.mission.model import Mission
 from teamformer.trials.api.arguments import PathOrName, refuse_no_mission, whole_seed
 
 
-def load(path: PathOrName) -> Scenario:
+def load(path: PathOrName) -> Mission:
     """Return the mission of a file (docs/reference/scenarios.md).
 
     Raises `TeamformerError` if the file is wrong; its text lists every problem with its line.
@@ -24,10 +24,10 @@ def load(path: PathOrName) -> Scenario:
     >>> tf.load("examples/warehouse.yaml").name
     'warehouse morning'
     """
-    return read_scenario(Path(path))
+    return read_mission(Path(path))
 
 
-def save(mission: Scenario, path: PathOrName) -> None:
+def save(mission: Mission, path: PathOrName) -> None:
     """Write a mission to a file: as JSON if the name ends in `.json`, else as YAML.
 
     >>> tf.save(tf.setting("4N4T-C4"), "mission.yaml")
@@ -35,10 +35,10 @@ def save(mission: Scenario, path: PathOrName) -> None:
     True
     """
     refuse_no_mission(mission, "save")
-    write_scenario(mission, Path(path))
+    write_mission(mission, Path(path))
 
 
-def setting(name: str, seed: int = 0) -> Scenario:
+def setting(name: str, seed: int = 0) -> Mission:
     """Return a random mission of a named setting of `bench` (docs/how-to/bench.md).
 
     The same name and seed give the same mission on every machine. Raises `TeamformerError` if there
@@ -50,7 +50,7 @@ def setting(name: str, seed: int = 0) -> Scenario:
     return world_of(name, whole_seed(seed))
 
 
-def generate(seed: int = 0, **spec: Any) -> Scenario:
+def generate(seed: int = 0, **spec: Any) -> Mission:
     """Return a random mission with the paper's distributions.
 
     `spec` takes the fields of `teamformer.files.drawn.generate.Spec`: `robots`, `tasks`,

@@ -7,22 +7,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.methods.by_name import Method, Player, as_method, default_for, load_method
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.rules import rules_not_played
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
-from teamformer.record.reading import read_replay
-from teamformer.record.record import Replay
+from teamformer.record.reading import read_record
+from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.referee.rules.truth import wrong_truths
 from teamformer.record.referee.rules.verdict import Verdict
-from teamformer.record.writing import replay_to_tree
+from teamformer.record.writing import record_to_tree
 from teamformer.trials.api.arguments import (
     PathOrName,
     known_seconds,
@@ -33,9 +33,8 @@ from teamformer.trials.comparison import compare_methods
 from teamformer.trials.outputs import write_record
 from teamformer.trials.planned import PlannedMission, plan_mission
 from teamformer.trials.rows import bars_of, result_row
-from teamformer.trials.trial import Trial as PlayedTrial
-from teamformer.trials.trial import run_trial
-from teamformer.viewer.html import replay_page
+from teamformer.trials.trial import PlayedTrial, run_trial
+from teamformer.viewer.html import record_page
 from teamformer.viewer.notebook_page import Page
 
 
@@ -55,7 +54,7 @@ class Trial:
         return f"<{mission} by {self.record.method}: {end.status} after {end.steps} steps>"
 
     @property
-    def record(self) -> Replay:
+    def record(self) -> Record:
         """Return the record, step by step (docs/reference/replay.md)."""
         return self.played.replay
 
@@ -103,7 +102,7 @@ class Trial:
 
     def show(self, height: int = 620) -> Page:
         """Return the page of the record; a notebook shows it in a frame `height` pixels high."""
-        return Page(replay_page(replay_to_tree(self.record)), height)
+        return Page(record_page(record_to_tree(self.record)), height)
 
     def save(self, folder: PathOrName) -> Path:
         """Write `replay.json` and its page `replay.html` into a folder; return the folder."""
@@ -118,11 +117,11 @@ class Trial:
 
 
 def run(
-    mission: Scenario,
+    mission: Mission,
     method: str | Player | None = None,
     seed: int = 0,
     seconds: float = 10.0,
-    truth: Scenario | None = None,
+    truth: Mission | None = None,
 ) -> Trial:
     """Run a mission and return the trial.
 
@@ -147,7 +146,7 @@ def run(
 
 
 def compare(
-    mission: Scenario,
+    mission: Mission,
     methods: Sequence[str | Player] = ("heuristic", "join-all", "crews", "plan", "central"),
     seeds: int = 1,
     seconds: float = 10.0,
@@ -174,9 +173,7 @@ def compare(
     return compared.rows()
 
 
-def plan(
-    mission: Scenario, seconds: float = 10.0, method: str = "central"
-) -> PlannedMission | None:
+def plan(mission: Mission, seconds: float = 10.0, method: str = "central") -> PlannedMission | None:
     """Return a plan of who goes where and when, without playing it; None if none was found.
 
     The plan has `makespan`, `bound`, `is_proven`, `order`, `coalitions`, `routes` and
@@ -197,7 +194,7 @@ def plan(
     return plan_mission(mission, method, known_seconds(seconds))
 
 
-def check(record: Trial | Replay | PathOrName) -> Verdict:
+def check(record: Trial | Record | PathOrName) -> Verdict:
     """Return the referee's verdict on a trial, a record or its file: `.is_legal`, `.findings`.
 
     >>> folder = tf.run(tf.setting("4N4T-C4")).save("out")
@@ -206,14 +203,14 @@ def check(record: Trial | Replay | PathOrName) -> Verdict:
     """
     if isinstance(record, Trial):
         return record.check()
-    return judge(record if isinstance(record, Replay) else read_replay(Path(record)))
+    return judge(record if isinstance(record, Record) else read_record(Path(record)))
 
 
-def refuse_unplayed(mission: Scenario, verb: str) -> None:
+def refuse_unplayed(mission: Mission, verb: str) -> None:
     """Raise `TeamformerError` for what is no mission, or none that is played in steps."""
     refuse_no_mission(mission, verb)
     if problems := list(rules_not_played(mission)):
-        raise ScenarioError(problems)
+        raise MissionError(problems)
 
 
 def _method(method: str | Player, seconds: float) -> Method:
@@ -221,10 +218,10 @@ def _method(method: str | Player, seconds: float) -> Method:
     return load_method(method, limit) if isinstance(method, str) else as_method(method)
 
 
-def _refuse_wrong_truth(mission: Scenario, truth: Scenario) -> None:
+def _refuse_wrong_truth(mission: Mission, truth: Mission) -> None:
     """Raise `TeamformerError` for a truth that a mission does not allow."""
     hint = "take trial.record.mission, or draw one from the mission itself"
-    if not isinstance(truth, Scenario):
+    if not isinstance(truth, Mission):
         raise TeamformerError(f"the truth is a mission, not {type(truth).__name__}", hint)
     known = truth.tasks[: len(mission.tasks)] if mission.arrivals else truth.tasks
     if [task.name for task in mission.tasks] != [task.name for task in known]:
@@ -236,7 +233,7 @@ def _refuse_wrong_truth(mission: Scenario, truth: Scenario) -> None:
 
 
 def _run_one(
-    mission: Scenario, method: Method, seed: int, truth: Scenario | None = None
+    mission: Mission, method: Method, seed: int, truth: Mission | None = None
 ) -> PlayedTrial:
     truth = draw_truth(mission, seed) if truth is None else truth
     return run_trial(mission, method, seed, lower_bound(truth), truth=truth)

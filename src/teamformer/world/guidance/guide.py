@@ -12,7 +12,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.coordination import NEWS, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import Counts, covers, describe, exact, total
 from teamformer.mission.parts.reach import can_reach
 from teamformer.mission.precedence import keep_precedence, tasks_before
@@ -36,7 +36,7 @@ class Guide:
     def __init__(
         self,
         worlds: Worlds,
-        scenarios: Sequence[Scenario],
+        scenarios: Sequence[Mission],
         coordinators: Sequence[Coordinator | None],
     ) -> None:
         self.scenarios, self.coordinators = tuple(scenarios), tuple(coordinators)
@@ -248,7 +248,7 @@ def _bits_of(coordinator: Coordinator | None) -> int:
     return START | sum(1 << bit for bit, word in enumerate(NEWS) if word in heeded)
 
 
-def _make_parts(worlds: Worlds, scenarios: Sequence[Scenario]) -> Parts:
+def _make_parts(worlds: Worlds, scenarios: Sequence[Mission]) -> Parts:
     """Return the parts of worlds without a plan."""
     count, robots, caps = worlds.has.shape
     tasks = worlds.tasks.shape[1]

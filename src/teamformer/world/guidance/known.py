@@ -8,14 +8,14 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.mission.coordination import NEWS, Known
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import believed_mission
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.state.arrays import Worlds
 
 
-def known_of(worlds: Worlds, w: int, scenario: Scenario, news: int) -> Known:
+def known_of(worlds: Worlds, w: int, scenario: Mission, news: int) -> Known:
     """Return what everybody knows of world `w`; `news` holds what has happened, a bit for each."""
     robots, tasks, teams = worlds.robots[w], worlds.tasks[w], worlds.teams[w]
     step = int(worlds.count["steps"][w])
@@ -54,7 +54,7 @@ def words_of(news: int) -> tuple[str, ...]:
     return tuple(word for bit, word in enumerate(NEWS) if news & 1 << bit)
 
 
-def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
+def _believed(worlds: Worlds, w: int, scenario: Mission) -> Mission:
     """Return a mission with what everybody believes that its tasks need, and where they are."""
     caps, tasks = scenario.capabilities, range(len(scenario.tasks))
     needs: dict[int, dict[str, float]] = {}
@@ -69,7 +69,7 @@ def _believed(worlds: Worlds, w: int, scenario: Scenario) -> Scenario:
     return believed_mission(scenario, needs, places)
 
 
-def _without_what_is_over(mission: Scenario, tasks: Array, step: int) -> Scenario:
+def _without_what_is_over(mission: Mission, tasks: Array, step: int) -> Mission:
     """Return a mission whose tasks are `after` those only that are not over; (tasks,) records."""
     if not any(task.after for task in mission.tasks):
         return mission

@@ -12,7 +12,7 @@ from teamformer.base.extras import how_to_install
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.mission.arrivals import most_tasks
 from teamformer.mission.checks.checks import LARGEST_COUNT
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.multi_agent.action_spaces import (
@@ -52,7 +52,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
 
     `actions` is "counts" (the counts that the team wants, as in the scalable space) or
     "original" (2^(|C|+1) actions; observations then have an `action_mask`). With a `Spec` every
-    reset draws a new world of the same sizes. With a `Scenario` the world is always the same, but
+    reset draws a new world of the same sizes. With a `Mission` the world is always the same, but
     every reset draws its uncertain values again.
     """
 
@@ -60,7 +60,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
 
     def __init__(
         self,
-        source: Scenario | Spec,
+        source: Mission | Spec,
         actions: Literal["counts", "original"] = "counts",
         reward: Reward | None = None,
     ) -> None:
@@ -149,7 +149,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         work = np.column_stack((tasks["is_open"], is_done, places, left))
         needs = worlds.true_needs[0] if worlds.rules["hides_needs"][0] else worlds.needs[0]
         work = np.hstack((work, needs))  # (tasks, 5 + caps)
-        more = most_tasks(self._source) - len(work) if isinstance(self._source, Scenario) else 0
+        more = most_tasks(self._source) - len(work) if isinstance(self._source, Mission) else 0
         work = np.vstack((work, np.full((more, work.shape[1]), NOBODY)))
         return np.concatenate((fleet, work), axis=None, dtype=np.float32)
 

@@ -25,7 +25,7 @@ MOST_PLACES = 100
 """In a wider region robots look in the nearest place next."""
 
 
-class Search(NamedTuple):
+class Looking(NamedTuple):
     """Where a task may be, in whole cells or units from the first place in its list."""
 
     at_x: Array  # (places,)
@@ -69,8 +69,8 @@ def soonest_left(world: World, task: int, seeker: int) -> np.int64:
 
 
 @allocating_kernel
-def _empty_search(left: int, radius: float) -> Search:
-    return Search(
+def _empty_search(left: int, radius: float) -> Looking:
+    return Looking(
         np.zeros(left, np.int64), np.zeros(left, np.int64), np.zeros(left, np.int64),
         np.zeros(left, np.bool_), radius,
     )  # fmt: skip
@@ -82,7 +82,7 @@ def _units(world: World, along: float, origin: float) -> np.int64:
 
 
 @kernel
-def _nearest(search: Search, x: int, y: int, is_out: Array) -> int:
+def _nearest(search: Looking, x: int, y: int, is_out: Array) -> int:
     """Return the nearest place that is not out, of equally near ones the first."""
     found, shortest = -1, 0
     for place in range(len(search.at_x)):
@@ -94,7 +94,7 @@ def _nearest(search: Search, x: int, y: int, is_out: Array) -> int:
 
 
 @kernel
-def _cost_of_walk(search: Search, x: int, y: int, first: int) -> np.int64:
+def _cost_of_walk(search: Looking, x: int, y: int, first: int) -> np.int64:
     """Return the steps until a robot that looks somewhere first is at the task, for all places."""
     cost, steps, left, target = np.int64(0), np.int64(0), len(search.at_x), first
     is_seen = search.is_left

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from teamformer.base.errors import ScenarioError
+from teamformer.base.errors import MissionError
 from teamformer.mission.checks.rules import FORESIGHTS, NEW_TASKS, rules_not_played
 from teamformer.mission.checks.windows import window_opens
-from teamformer.mission.model import Scenario, Task, World
+from teamformer.mission.model import Mission, Task, World
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import DECIMALS, Plane
@@ -35,8 +35,8 @@ from teamformer.world.state.arrays import (
 
 
 def pack_worlds(
-    scenarios: Sequence[Scenario],
-    truths: Sequence[Scenario],
+    scenarios: Sequence[Mission],
+    truths: Sequence[Mission],
     is_coordinated: Sequence[bool],
     new_tasks: str,
     foresight: str,
@@ -45,12 +45,12 @@ def pack_worlds(
 
     `truths` says what each of them really is, `is_coordinated` which of them have a coordinator.
     `new_tasks` is what the paper's order does with tasks that appear, `foresight` how needs that
-    nobody knows are treated. Raises `ScenarioError` for missions whose rules are
+    nobody knows are treated. Raises `MissionError` for missions whose rules are
     not those of the steps.
     """
     problems = [problem for scenario in scenarios for problem in rules_not_played(scenario)]
     if problems:
-        raise ScenarioError(problems)
+        raise MissionError(problems)
     worlds = _empty_worlds(scenarios, truths)
     worlds.rules["new_tasks"] = NEW_TASKS.index(new_tasks)
     worlds.rules["foresight"] = FORESIGHTS.index(foresight)
@@ -67,7 +67,7 @@ def pack_worlds(
     return worlds
 
 
-def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> Worlds:
+def _empty_worlds(scenarios: Sequence[Mission], truths: Sequence[Mission]) -> Worlds:
     count = len(scenarios)
     robots = max(len(s.robots) for s in scenarios)
     tasks = max(len(s.tasks) for s in scenarios)
@@ -124,7 +124,7 @@ def _empty_worlds(scenarios: Sequence[Scenario], truths: Sequence[Scenario]) -> 
     return worlds
 
 
-def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
+def _pack_rules(worlds: Worlds, w: int, scenario: Mission) -> None:
     width, height, cells_per_length = _cells_of(scenario)
     plane = scenario.world if isinstance(scenario.world, Plane) else None
     here = plane.arrival_radius if plane else 0.0
@@ -153,7 +153,7 @@ def _pack_rules(worlds: Worlds, w: int, scenario: Scenario) -> None:
     worlds.rules["start_x"][w], worlds.rules["start_y"][w] = _centroid(scenario)
 
 
-def _cells_of(scenario: Scenario) -> tuple[int, int, float]:
+def _cells_of(scenario: Mission) -> tuple[int, int, float]:
     """Return how many cells across and up, and how many a length; on a plane, to look around.
 
     There a cell is wider than any finite radius, so that what is near lies in the cells around,
@@ -170,7 +170,7 @@ def _cells_of(scenario: Scenario) -> tuple[int, int, float]:
     return int(world.width / side) + 1, int(world.height / side) + 1, 1 / side
 
 
-def _centroid(scenario: Scenario) -> Place:
+def _centroid(scenario: Mission) -> Place:
     """Return the place at the robots' centroid; where that is blocked, the nearest robot's."""
     places = [robot.at for robot in scenario.robots]
     x = sum(x for x, _ in places) / len(places)
@@ -183,7 +183,7 @@ def _centroid(scenario: Scenario) -> Place:
     return min(places, key=lambda at: (at[0] - x) ** 2 + (at[1] - y) ** 2)
 
 
-def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
+def _pack_robots(worlds: Worlds, w: int, scenario: Mission) -> None:
     column = {name: c for c, name in enumerate(scenario.capabilities)}
     for r, robot in enumerate(scenario.robots):
         record = worlds.robots[w, r]
@@ -213,9 +213,7 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Scenario) -> None:
         worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
 
 
-def _pack_tasks(
-    worlds: Worlds, w: int, scenario: Scenario, truth: Scenario, foresight: str
-) -> None:
+def _pack_tasks(worlds: Worlds, w: int, scenario: Mission, truth: Mission, foresight: str) -> None:
     cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
     for later, before in tasks_before(scenario.tasks).items():
         worlds.precedes[w, before, later] = True
@@ -270,7 +268,7 @@ def _pack_places(worlds: Worlds, w: int, k: int, task: Task, world: World, at: P
         worlds.spots[w, k, number] = (*place, True)
 
 
-def _most_places(scenario: Scenario) -> int:
+def _most_places(scenario: Mission) -> int:
     """Return in how many places a task of a scenario may be at most."""
     return max(len(possible_places(scenario.world, t.at, t.within)) for t in scenario.tasks)
 

@@ -12,10 +12,10 @@ from teamformer.base.errors import Problem, TeamformerError
 from teamformer.cli.terminal.compiling import compile_ahead
 from teamformer.cli.terminal.console import Timing, out, prepare_file, print_json, processors, say
 from teamformer.cli.terminal.interruption import Interruption
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import default_for, load_method
 from teamformer.mission.checks.rules import rules_not_played
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.trials.advice.advise import advise_on
 from teamformer.trials.advice.changes import FEWER
 from teamformer.trials.advice.suggestions import Advice
@@ -26,7 +26,7 @@ MOST_LINES = 15
 
 def advise(path: Path, page: Path | None, time_limit: float, as_json: bool) -> int:
     """Measure what would help a mission and show it; return the exit status."""
-    mission = read_scenario(path, _rules_not_advised_on)
+    mission = read_mission(path, _rules_not_advised_on)
     if page is not None:
         if page.suffix.lower() not in (".html", ".htm"):
             raise TeamformerError(f"{page}: the advice is a page", "name a file that ends in .html")
@@ -48,12 +48,12 @@ def advise(path: Path, page: Path | None, time_limit: float, as_json: bool) -> i
     return 0
 
 
-def _rules_not_advised_on(mission: Scenario) -> Iterator[Problem]:
+def _rules_not_advised_on(mission: Mission) -> Iterator[Problem]:
     if mission.time != "continuous":
         yield from rules_not_played(mission)
 
 
-def _prepare(mission: Scenario) -> None:
+def _prepare(mission: Mission) -> None:
     """Compile what planning in steps needs, and say what is measured."""
     compile_ahead([load_method(default_for(mission))], mission)
     if mission.has_surprises:

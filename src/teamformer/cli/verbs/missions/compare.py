@@ -14,17 +14,17 @@ from teamformer.cli.terminal.compiling import compile_ahead
 from teamformer.cli.terminal.console import out, prepare_folder, print_json, say, wide
 from teamformer.cli.terminal.interruption import Interruption
 from teamformer.cli.verbs.missions.run import plan_line, watch_trial
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import Method, load_method
 from teamformer.mission.checks.costs import LATENESS, judged_by
 from teamformer.mission.checks.rules import rules_not_played
-from teamformer.mission.model import Scenario
-from teamformer.record.record import Replay
+from teamformer.mission.model import Mission
+from teamformer.record.record import Record
 from teamformer.record.task_times import cost_of_record, lateness
-from teamformer.record.writing import replay_to_tree, write_replay
+from teamformer.record.writing import record_to_tree, save_record
 from teamformer.trials.comparison import Comparison, Failure, compare_methods
 from teamformer.trials.rows import Bars, percent_over, percent_over_least
-from teamformer.trials.trial import Trial
+from teamformer.trials.trial import PlayedTrial
 from teamformer.viewer.html import write_comparison
 
 COLUMNS = (
@@ -54,7 +54,7 @@ def compare(
     The folder gets all records and one page that shows them in step. A trial that fails is a row
     that says why. Where all do, the first error is raised.
     """
-    mission = read_scenario(path, rules_not_played)
+    mission = read_mission(path, rules_not_played)
     methods = [load_method(name, time_limit) for name in names]
     if folder is not None:
         prepare_folder(folder)
@@ -92,7 +92,7 @@ def _tell(compared: Comparison, as_json: bool) -> None:
             out.print(Text(why, style="red"))
 
 
-def _run_one(mission: Scenario, method: Method, seed: int) -> Trial:
+def _run_one(mission: Mission, method: Method, seed: int) -> PlayedTrial:
     say(f"{method.name}, seed {seed} ...")
     return watch_trial(mission, method, seed)
 
@@ -101,13 +101,13 @@ def _write(compared: Comparison, folder: Path) -> None:
     """Write the records and the page that shows all of them."""
     for trial in compared.trials:
         name = f"{_file_name(trial.replay.method)}-{trial.replay.seed}.json"
-        write_replay(trial.replay, folder / name)
+        save_record(trial.replay, folder / name)
     page = folder / "compare.html"
     failed = [
         {"method": failure.method, "seed": failure.seed, "why": _reason(failure.error)}
         for failure in compared.failures
     ]
-    write_comparison([replay_to_tree(trial.replay) for trial in compared.trials], page, failed)
+    write_comparison([record_to_tree(trial.replay) for trial in compared.trials], page, failed)
     say(f"page: {page}")
 
 
@@ -122,7 +122,7 @@ def _reason(error: TeamformerError) -> str:
     return "; ".join(lines)
 
 
-def _bar_lines(bars: Mapping[int, Bars], mission: Scenario) -> list[str]:
+def _bar_lines(bars: Mapping[int, Bars], mission: Mission) -> list[str]:
     """Return the bars as they are shown: those of each seed where they differ."""
     said = {
         seed: f"best known {bar.best or '-'}, lower bound {bar.bound or '-'}"
@@ -134,7 +134,7 @@ def _bar_lines(bars: Mapping[int, Bars], mission: Scenario) -> list[str]:
     return list(said.values())[:1] + _what_is_best(mission)
 
 
-def _what_is_best(mission: Scenario) -> list[str]:
+def _what_is_best(mission: Mission) -> list[str]:
     """Return by what a mission with windows and without a cost is judged, which nobody wrote."""
     if mission.cost or judged_by(mission) is None:
         return []
@@ -142,7 +142,7 @@ def _what_is_best(mission: Scenario) -> list[str]:
     return [f"`to best` counts the makespan, and {late}"]
 
 
-def _table(compared: Comparison, mission: Scenario) -> Table:
+def _table(compared: Comparison, mission: Mission) -> Table:
     """Return a row for each trial, with what it costs and how late it is if the mission says so."""
     table = Table(box=None, header_style="dim")
     for column in (*COLUMNS[:3], *_extra_cells(mission, None), *COLUMNS[3:]):
@@ -155,7 +155,7 @@ def _table(compared: Comparison, mission: Scenario) -> Table:
     return table
 
 
-def _extra_cells(mission: Scenario, replay: Replay | None) -> dict[str, str]:
+def _extra_cells(mission: Mission, replay: Record | None) -> dict[str, str]:
     """Return what a record tells only of some missions, by column; no record has empty cells."""
     cells = {}
     if mission.cost:
@@ -167,7 +167,7 @@ def _extra_cells(mission: Scenario, replay: Replay | None) -> dict[str, str]:
     return cells
 
 
-def _cells(trial: Trial, bars: Bars) -> list[Text | str]:
+def _cells(trial: PlayedTrial, bars: Bars) -> list[Text | str]:
     replay, end = trial.replay, trial.replay.end
     makespan = end.status if end.makespan is None else str(end.makespan)
     over = [percent_over_least(replay, bars), percent_over(end.makespan, replay.lower_bound)]

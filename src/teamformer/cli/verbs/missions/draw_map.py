@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.base.file_access import read_text
 from teamformer.cli.terminal.console import out, say
 from teamformer.files.maps.formats import is_map, read_map
-from teamformer.files.mission_files import read_scenario, read_world_of
+from teamformer.files.mission_files import read_mission, read_world_of
 from teamformer.mission.model import World
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.parts.roads import Roads
@@ -47,8 +47,8 @@ def _of_mission(path: Path) -> tuple[World, str, dict[Place, str]]:
     What is wrong with these is said, and then there are no signs: the map is there to mend them.
     """
     try:
-        scenario = read_scenario(path)
-    except ScenarioError as error:
+        scenario = read_mission(path)
+    except MissionError as error:
         world = read_world_of(path)
         say(str(error))
         return world, path.stem, {}

@@ -13,8 +13,8 @@ from teamformer.files.drawn.generate import Spec
 from teamformer.files.drawn.generate import generate as generate_scenario
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.files.maps.formats import read_coarse_map
-from teamformer.files.mission_files import write_scenario
-from teamformer.mission.model import Scenario, World
+from teamformer.files.mission_files import write_mission
+from teamformer.mission.model import Mission, World
 from teamformer.mission.parts.grid import LARGEST_MAP, Grid
 from teamformer.mission.parts.plane import Plane
 
@@ -42,8 +42,8 @@ def generate_setting(setting: str, seed: int, path: Path) -> int:
     return _write(world_of(setting, seed), path)
 
 
-def _write(scenario: Scenario, path: Path) -> int:
-    write_scenario(scenario, path)
+def _write(scenario: Mission, path: Path) -> int:
+    write_mission(scenario, path)
     say(f"mission: {path}")
     return 0
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from teamformer.cli.terminal.console import prepare_file, prepare_folder, say
 from teamformer.files.imports import import_missions
-from teamformer.files.mission_files import write_scenario
+from teamformer.files.mission_files import write_mission
 
 
 def import_(form: str, path: Path, out: Path) -> int:
@@ -21,7 +21,7 @@ def import_(form: str, path: Path, out: Path) -> int:
         prepare_folder(out)
     for number, mission in enumerate(missions):
         file = out if len(missions) == 1 else out / f"{path.stem}-{number}.yaml"
-        write_scenario(mission, file)
+        write_mission(mission, file)
         robots, tasks = len(mission.robots), len(mission.tasks)
         say(f"{file}: {mission.name} with {robots} robots and {tasks} tasks")
     return 0

@@ -12,21 +12,21 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import require
-from teamformer.cli.terminal.addresses import Address, check_address
+from teamformer.cli.terminal.addresses import HostAndPort, check_address
 from teamformer.cli.terminal.compiling import compile_ahead
 from teamformer.cli.terminal.console import prepare_folder, say
 from teamformer.cli.verbs.missions.run import chosen_method
-from teamformer.files.drawn.smallest import smallest_scenario
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.drawn.smallest import smallest_mission
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
 from teamformer.mission.checks.rules import rules_not_played
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 if TYPE_CHECKING:
     from teamformer.fleet.observer.session import ObserverSession
     from teamformer.live.keeping.resuming import StartMission
-    from teamformer.live.running.mission_with_past import Mission
+    from teamformer.live.running.mission_with_past import RunningMission
     from teamformer.live.workshop import Workshop
 
 SPEED = 4.0
@@ -37,17 +37,17 @@ TIME_LIMIT = 10.0
 
 
 @dataclass(frozen=True)
-class Options:
+class LiveOptions:
     """What the command line says of a live mission; `resumes` one that was cut off."""
 
     method: str | None
     seed: int
-    address: Address
+    address: HostAndPort
     folder: Path
     resumes: bool = False
 
 
-def live(path: Path | None, options: Options) -> int:
+def live(path: Path | None, options: LiveOptions) -> int:
     """Serve a mission, or without one the editor, until Ctrl-C; return the exit status.
 
     What was done by then is saved.
@@ -64,7 +64,7 @@ def live(path: Path | None, options: Options) -> int:
     return 0
 
 
-def serve_page(session: Workshop | ObserverSession, name: str, at: Address) -> None:
+def serve_page(session: Workshop | ObserverSession, name: str, at: HostAndPort) -> None:
     """Serve a mission's page until Ctrl-C, and save."""
     from teamformer.live.serving.doors import Doors
     from teamformer.live.serving.server import make_app, serve
@@ -102,7 +102,7 @@ def _put_aside(folder: Path) -> None:
         say(f"note: teamformer live {shlex.quote(str(kept))} --resume")
 
 
-def _prepare_to_go_on(path: Path | None, options: Options) -> tuple[Workshop, str]:
+def _prepare_to_go_on(path: Path | None, options: LiveOptions) -> tuple[Workshop, str]:
     """Return what goes on with a mission that was cut off: that of a file, or the latest one."""
     from teamformer.live.keeping.resuming import drop_half_line, find_autosave, read_autosave
     from teamformer.live.workshop import Workshop
@@ -123,22 +123,22 @@ def _prepare_to_go_on(path: Path | None, options: Options) -> tuple[Workshop, st
 
 def _starting(method: str | None, seed: int) -> StartMission:
     """Return what makes missions: by a method, or by the one that suits each if none is named."""
-    from teamformer.live.running.mission_with_past import Mission
+    from teamformer.live.running.mission_with_past import RunningMission
 
-    def start(mission: Scenario, plans: Sequence[tuple[int, Plan]] = ()) -> Mission:
+    def start(mission: Mission, plans: Sequence[tuple[int, Plan]] = ()) -> RunningMission:
         chosen = chosen_method(method, mission, TIME_LIMIT).name
-        return Mission(mission, lambda: load_method(chosen, TIME_LIMIT), seed, plans)
+        return RunningMission(mission, lambda: load_method(chosen, TIME_LIMIT), seed, plans)
 
     return start
 
 
-def _prepare(path: Path | None, options: Options) -> tuple[Workshop, str]:
+def _prepare(path: Path | None, options: LiveOptions) -> tuple[Workshop, str]:
     """Return what draws and runs missions; what is wrong with the file is refused at once."""
     from teamformer.live.drawing.drafts import Draft, draft_of_file
     from teamformer.live.workshop import Workshop
 
-    scenario = None if path is None else read_scenario(path, rules_not_played)
-    chosen = chosen_method(options.method, scenario or smallest_scenario(), TIME_LIMIT)
+    scenario = None if path is None else read_mission(path, rules_not_played)
+    chosen = chosen_method(options.method, scenario or smallest_mission(), TIME_LIMIT)
     compile_ahead([chosen], scenario)
     start = _starting(options.method, options.seed)
     if path is None or scenario is None:

@@ -11,10 +11,10 @@ from rich.text import Text
 
 from teamformer.cli.terminal.compiling import compile_ahead
 from teamformer.cli.terminal.console import out, prepare_folder, print_json, say
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
 from teamformer.mission.checks.rules import rules_not_planned
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.trials.planned import PlannedMission, plan_mission, refuse_unplannable
 from teamformer.trials.start_plan import read_start_plan
 from teamformer.viewer.gantt import write_gantt
@@ -34,7 +34,7 @@ def plan(
 
     `start` is a file with a plan to begin with.
     """
-    scenario = read_scenario(path, rules_not_planned)
+    scenario = read_mission(path, rules_not_planned)
     refuse_unplannable(scenario, method)
     begin = None if start is None else read_start_plan(start, scenario)
     if folder is not None:
@@ -56,7 +56,7 @@ def plan(
     return 0
 
 
-def _prepare(scenario: Scenario, method: str) -> None:
+def _prepare(scenario: Mission, method: str) -> None:
     """Compile what planning in steps needs, and say what is planned."""
     compile_ahead([load_method(method)])
     if scenario.has_surprises:

@@ -16,12 +16,12 @@ from teamformer.cli.terminal.console import StepProgress, out, prepare_folder, p
 from teamformer.cli.terminal.foxglove import check_foxglove, play_in_foxglove
 from teamformer.cli.terminal.interruption import Interruption
 from teamformer.cli.terminal.recorded import write_and_say
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import Method, default_for, load_method
 from teamformer.methods.central.plays import CentralPlan
 from teamformer.methods.listings import DEFAULT
 from teamformer.mission.checks.rules import rules_not_played
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
@@ -29,19 +29,19 @@ from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.reasons import story_lines
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, cost_of_record, lateness
 from teamformer.record.teams import completions
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.rows import bars_of, result_row, seconds_of
-from teamformer.trials.trial import Trial, run_trial
+from teamformer.trials.trial import PlayedTrial, run_trial
 from teamformer.world.env import Tally
 
 LONGEST_TABLE = 40  # tasks
 MOST_NAMES = 12
 
 
-def chosen_method(name: str | None, mission: Scenario, time_limit: float) -> Method:
+def chosen_method(name: str | None, mission: Mission, time_limit: float) -> Method:
     """Return the method of a name; without one the plan, or crews for a mission too large for it.
 
     That it is crews is said. Raises `TeamformerError` for a name that is unknown, and for a mission
@@ -72,7 +72,7 @@ def run(
     `explained` is the name of a robot whose story is told too. `foxglove` is a port on which the
     record is played for Foxglove in the end.
     """
-    mission = read_scenario(path, rules_not_played)
+    mission = read_mission(path, rules_not_played)
     robot = None if explained is None else _robot_number(mission, explained)
     method = chosen_method(method_name, mission, time_limit)
     if foxglove is not None:
@@ -94,7 +94,7 @@ def run(
     return 0 if trial.replay.end.status == "completed" else 1
 
 
-def _tell(trial: Trial, robot: int | None, as_json: bool) -> None:
+def _tell(trial: PlayedTrial, robot: int | None, as_json: bool) -> None:
     """Print what came of a trial, and a robot's story if one is asked for."""
     story = [] if robot is None else list(story_lines(trial.replay, robot))
     if as_json:
@@ -108,7 +108,7 @@ def _tell(trial: Trial, robot: int | None, as_json: bool) -> None:
             out.print(_story_table(story))
 
 
-def _robot_number(scenario: Scenario, name: str) -> int:
+def _robot_number(scenario: Mission, name: str) -> int:
     """Return a robot's number; TeamformerError if there is none of this name."""
     names = [robot.name for robot in scenario.robots]
     if name not in names:
@@ -128,8 +128,8 @@ def _story_table(story: Sequence[tuple[str, str, str]]) -> Table:
 
 
 def watch_trial(
-    mission: Scenario, method: Method, seed: int, interruption: Interruption | None = None
-) -> Trial:
+    mission: Mission, method: Method, seed: int, interruption: Interruption | None = None
+) -> PlayedTrial:
     """Run a trial with its lower bound, and a display of progress if it takes long.
 
     `interruption` is held from the moment in which the trial has ended.
@@ -161,7 +161,7 @@ def _improvements(plan: CentralPlan) -> str:
     return f"plans found: {found}{first}"
 
 
-def _show(trial: Trial) -> None:
+def _show(trial: PlayedTrial) -> None:
     replay, end = trial.replay, trial.replay.end
     scenario = replay.scenario
     out.print(Text(f"{scenario.name}: {replay.method}, seed {replay.seed}", style="bold"))
@@ -194,7 +194,7 @@ def _show(trial: Trial) -> None:
     )
 
 
-def _verdict(replay: Replay) -> str:
+def _verdict(replay: Record) -> str:
     end = replay.end
     if end.makespan is not None:
         bound, seconds = replay.lower_bound, seconds_of(replay.scenario, end.makespan)
@@ -213,7 +213,7 @@ def _verdict(replay: Replay) -> str:
     return f"not done within the limit of {end.steps} steps"
 
 
-def _task_table(replay: Replay) -> Table:
+def _task_table(replay: Record) -> Table:
     """Return who did what when, in the order it was done."""
     scenario = replay.mission
     table = Table(box=None, header_style="dim")
@@ -233,7 +233,7 @@ def _task_table(replay: Replay) -> Table:
     return table
 
 
-def _losses(replay: Replay) -> str:
+def _losses(replay: Record) -> str:
     """Name the robots that were lost, with their steps; the first ones of many."""
     lost: list[str] = []
     latest: dict[int, int] = {}  # the entry in the list of each robot that is lost
@@ -247,7 +247,7 @@ def _losses(replay: Replay) -> str:
     return ", ".join(lost[:MOST_NAMES] + more)
 
 
-def _names(scenario: Scenario, robots: Sequence[int]) -> str:
+def _names(scenario: Mission, robots: Sequence[int]) -> str:
     """Return the robots' names, the first ones of many."""
     shown = robots if len(robots) <= MOST_NAMES else robots[: MOST_NAMES - 1]
     names = ", ".join(scenario.robots[robot].name for robot in shown)

@@ -8,14 +8,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from teamformer.base.errors import ScenarioError, TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.base.extras import how_to_install
 from teamformer.cli.terminal.console import prepare_folder, say
 from teamformer.cli.terminal.interruption import Interruption
 
 if TYPE_CHECKING:
     from teamformer.learning.evaluation import Score
-    from teamformer.learning.trainer import Report
+    from teamformer.learning.trainer import IterationReport
     from teamformer.learning.training_settings import TrainSettings
 
 OURS = {"last", "best", "tensorboard"}
@@ -99,7 +99,7 @@ def _begun(options: TrainOptions) -> tuple[TrainSettings, Path]:
     about = read_about(folder / "last")
     try:
         settings = settings_of(about["settings"], str(folder / "last"))
-    except (KeyError, ScenarioError):
+    except (KeyError, MissionError):
         raise TeamformerError(f"{folder / 'last'}: its settings cannot be read") from None
     return replace(settings, minutes=options.minutes), folder
 
@@ -139,7 +139,7 @@ class _Table:
         self.rows = 0
         self._has_bars = False
 
-    def show(self, report: Report) -> None:
+    def show(self, report: IterationReport) -> None:
         """Print a report."""
         self.rows += 1
         if self.rows % 20 == 1:
@@ -150,7 +150,7 @@ class _Table:
         print(_row(report), flush=True)
 
 
-def _header(report: Report) -> str:
+def _header(report: IterationReport) -> str:
     columns = "".join(f"  {name:>9}" for name in report.iteration.figures)
     held_out = "held out: steps in each setting (and of join-all's), failures"
     return f" iter      steps  steps/s{columns}  | {held_out}"
@@ -163,7 +163,7 @@ def _bars(score: Score) -> str:
     return f"held out: join-all takes {bar}; heuristic {heuristic}"
 
 
-def _row(report: Report) -> str:
+def _row(report: IterationReport) -> str:
     progress, score = report.progress, report.score
     columns = "".join(
         f"  {value:>{max(9, len(name))}.5g}" for name, value in report.iteration.figures.items()

@@ -8,14 +8,14 @@ from typing import Any
 
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import out, print_json
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.mission.arrivals import without_arrivals
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
-from teamformer.record.reading import read_replay
-from teamformer.record.record import FLEET, Replay
+from teamformer.record.reading import read_record
+from teamformer.record.record import FLEET, Record
 from teamformer.record.referee import judge
 
 GUARANTEE = "by the rules: every robot's way, every team that formed, every task that was done"
@@ -26,14 +26,14 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
 
     With a scenario's file, the record must be one of that scenario, too.
     """
-    replay = read_replay(path)
+    replay = read_record(path)
     _refuse_fleets(replay, path)
     verdict = judge(replay)
     findings = [{"step": f.step, "message": f.message} for f in verdict.findings]
     if scenario is not None:
         findings += [
             {"step": 0, "message": f"the record is of another scenario than {scenario}: {how}"}
-            for how in _differences(without_arrivals(replay.scenario), read_scenario(scenario))
+            for how in _differences(without_arrivals(replay.scenario), read_mission(scenario))
         ]
     claimed = _claims(replay)
     chain = () if verdict.findings else path_of_record(replay)  # of what really happened
@@ -72,7 +72,7 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
     return 1 if findings else 0
 
 
-def _refuse_fleets(replay: Replay, path: Path) -> None:
+def _refuse_fleets(replay: Record, path: Path) -> None:
     """Refuse what was seen of a fleet: the rules of steps do not hold between them."""
     if replay.method == FLEET:
         raise TeamformerError(
@@ -83,7 +83,7 @@ def _refuse_fleets(replay: Replay, path: Path) -> None:
         )
 
 
-def _claims(replay: Replay) -> dict[str, Any]:
+def _claims(replay: Record) -> dict[str, Any]:
     """Return what a record says of itself that its steps cannot show."""
     return {
         "method": replay.method,
@@ -93,9 +93,9 @@ def _claims(replay: Replay) -> dict[str, Any]:
     }
 
 
-def _differences(recorded: Scenario, given: Scenario) -> list[str]:
+def _differences(recorded: Mission, given: Mission) -> list[str]:
     """Say where two missions differ, but for their names, which mean nothing."""
-    names = [field.name for field in fields(Scenario) if field.name != "name"]
+    names = [field.name for field in fields(Mission) if field.name != "name"]
     pairs = {name: (getattr(recorded, name), getattr(given, name)) for name in names}
     return [_difference(name, *pair) for name, pair in pairs.items() if pair[0] != pair[1]]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from teamformer.base.entry_points import OURS, Brought, brought, find_brought
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import prepare_file, prepare_folder, refuse_existing, say
-from teamformer.record.reading import read_replay
+from teamformer.record.reading import read_record
 
 FOLDER = "folder"
 """The exporter for a name without an ending; the others are named by endings."""
@@ -30,7 +30,7 @@ def export(record: Path, wanted: Sequence[Path]) -> int:
         if path.resolve() == record.resolve():
             raise TeamformerError(f"{path}: this is the record itself", "name another file")
         exporters.append((_exporter_of(path), path))
-    replay = read_replay(record)
+    replay = read_record(record)
     for path in wanted:
         (prepare_folder if _is_folder(path) else prepare_file)(path)
     for exporter, path in exporters:

@@ -9,8 +9,8 @@ from rich.table import Table
 
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import out, prepare_file, refuse_existing, say
-from teamformer.files.mission_files import read_scenario, write_scenario
-from teamformer.record.reading import read_replay
+from teamformer.files.mission_files import read_mission, write_mission
+from teamformer.record.reading import read_record
 from teamformer.trials.advice.experience import Experience, learn
 
 MOST_LINES = 15
@@ -23,11 +23,11 @@ def learn_from(path: Path, records: Sequence[Path], learned: Path) -> int:
     is there already.
     """
     refuse_existing(learned)
-    mission = read_scenario(path)
-    replays = [read_replay(record) for record in _listed(records)]
+    mission = read_mission(path)
+    replays = [read_record(record) for record in _listed(records)]
     experience = learn(mission, replays)
     prepare_file(learned)
-    write_scenario(experience.mission, learned)
+    write_mission(experience.mission, learned)
     _show(experience, len(replays))
     say(f"mission: {learned}")
     return 0

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import prepare_file, say
-from teamformer.record.reading import read_replay
-from teamformer.record.writing import replay_to_tree
+from teamformer.record.reading import read_record
+from teamformer.record.writing import record_to_tree
 from teamformer.viewer.html import write_comparison, write_page
 
 PAGES = (".html", ".htm")
@@ -24,7 +24,7 @@ def view(files: Sequence[Path]) -> int:
     if not records:
         raise TeamformerError(f"{page}: the page of which record?", "name a replay.json before it")
     page = page or records[0].with_suffix(".html")
-    trees = [replay_to_tree(read_replay(record)) for record in records]
+    trees = [record_to_tree(read_record(record)) for record in records]
     prepare_file(page)
     if len(trees) == 1:
         write_page(trees[0], page)

@@ -15,7 +15,7 @@ from teamformer.cli.verbs.robots.mesh import FleetAt, dial_as_operator, read_fle
 from teamformer.mission.parts.capabilities import exact, is_exact
 
 if TYPE_CHECKING:
-    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.fleet_mission import FleetMission
     from teamformer.fleet.messages import TaskFact
     from teamformer.fleet.operator import Operator
 
@@ -30,7 +30,7 @@ SILENCE = 2.0
 
 
 @dataclass(frozen=True)
-class NewTask:
+class AddedTask:
     """A task to add, as the command line has it; `duration` is in steps."""
 
     name: str
@@ -39,7 +39,7 @@ class NewTask:
     duration: float
 
 
-def add(path: Path, new: NewTask, fleet: FleetAt) -> int:
+def add(path: Path, new: AddedTask, fleet: FleetAt) -> int:
     """Add a task to a running fleet; return 0 once it is accepted."""
     mission = read_fleet_mission(path, "zenoh")
     from teamformer.fleet.operator import Operator
@@ -58,7 +58,7 @@ def add(path: Path, new: NewTask, fleet: FleetAt) -> int:
     return 1
 
 
-def _offer(operator: Operator, mission: Mission, fleet: FleetAt) -> None:
+def _offer(operator: Operator, mission: FleetMission, fleet: FleetAt) -> None:
     """Offer a task until it is accepted or patience ends."""
     from teamformer.fleet.messages import OPERATOR
     from teamformer.fleet.operator import AGAIN
@@ -85,7 +85,7 @@ def _offer(operator: Operator, mission: Mission, fleet: FleetAt) -> None:
         transport.close()
 
 
-def _task(new: NewTask, mission: Mission) -> TaskFact:
+def _task(new: AddedTask, mission: FleetMission) -> TaskFact:
     """Return the task to add; raises `TeamformerError` for one that no fleet would take."""
     from teamformer.fleet.messages import LONGEST, MOST_NAME, TaskFact
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import say
 from teamformer.cli.verbs.robots.mesh import check_method, read_fleet_mission
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 
 @dataclass(frozen=True)
-class Options:
+class AgentOptions:
     """What the command line says."""
 
     robot: str
@@ -24,7 +24,7 @@ class Options:
     method: str = "plan"
 
 
-def agent(path: Path, options: Options) -> int:
+def agent(path: Path, options: AgentOptions) -> int:
     """Run the mind of a robot until it is told to end; return the exit status."""
     mission = read_fleet_mission(path, "zenoh")
     from teamformer.fleet.agent.planning import first_plan
@@ -63,7 +63,7 @@ def agent(path: Path, options: Options) -> int:
         transport.close()
 
 
-def _number_of(scenario: Scenario, name: str) -> int:
+def _number_of(scenario: Mission, name: str) -> int:
     names = [robot.name for robot in scenario.robots]
     if name not in names:
         shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.base.extras import require
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.mission_files import read_mission
 from teamformer.mission.checks.rules import rules_of_simulated_missions
 
 if TYPE_CHECKING:
-    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.fleet_mission import FleetMission
     from teamformer.fleet.messages import Post
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
@@ -24,17 +24,17 @@ class FleetAt:
     keys: Path | None = None
 
 
-def read_fleet_mission(path: Path, *libraries: str) -> Mission:
+def read_fleet_mission(path: Path, *libraries: str) -> FleetMission:
     """Read a mission as a fleet's agents have it.
 
     Raises `TeamformerError` for what is wrong with the file, and if msgspec or one of the
     `libraries` is not installed.
     """
     require("fleet", "msgspec", *libraries)
-    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.fleet_mission import FleetMission
 
-    scenario = read_scenario(path, rules_of_simulated_missions)
-    return Mission(scenario, scenario.seconds_a_step)
+    scenario = read_mission(path, rules_of_simulated_missions)
+    return FleetMission(scenario, scenario.seconds_a_step)
 
 
 def check_method(name: str) -> None:
@@ -44,7 +44,7 @@ def check_method(name: str) -> None:
     policy_of(name, 0)
 
 
-def dial_as_operator(mission: Mission, fleet: FleetAt) -> tuple[ZenohTransport, Post]:
+def dial_as_operator(mission: FleetMission, fleet: FleetAt) -> tuple[ZenohTransport, Post]:
     """Return a transport to a running fleet, to be closed, and what seals and opens its messages.
 
     Raises `TeamformerError` for keys and endpoints that cannot be.

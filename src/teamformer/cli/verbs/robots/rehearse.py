@@ -28,7 +28,7 @@ MOST_SHOWN = 10
 
 
 @dataclass(frozen=True)
-class Options:
+class RehearseOptions:
     """What the command line says."""
 
     schedules: int
@@ -39,7 +39,7 @@ class Options:
     foxglove: int | None = None
 
 
-def rehearse(path: Path, options: Options, as_json: bool) -> int:
+def rehearse(path: Path, options: RehearseOptions, as_json: bool) -> int:
     """Rehearse, judge and sum up; return 0 if every promise was kept and nothing blocked."""
     mission = read_fleet_mission(path)
     from teamformer.fleet.rehearsal.rehearse import set_stage
@@ -62,10 +62,10 @@ def rehearse(path: Path, options: Options, as_json: bool) -> int:
     return _play_many(stage, options, as_json)
 
 
-def _play_many(stage: Any, options: Options, as_json: bool) -> int:
-    from teamformer.fleet.rehearsal.rehearse import Verdict, judge_many
+def _play_many(stage: Any, options: RehearseOptions, as_json: bool) -> int:
+    from teamformer.fleet.rehearsal.rehearse import ScheduleVerdict, judge_many
 
-    verdicts: list[Verdict] = []
+    verdicts: list[ScheduleVerdict] = []
     with Interruption(), Counting("schedules") as progress:
         schedules = range(options.schedules)
         for verdict in judge_many(stage, options.seed, schedules, processors()):
@@ -109,7 +109,7 @@ def _summary(stage: Any, verdicts: list[Any]) -> dict[str, Any]:
     }
 
 
-def _show(row: dict[str, Any], bad: list[Any], options: Options) -> None:
+def _show(row: dict[str, Any], bad: list[Any], options: RehearseOptions) -> None:
     for verdict in bad[:MOST_SHOWN]:
         status = verdict.outcome.status
         out.print(f"schedule {verdict.schedule}: {status}", style="red")
@@ -135,7 +135,7 @@ def _show(row: dict[str, Any], bad: list[Any], options: Options) -> None:
     out.print(f"schedules with each fault: {faults}", markup=False)
 
 
-def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> int:
+def _play_again(stage: Any, options: RehearseOptions, schedule: int, as_json: bool) -> int:
     """Play one schedule again, and write its record and page where asked."""
     from teamformer.fleet.rehearsal.record import record_of
     from teamformer.fleet.rehearsal.rehearse import faults_of, play
@@ -165,7 +165,7 @@ def _play_again(stage: Any, options: Options, schedule: int, as_json: bool) -> i
     return 1 if violations or outcome.status == "blocked" else 0
 
 
-def _shrink(stage: Any, options: Options, schedule: int) -> None:
+def _shrink(stage: Any, options: RehearseOptions, schedule: int) -> None:
     """Tell the smallest schedule that still fails."""
     from teamformer.fleet.rehearsal.rehearse import fails, faults_of
     from teamformer.fleet.rehearsal.shrink import shrink

@@ -23,10 +23,10 @@ from teamformer.cli.terminal.console import (
     write_rows,
 )
 from teamformer.cli.verbs.missions.run import chosen_method
-from teamformer.files.drawn.smallest import smallest_scenario
-from teamformer.files.mission_files import read_scenario
+from teamformer.files.drawn.smallest import smallest_mission
+from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import Method, load_method
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.robotarium.benchmark import ROUGH, bench_robotarium, count_missions, summarise
 from teamformer.robotarium.experiment import Experiment, run_experiment
@@ -53,7 +53,7 @@ class FlightOptions:
 
 def fly(path: Path, options: FlightOptions, as_json: bool) -> int:
     """Fly a mission, write its pictures and show what came of it; return the exit status."""
-    scenario = read_scenario(path, find_problems)
+    scenario = read_mission(path, find_problems)
     if options.simulator not in SIMULATORS:
         choices = f"use {', '.join(SIMULATORS)}"
         raise TeamformerError(f"there is no simulator '{options.simulator}'", choices)
@@ -82,7 +82,7 @@ def fly(path: Path, options: FlightOptions, as_json: bool) -> int:
     return 0 if done.is_good else 1
 
 
-def _decentralised(name: str | None, mission: Scenario) -> Method:
+def _decentralised(name: str | None, mission: Mission) -> Method:
     """Return a method that can fly: a plan of steps is not what real robots keep to."""
     method = chosen_method(name, mission, time_limit=0.0)
     if method.needs_everything:
@@ -101,7 +101,7 @@ def deploy(path: Path, folder: Path, method: str) -> int:
     from teamformer.robotarium.deployment.folder import deploy as write
     from teamformer.robotarium.deployment.folder import verify
 
-    scenario = read_scenario(path, find_problems)
+    scenario = read_mission(path, find_problems)
     prepare_folder(folder)
     files = write(scenario, method, SEED, folder)
     main = files[0]
@@ -123,7 +123,7 @@ def fly_missions(trials: int, method: str, seed: int, folder: Path | None, as_js
         say("without robotarium-python-simulator: only the plant is measured")
     if folder is not None:
         prepare_folder(folder)
-    compile_ahead([_decentralised(method, smallest_scenario())])
+    compile_ahead([_decentralised(method, smallest_mission())])
     rows = []
     with Counting("missions") as counting:
         for row in bench_robotarium(trials, method, seed, has_rps):

@@ -11,12 +11,12 @@ from teamformer.cli.terminal.interruption import Interruption
 from teamformer.cli.verbs.robots.mesh import check_method, read_fleet_mission
 
 if TYPE_CHECKING:
-    from teamformer.fleet.fleet_mission import Mission
+    from teamformer.fleet.fleet_mission import FleetMission
     from teamformer.fleet.process.fleet import FleetResult
 
 
 @dataclass(frozen=True)
-class Options:
+class StartOptions:
     """What the command line says of a fleet; `time_limit` is in seconds."""
 
     time_limit: float
@@ -24,7 +24,7 @@ class Options:
     keys: Path | None = None
 
 
-def start(path: Path, options: Options, as_json: bool) -> int:
+def start(path: Path, options: StartOptions, as_json: bool) -> int:
     """Run a fleet until the mission ends; return 0 if all is done."""
     mission = read_fleet_mission(path, "zenoh")
     from teamformer.fleet.process.fleet import LocalFleet
@@ -41,7 +41,7 @@ def start(path: Path, options: Options, as_json: bool) -> int:
     return 0 if result.completed else 1
 
 
-def _row(mission: Mission, result: FleetResult) -> dict[str, Any]:
+def _row(mission: FleetMission, result: FleetResult) -> dict[str, Any]:
     """Return what `--json` prints."""
     robots = mission.scenario.robots
     makespan = max((done.at for done in result.done), default=None)
@@ -63,7 +63,7 @@ def _row(mission: Mission, result: FleetResult) -> dict[str, Any]:
     }
 
 
-def _show(mission: Mission, row: dict[str, Any]) -> None:
+def _show(mission: FleetMission, row: dict[str, Any]) -> None:
     end = f"all done after {row['makespan']:.2f} s" if row["completed"] else "not all done"
     alive = f"{row['robots_alive']} of {mission.robots} robots left"
     out.print(

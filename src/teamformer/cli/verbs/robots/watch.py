@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.base.extras import require
-from teamformer.cli.terminal.addresses import Address, check_address
+from teamformer.cli.terminal.addresses import HostAndPort, check_address
 from teamformer.cli.terminal.console import prepare_folder, say
 from teamformer.cli.terminal.foxglove import check_foxglove, follow_in_foxglove
 from teamformer.cli.verbs.missions.live import serve_page
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def watch(
-    path: Path, fleet: FleetAt, address: Address, folder: Path, foxglove: int | None = None
+    path: Path, fleet: FleetAt, address: HostAndPort, folder: Path, foxglove: int | None = None
 ) -> int:
     """Serve the page of a running fleet until Ctrl-C; return the exit status.
 

@@ -14,7 +14,7 @@ HINT = "write nav2:NAMESPACE?frame=map&odom=TOPIC&radius=METRES; all of it may b
 
 
 @dataclass(frozen=True)
-class Address:
+class RosAddress:
     """A robot in a ROS graph. Topics without a leading slash are inside its namespace.
 
     `pose` names a topic of PoseWithCovarianceStamped, such as `amcl_pose`, to use in place of the
@@ -34,7 +34,7 @@ class Address:
         return name if name.startswith("/") else f"{self.namespace.rstrip('/')}/{name}"
 
 
-def read_address(text: str, robot: str) -> Address:
+def read_address(text: str, robot: str) -> RosAddress:
     """Return what `NAMESPACE?key=value&...` names; the namespace is the robot's name by default.
 
     Raises `TeamformerError` for names that ROS does not allow, unknown keys and bad lengths.
@@ -44,8 +44,8 @@ def read_address(text: str, robot: str) -> Address:
     if namespace != "/" and not NAME.fullmatch(namespace):
         which = f"'{namespace}'" if named else f"the robot's name '{namespace}'"
         raise TeamformerError(f"--body nav2: {which} is no ROS namespace", HINT)
-    address = Address("/" + namespace.strip("/"))
-    known = [field.name for field in fields(Address)][1:]
+    address = RosAddress("/" + namespace.strip("/"))
+    known = [field.name for field in fields(RosAddress)][1:]
     for key, value in parse_qsl(query, keep_blank_values=True):
         if key not in known:
             raise TeamformerError(f"--body nav2 has no '{key}'", f"it has {', '.join(known)}")

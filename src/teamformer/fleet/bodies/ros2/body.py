@@ -13,19 +13,19 @@ from std_msgs.msg import String
 
 from teamformer.base.errors import TeamformerError
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.bodies.ros2.address import Address
+from teamformer.fleet.bodies.ros2.address import RosAddress
 from teamformer.fleet.bodies.ros2.coordinates import metres_of, place_of
 from teamformer.fleet.bodies.ros2.goals import (
     ACTION,
     GOAL,
     ByAction,
     ByTopic,
-    Goals,
+    GoalSender,
     State,
     pose_at,
 )
-from teamformer.fleet.bodies.ros2.graph import Graph, Whereabouts
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.bodies.ros2.graph import RosNode, Whereabouts
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.saying import say
 from teamformer.mission.parts.grid import Place
 
@@ -48,7 +48,7 @@ class Nav2Body:
     Raises `TeamformerError` if the robot does not say where it is, or is to carry loads.
     """
 
-    def __init__(self, address: Address, mission: Mission, robot: int) -> None:
+    def __init__(self, address: RosAddress, mission: FleetMission, robot: int) -> None:
         for task in mission.tasks:
             if task.to is not None:
                 raise TeamformerError(
@@ -65,12 +65,12 @@ class Nav2Body:
         self._arrived: Place | None = None
         self._began: float | None = None  # when it began to serve
         self._is_silent = False
-        self._graph = Graph(address.namespace)
+        self._graph = RosNode(address.namespace)
         try:
             self._where = Whereabouts(self._graph, address)
             self._where.wait()
             self._goals = self._way_to_go()
-            self._service = Service(self._graph, address) if address.serve else None
+            self._service = ServeCaller(self._graph, address) if address.serve else None
             self._markers = _markers(self._graph, mission, robot, address.frame)
         except BaseException:
             self._graph.close()
@@ -108,7 +108,7 @@ class Nav2Body:
             time.sleep(0.2)  # until that is out
         self._graph.close()
 
-    def _way_to_go(self) -> Goals:
+    def _way_to_go(self) -> GoalSender:
         """Return Nav2's action where its types and its server are there, else the topic."""
         try:
             from nav2_msgs.action import NavigateToPose
@@ -183,7 +183,7 @@ class Nav2Body:
         say(self._name, message)
 
 
-def _markers(graph: Graph, mission: Mission, robot: int, frame: str) -> Markers | None:
+def _markers(graph: RosNode, mission: FleetMission, robot: int, frame: str) -> Markers | None:
     """Return what shows the mission in RViz; None where its messages are not installed."""
     if find_spec("visualization_msgs") is None:
         return None
@@ -192,10 +192,10 @@ def _markers(graph: Graph, mission: Mission, robot: int, frame: str) -> Markers 
     return Markers(graph.node, mission, robot, frame)
 
 
-class Service:
+class ServeCaller:
     """Tells a robot to serve, again and again, until it says on `TOPIC/done` that it has."""
 
-    def __init__(self, graph: Graph, address: Address) -> None:
+    def __init__(self, graph: RosNode, address: RosAddress) -> None:
         topic = address.topic(address.serve)
         self._publisher = graph.node.create_publisher(String, topic, 10)
         graph.node.create_subscription(String, f"{topic}/done", self._take, 10)

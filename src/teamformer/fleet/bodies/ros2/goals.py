@@ -26,7 +26,7 @@ class State(Enum):
     FAILED = "failed"
 
 
-class Goals(Protocol):
+class GoalSender(Protocol):
     """Sends one robot off; a new goal takes the place of the one before."""
 
     state: State

@@ -16,7 +16,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 
 from teamformer.base.errors import TeamformerError
-from teamformer.fleet.bodies.ros2.address import Address
+from teamformer.fleet.bodies.ros2.address import RosAddress
 
 FIRST = 10.0
 """Seconds that a robot has to say for the first time where it is."""
@@ -25,7 +25,7 @@ STALE = 3.0
 """Seconds after which odometry says nothing about the present."""
 
 
-class Graph:
+class RosNode:
     """A node in a robot's namespace, in a context of its own. Signals stay with the process."""
 
     def __init__(self, namespace: str) -> None:
@@ -54,7 +54,7 @@ class Graph:
 class Whereabouts:
     """Hears where a robot is: its odometry, or the pose that a localiser publishes."""
 
-    def __init__(self, graph: Graph, address: Address) -> None:
+    def __init__(self, graph: RosNode, address: RosAddress) -> None:
         self._graph = graph
         self.topic = address.topic(address.pose or address.odom)
         self.count = 0

@@ -12,7 +12,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.ros2.coordinates import metres_of
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 
 TOPIC = "mission"
 
@@ -25,7 +25,7 @@ ROBOT, WAY = 1000000, 1000001
 class Markers:
     """Publishes markers on `mission`, latched, whenever they change."""
 
-    def __init__(self, node: Node, mission: Mission, robot: int, frame: str) -> None:
+    def __init__(self, node: Node, mission: FleetMission, robot: int, frame: str) -> None:
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._publisher = node.create_publisher(MarkerArray, TOPIC, latched)
         self._mission, self._frame = mission, frame

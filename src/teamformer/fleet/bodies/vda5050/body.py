@@ -29,7 +29,7 @@ from teamformer.fleet.bodies.vda5050.service import DROP, NEAR, SET_DOWN, Servic
 from teamformer.fleet.bodies.vda5050.state import FAILED, FINISHED, State
 from teamformer.fleet.bodies.vda5050.tries import UNANSWERED, Tries
 from teamformer.fleet.bodies.vda5050.watch import Watch
-from teamformer.fleet.fleet_mission import Mission
+from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.saying import say
 from teamformer.mission.parts.grid import Place
@@ -43,7 +43,7 @@ FREE: Mapping[str, float] = {}
 class Vda5050Body:
     """One vehicle; `url` names its broker and itself, as `read_address` says."""
 
-    def __init__(self, url: str, mission: Mission, robot: int) -> None:
+    def __init__(self, url: str, mission: FleetMission, robot: int) -> None:
         address = read_address(url)
         self._map, self._dialect = address.map, address.dialect
         self._name = mission.scenario.robots[robot].name

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.referee.rules.completion import Tasks
 from teamformer.record.referee.rules.verdict import Notes
 
@@ -23,7 +23,7 @@ class News:
 
 
 def judge_moments(
-    replay: Replay, tasks: Tasks, news: Sequence[News], is_running: bool, notes: Notes
+    replay: Record, tasks: Tasks, news: Sequence[News], is_running: bool, notes: Notes
 ) -> None:
     """Check that orders and plans were made after the steps after which they are.
 
@@ -46,7 +46,7 @@ def judge_moments(
                 notes.note(f"the plan made after {steps} steps says another reason than {why}")
 
 
-def _judge_orders(replay: Replay, tasks: Tasks, last: int, notes: Notes) -> None:
+def _judge_orders(replay: Record, tasks: Tasks, last: int, notes: Notes) -> None:
     """Check that there is an order at the start, when tasks appear, and with plans."""
     opened = {0, *tasks.arrivals()}
     made = {steps for steps, _ in replay.orders}
@@ -69,7 +69,7 @@ def _compare(made: Set[int], due: Set[int], notes: Notes) -> None:
         notes.note(f"there is a plan from after {steps} steps, when nothing happened to plan for")
 
 
-def _left_out(replay: Replay, tasks: Tasks) -> set[int]:
+def _left_out(replay: Record, tasks: Tasks) -> set[int]:
     """Return after how many steps a task may begin, after others, that nobody is planned to do."""
     orders, left_out = dict(replay.orders), set[int]()
     for task, wanted in enumerate(replay.scenario.tasks):
@@ -85,7 +85,7 @@ def _left_out(replay: Replay, tasks: Tasks) -> set[int]:
 
 
 def _plan_reasons(
-    replay: Replay, tasks: Tasks, news: Sequence[News], told: Sequence[int]
+    replay: Record, tasks: Tasks, news: Sequence[News], told: Sequence[int]
 ) -> dict[int, tuple[str, ...]]:
     """Return why a plan is made after each of the steps after which one is."""
     opened = tasks.arrivals() | _left_out(replay, tasks)

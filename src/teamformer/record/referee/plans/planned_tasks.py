@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.referee.rules.completion import Tasks
 from teamformer.record.referee.rules.teams import Fleet
 from teamformer.record.referee.rules.verdict import Notes
@@ -13,7 +13,7 @@ from teamformer.record.referee.rules.verdict import Notes
 class PlannedTasks:
     """Who does each task, and in which order, by the plans that the record has step by step."""
 
-    def __init__(self, replay: Replay) -> None:
+    def __init__(self, replay: Record) -> None:
         self.scenario = replay.mission
         self.decide = _is_followed(replay)
         self._plans = dict(replay.plans)
@@ -120,7 +120,7 @@ class PlannedTasks:
                 )
 
 
-def _is_followed(replay: Replay) -> bool:
+def _is_followed(replay: Record) -> bool:
     """Say whether teams decide by plans: some robots have a task, and no decision names one."""
     has_coalitions = any(any(plan.coalitions) for _, plan in replay.plans)
     return has_coalitions and not any(step.named for step in replay.steps)

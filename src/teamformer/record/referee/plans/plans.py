@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence, Set
 from itertools import pairwise
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import Counts, covers, total
-from teamformer.record.record import Replay, SharedPlanMade
+from teamformer.record.record import Record, SharedPlanMade
 from teamformer.record.referee.plans.moments import News
-from teamformer.record.referee.rules.finding import Search
+from teamformer.record.referee.rules.finding import PlaceSearch
 from teamformer.record.referee.rules.teams import gets_there
-from teamformer.record.referee.rules.truth import Knowledge
+from teamformer.record.referee.rules.truth import NeedsKnown
 from teamformer.record.referee.rules.verdict import Notes
 
 
 def judge_plans(
-    replay: Replay, knowledge: Knowledge, search: Search, news: Sequence[News], notes: Notes
+    replay: Record, knowledge: NeedsKnown, search: PlaceSearch, news: Sequence[News], notes: Notes
 ) -> None:
     """Check that plans give open tasks to robots that can do them."""
     orders = dict(replay.orders)
@@ -28,7 +28,7 @@ def judge_plans(
         _check_scouts(replay, knowledge, search, steps, scouts, orders.get(steps, ()), notes)
 
 
-def _robots_left(scenario: Scenario, steps: int) -> set[int]:
+def _robots_left(scenario: Mission, steps: int) -> set[int]:
     return {
         number
         for number, robot in enumerate(scenario.robots)
@@ -40,8 +40,8 @@ def _robots_left(scenario: Scenario, steps: int) -> set[int]:
 
 
 def _check_plan(
-    replay: Replay,
-    knowledge: Knowledge,
+    replay: Record,
+    knowledge: NeedsKnown,
     steps: int,
     plan: SharedPlanMade,
     order: Sequence[int],
@@ -60,7 +60,7 @@ def _check_plan(
 
 
 def _check_order(
-    replay: Replay,
+    replay: Record,
     steps: int,
     plan: SharedPlanMade,
     order: Sequence[int],
@@ -89,7 +89,7 @@ def _check_order(
             notes.note(f"{when} has task {wanted.name} before one that it comes after")
 
 
-def _all_before(scenario: Scenario, steps: int) -> dict[str, set[str]]:
+def _all_before(scenario: Mission, steps: int) -> dict[str, set[str]]:
     """Return the tasks that come before each, by name, those before these included.
 
     A task that is called off in one of the first `steps` steps comes before none.
@@ -109,9 +109,9 @@ def _is_in_order(numbers: Sequence[int]) -> bool:
 
 
 def _check_scouts(
-    replay: Replay,
-    knowledge: Knowledge,
-    search: Search,
+    replay: Record,
+    knowledge: NeedsKnown,
+    search: PlaceSearch,
     steps: int,
     scouts: Sequence[tuple[int, int]],
     order: Sequence[int],
@@ -133,7 +133,7 @@ def _check_scouts(
             notes.note(f"{when} has somebody look at task {name}, of which all is known")
 
 
-def _can_do(replay: Replay, numbers: Iterable[int], task: int, needs: Counts) -> bool:
+def _can_do(replay: Record, numbers: Iterable[int], task: int, needs: Counts) -> bool:
     world, at = replay.mission.world, replay.mission.tasks[task].at
     robots = (replay.scenario.robots[robot] for robot in numbers)
     near = (robot.can for robot in robots if gets_there(world, robot, at))

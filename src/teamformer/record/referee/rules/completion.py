@@ -6,7 +6,7 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.record.referee.rules.loads import Loads
@@ -19,7 +19,7 @@ SMALLEST_SQUARE = 1e-3  # metres
 class _Places:
     """Finds the tasks in a place, by cell; on a plane by squares as wide as the arrival radius."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Mission) -> None:
         self._scenario = scenario
         world = scenario.world
         self._reach = 0 if isinstance(world, Grid) else 1  # squares around
@@ -60,8 +60,8 @@ class Tasks:
 
     def __init__(
         self,
-        scenario: Scenario,
-        believed: Scenario | None = None,
+        scenario: Mission,
+        believed: Mission | None = None,
         is_coordinated: bool = False,
     ) -> None:
         self.scenario = scenario

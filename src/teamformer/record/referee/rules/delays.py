@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 
 ALL_BITS = 2**64 - 1
 
 
-class Delays:
+class DelayDraws:
     """Draws for every robot in every step, by a plain xorshift generator of 64 bits."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Mission) -> None:
         self._chances = {
             number: robot.delays.chance
             for number, robot in enumerate(scenario.robots)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Set
 
-from teamformer.mission.model import Scenario, Task, World
+from teamformer.mission.model import Mission, Task, World
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.record.record import Step
 from teamformer.record.referee.rules.completion import Tasks
-from teamformer.record.referee.rules.headway import Ways
+from teamformer.record.referee.rules.headway import ShortestWays
 from teamformer.record.referee.rules.teams import Fleet
 from teamformer.record.referee.rules.verdict import Notes
 
@@ -20,7 +20,7 @@ CHOICES, MOST_PLACES = 8, 100
 """With a view to what may come the nearest places are compared, if there are not too many."""
 
 
-def can_be_at(scenario: Scenario, task: Task, place: Place) -> bool:
+def can_be_at(scenario: Mission, task: Task, place: Place) -> bool:
     """Say whether a task may really be in a place."""
     return place in places_of(scenario.world, task)
 
@@ -65,10 +65,10 @@ def _one_nearer(at: tuple[int, int], goal: tuple[int, int]) -> tuple[int, int]:
     return x, (y + 1 if goal_y > y else y - 1)
 
 
-class Search:
+class PlaceSearch:
     """Which places are left for each task that is not found, and where it is believed to be."""
 
-    def __init__(self, scenario: Scenario, ways: Ways, foresight: str) -> None:
+    def __init__(self, scenario: Mission, ways: ShortestWays, foresight: str) -> None:
         world = scenario.world
         here = world.arrival_radius if isinstance(world, Plane) else 0.0
         self._radius = max(scenario.finding_radius, here)
@@ -187,7 +187,7 @@ class Search:
         found: set[int],
         moved: set[tuple[int, float, float]],
         step: Step,
-        truth: Scenario,
+        truth: Mission,
         notes: Notes,
     ) -> None:
         for task in sorted(found ^ set(step.found)):

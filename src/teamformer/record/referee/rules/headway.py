@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS, Plane
 from teamformer.record.referee.rules.teams import Fleet, RecordedTeam
@@ -32,13 +32,13 @@ class Move(NamedTuple):
     has_joined: bool  # so that it may have stood elsewhere within the arrival radius meanwhile
 
 
-class Ways:
+class ShortestWays:
     """The shortest ways to places, worked out only as far as teams are away.
 
     `goals` says where tasks are that teams walk to, as they believe.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Mission) -> None:
         self._world = scenario.world
         self._floods: dict[Place, _Flood] = {}
         self.goals = {number: task.at for number, task in enumerate(scenario.tasks)}
@@ -103,7 +103,7 @@ def _straight_on(place: Place, goal: Place, length: float) -> Place:
 
 def check_headway(
     fleet: Fleet,
-    ways: Ways,
+    ways: ShortestWays,
     goals: Mapping[int, Place],
     pursuits: Mapping[int, Sequence[int | None]],
     moves: Sequence[Move],
@@ -140,7 +140,7 @@ def _goal(goals: Mapping[int, Place], task: int | None) -> Place | None:
 class _Walk:
     """How a team has walked in a step."""
 
-    def __init__(self, fleet: Fleet, ways: Ways, team: RecordedTeam) -> None:
+    def __init__(self, fleet: Fleet, ways: ShortestWays, team: RecordedTeam) -> None:
         assert team.walked_from is not None
         self._fleet, self._ways, self._team = fleet, ways, team
         self._starts = {team.walked_from, team.walked_from if team.met_at is None else team.met_at}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from teamformer.mission.parts.capabilities import covers, total
-from teamformer.record.record import Replay
+from teamformer.record.record import Record
 from teamformer.record.referee.rules.completion import Tasks
 from teamformer.record.referee.rules.teams import Fleet, RecordedTeam, gets_there
 from teamformer.record.referee.rules.verdict import Notes
@@ -11,7 +11,7 @@ from teamformer.record.referee.rules.verdict import Notes
 LIMIT_REACHED = "the step limit was reached before"
 
 
-def start_fleet(replay: Replay, notes: Notes) -> Fleet:
+def start_fleet(replay: Record, notes: Notes) -> Fleet:
     """Return the fleet as the scenario has it, and say where the record's start differs."""
     scenario = replay.mission
     fleet = Fleet(scenario, {}, replay.is_coordinated)
@@ -25,7 +25,7 @@ def start_fleet(replay: Replay, notes: Notes) -> Fleet:
     return fleet
 
 
-def judge_orders(replay: Replay, tasks: Tasks, notes: Notes) -> None:
+def judge_orders(replay: Record, tasks: Tasks, notes: Notes) -> None:
     """Check that each shared order holds exactly the tasks that are known and undone then."""
     for steps, order in replay.orders:
         wanted = tasks.to_share_out(steps)
@@ -33,7 +33,7 @@ def judge_orders(replay: Replay, tasks: Tasks, notes: Notes) -> None:
             notes.note(f"the order made after {steps} steps is not one of the open tasks")
 
 
-def judge_ending(replay: Replay, fleet: Fleet, tasks: Tasks, over: str, notes: Notes) -> None:
+def judge_ending(replay: Record, fleet: Fleet, tasks: Tasks, over: str, notes: Notes) -> None:
     """Check what the record says of itself against what happened in it.
 
     `over` says why no more step could be made; it is empty if one could.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence, Set
 from typing import Protocol
 
-from teamformer.mission.model import Scenario
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
 from teamformer.record.record import Step, TaskAt
 from teamformer.record.referee.rules.teams import Fleet, RecordedTeam
@@ -15,14 +15,14 @@ from teamformer.record.referee.rules.walking import move_team
 _Row = tuple[int, int] | TaskAt
 
 
-class _Places(Protocol):
+class _LoadPlaces(Protocol):
     def move(self, task: int, place: Place) -> None: ...
 
 
 class Loads:
     """Which loads are carried, and what befell them in the latest step."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Mission) -> None:
         self._tasks = scenario.tasks
         self._up: set[int] = set()
         self._taken: list[tuple[int, int]] = []  # in this step: load, slot
@@ -74,7 +74,7 @@ class Loads:
         team.carries = None
         return True
 
-    def put_down(self, places: _Places) -> None:
+    def put_down(self, places: _LoadPlaces) -> None:
         """At the end of a step, let loads lie where they were let go of."""
         for task, place in self._left.items():
             self._up.remove(task)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
-from teamformer.record.record import Replay, Step
+from teamformer.record.record import Record, Step
 from teamformer.record.referee.rules.verdict import Notes
 
 BY_FIRST = ("teams", "done", "moved", "taken", "left", "pursued")
@@ -14,7 +14,7 @@ BY_FIRST = ("teams", "done", "moved", "taken", "left", "pursued")
 NUMBERS = ("lost", "back", "named", "shown", "found")
 
 
-def judge_rows(replay: Replay, notes: Notes) -> None:
+def judge_rows(replay: Record, notes: Notes) -> None:
     """Check that what was made after some steps comes in their order, once for each."""
     for name in ("orders", "plans", "scouts"):
         steps = [made for made, _ in getattr(replay, name)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-from teamformer.mission.model import Robot, Scenario, World
+from teamformer.mission.model import Mission, Robot, World
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import Plane
@@ -68,7 +68,7 @@ class Fleet:
     """All teams by slot, the lowest robot number in each."""
 
     def __init__(
-        self, scenario: Scenario, teams: dict[int, RecordedTeam], is_coordinated: bool = False
+        self, scenario: Mission, teams: dict[int, RecordedTeam], is_coordinated: bool = False
     ) -> None:
         self.scenario, self.is_coordinated = scenario, is_coordinated
         world, reach = scenario.world, scenario.join_radius

@@ -7,22 +7,22 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from teamformer.mission.checks.rules import LEAST_CHANCE
-from teamformer.mission.model import Arrivals, Robot, Scenario, Task
+from teamformer.mission.model import Arrivals, Mission, Robot, Task
 from teamformer.mission.parts.capabilities import Counts, exact, total
-from teamformer.record.record import Replay, Step
+from teamformer.record.record import Record, Step
 from teamformer.record.referee.rules.completion import Tasks
 from teamformer.record.referee.rules.finding import can_be_at, places_of
 from teamformer.record.referee.rules.teams import Fleet, gets_there
 from teamformer.record.referee.rules.verdict import Notes
 
 
-def judge_truth(replay: Replay, notes: Notes) -> None:
+def judge_truth(replay: Record, notes: Notes) -> None:
     """Check that the mission which was played is one that the scenario allows."""
     for message in wrong_truths(replay.scenario, replay.mission):
         notes.note(message)
 
 
-def wrong_truths(scenario: Scenario, truth: Scenario) -> Iterator[str]:
+def wrong_truths(scenario: Mission, truth: Mission) -> Iterator[str]:
     """Say what of a truth a mission does not allow; both have the same tasks and robots."""
     for task, true in zip(scenario.tasks, truth.tasks, strict=True):
         if not (_can_be_task(task, true) and can_be_at(scenario, task, true.at)):
@@ -34,7 +34,7 @@ def wrong_truths(scenario: Scenario, truth: Scenario) -> Iterator[str]:
             yield f"robot {robot.name} cannot really have been like that"
 
 
-def _wrong_arrivals(scenario: Scenario, arrivals: Arrivals) -> Iterator[str]:
+def _wrong_arrivals(scenario: Mission, arrivals: Arrivals) -> Iterator[str]:
     """Say which tasks that appeared at random cannot have."""
     latest = arrivals.since
     for task in scenario.tasks:
@@ -86,10 +86,10 @@ def _can_be_robot(robot: Robot, real: Robot) -> bool:
     return all(back and repair[0] <= back - lost <= repair[1] for lost, back in times)
 
 
-class Knowledge:
+class NeedsKnown:
     """What is believed that tasks need, and when that changed."""
 
-    def __init__(self, scenario: Scenario, foresight: str) -> None:
+    def __init__(self, scenario: Mission, foresight: str) -> None:
         self._scenario, self._foresight = scenario, foresight
         self._hidden = {number for number, task in enumerate(scenario.tasks) if task.may_need}
         self._shown_at: dict[int, float] = dict.fromkeys(self._hidden, math.inf)

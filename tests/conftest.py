@@ -25,7 +25,7 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-THOROUGH = ("bench", "fuzz", "robotarium", "train", "viewer")
+THOROUGH = ("bench", "fuzz", "learning", "robotarium", "viewer")
 """Folders whose tests are all thorough: browsers, benchmarks, training, random missions."""
 
 

@@ -19,12 +19,11 @@ pytest.importorskip("foxglove")
 pytest.importorskip("google.protobuf")
 
 from foxglove_client import FoxgloveClient, Heard
-from test_export import two_lifters
-
 from teamformer.base.errors import TeamformerError
 from teamformer.fleet.process.fleet import free_ports
 from teamformer.record.export.foxglove_server import Follower, Player
 from teamformer.record.record import Record
+from test_export import two_lifters
 
 ROOT = Path(__file__).parents[2]
 SECOND = 1_000_000_000

@@ -9,11 +9,11 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from teamformer.files.schema import schema_text
 from teamformer.mission.keys.key import REQUIRED, Key
 from teamformer.mission.keys.kinds import Parts
 from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
-from teamformer.files.schema import schema_text
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "reference" / "scenarios.md"

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 import teamformer as tf
-from teamformer.mission.parts.places import possible_places
 from teamformer.mission.model import Mission, Task
-from teamformer.record.record import Ending, Record, Step
+from teamformer.mission.parts.places import possible_places
 from teamformer.mission.truth import draw_truth
+from teamformer.record.record import Ending, Record, Step
 
 AFTER = (5, 20, 100)
 """Missions that were played before."""

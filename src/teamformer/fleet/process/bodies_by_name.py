@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from teamformer.fleet.bodies.remote import Line
     from teamformer.fleet.fleet_mission import FleetMission
 
-MakeBody = Callable[["Mission", int, "Line"], Body]
+MakeBody = Callable[["FleetMission", int, "Line"], Body]
 """From the mission, the number of the robot, and the line to what is simulated elsewhere."""
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from teamformer.files.schema import schema_text
 from teamformer.mission.keys.key import REQUIRED, Key
-from teamformer.mission.keys.kinds import Parts
+from teamformer.mission.keys.kinds import KeyedParts
 from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
 
@@ -25,7 +25,7 @@ def rows(keys: Sequence[Key], before: str = "") -> Iterator[str]:
     for key in keys:
         without = REQUIRED if key.is_required else key.without or said(key.default)
         yield f"| `{before}{key.name}` | {key.means} | {without} |"
-        if isinstance(key.kind, Parts):
+        if isinstance(key.kind, KeyedParts):
             yield from rows(key.kind.keys, f"{before}{key.name}[].")
 
 

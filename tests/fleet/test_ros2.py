@@ -36,7 +36,7 @@ from teamformer.fleet.agent.planning import first_plan
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.ros2.address import read_address
 from teamformer.fleet.bodies.ros2.body import Nav2Body
-from teamformer.fleet.bodies.ros2.goals import ByAction, State, pose_at
+from teamformer.fleet.bodies.ros2.goals import ByAction, GoalState, pose_at
 from teamformer.fleet.bodies.ros2.graph import RosNode, Whereabouts
 from teamformer.fleet.bodies.ros2.markers import BLUE, GREEN, GREY, WAY, Markers
 from teamformer.fleet.fleet_mission import FleetMission
@@ -291,23 +291,23 @@ def test_goals_go_through_an_action_server() -> None:
         goals.go(pose_at("map", float(order), 0.0, 0.0, stamp))
 
     send(5)
-    assert goals.state == State.FAILED  # there is no server yet
+    assert goals.state == GoalState.FAILED  # there is no server yet
     server = Server()
     try:
         assert goals.client.wait_for_server(10.0)
-        for order, state in ((5, State.ENDED), (0, State.FAILED), (9, State.FAILED)):
+        for order, state in ((5, GoalState.ENDED), (0, GoalState.FAILED), (9, GoalState.FAILED)):
             send(order)
             until(lambda state=state: goals.state == state)
         send(1)
-        until(lambda: goals.state == State.GOING)
+        until(lambda: goals.state == GoalState.GOING)
         send(7)  # takes the place of the one that is on
-        until(lambda: goals.state == State.ENDED and server.cancelled == [1])
+        until(lambda: goals.state == GoalState.ENDED and server.cancelled == [1])
         send(1)
-        until(lambda: goals.state == State.GOING)
+        until(lambda: goals.state == GoalState.GOING)
         goals.stop(pose_at("map", 0.0, 0.0, 0.0, stamp))
         until(lambda: server.cancelled == [1, 1])
         time.sleep(0.3)
-        assert goals.state == State.ENDED
+        assert goals.state == GoalState.ENDED
     finally:
         graph.close()
         server.close()

@@ -10,7 +10,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from drawing import are_more, now_and_then, pick, some
-from teamformer.mission.keys.kinds import LONGEST_TEXT, Kind, Number, Text, Whole, Word
+from teamformer.mission.keys.kinds import LONGEST_TEXT, Kind, Number, OneOf, Text, Whole
 from teamformer.mission.keys.mission_keys import COST_KEYS
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
@@ -369,7 +369,7 @@ def _of_kind(draw: st.DrawFn, kind: Kind) -> Any:
     match kind:
         case Text():
             return draw_names(draw, 1)[0]
-        case Word():
+        case OneOf():
             return pick(draw, kind.choices)
         case Number() | Whole():
             return pick(draw, [bound for bound in (kind.least, kind.most) if bound is not None])

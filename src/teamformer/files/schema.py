@@ -76,7 +76,7 @@ def schema_of(kind: kinds.Kind) -> Schema:
             return _pair(_of_number(kinds.Whole(kind.least)))
         case kinds.Window():
             return _pair(TIME)
-        case kinds.Links():
+        case kinds.StartLinks():
             return {"type": "object", "additionalProperties": _pair(TIME)}
         case kinds.Counts():
             names = {"type": "array", "items": NAME, "minItems": 1, "uniqueItems": True}
@@ -86,19 +86,19 @@ def schema_of(kind: kinds.Kind) -> Schema:
             return {"type": "object", "additionalProperties": _of_number(kinds.Number(0, 1))}
         case kinds.Names():
             return {"type": "array", "items": NAME, "uniqueItems": True}
-        case kinds.Robots():
+        case kinds.RobotNames():
             return {"type": "array", "items": NAME, "minItems": 1}
-        case kinds.Teams():
-            return {"type": "array", "items": schema_of(kinds.Robots())}
+        case kinds.TeamLists():
+            return {"type": "array", "items": schema_of(kinds.RobotNames())}
         case kinds.Place():
             return {"anyOf": [_pair(FINITE), NAME]}
-        case kinds.Word():
+        case kinds.OneOf():
             return {"enum": list(kind.choices)}
         case kinds.Moves():
             return NAME | {"examples": list(kind.choices)}
-        case kinds.Part():
+        case kinds.KeyedPart():
             return _of_part(kind)
-        case kinds.Parts():
+        case kinds.KeyedParts():
             return {"type": "array", "items": object_of(kind.keys), "minItems": 1}
         case kinds.Either():
             return {"anyOf": [schema_of(kind.plain), schema_of(kind.listed)]}
@@ -135,7 +135,7 @@ def _of_number(kind: kinds.Number | kinds.Whole) -> Schema:
     }
 
 
-def _of_part(kind: kinds.Part) -> Schema:
+def _of_part(kind: kinds.KeyedPart) -> Schema:
     """Return the schema of a mapping, or of the one value that may stand for it."""
     whole = object_of(kind.keys)
     if not kind.keys[0].is_required:

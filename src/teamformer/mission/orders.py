@@ -15,21 +15,21 @@ import numpy as np
 from teamformer.mission.model import Mission
 
 
-class Order(NamedTuple):
+class WritingOrder(NamedTuple):
     """In which order the robots and tasks of a mission are written, by their numbers before."""
 
     robots: list[int]
     tasks: list[int]
 
 
-def draw_order(mission: Mission, number: int) -> Order:
+def draw_order(mission: Mission, number: int) -> WritingOrder:
     """Return one of the orders of a mission; 0 is the one that it is written in."""
     robots, tasks = len(mission.robots), len(mission.tasks)
     if number == 0:
-        return Order(list(range(robots)), list(range(tasks)))
+        return WritingOrder(list(range(robots)), list(range(tasks)))
     rng = np.random.default_rng(number)
     in_turn = rng.permutation(tasks).tolist()
-    return Order(rng.permutation(robots).tolist(), in_turn)
+    return WritingOrder(rng.permutation(robots).tolist(), in_turn)
 
 
 def in_order(mission: Mission, order: int) -> Mission:

@@ -152,7 +152,7 @@ class Counting(_Bar):
         self._show(done, total)
 
 
-class Timing(_Bar):
+class TimeBar(_Bar):
     """A bar of the time that something takes, which counts it down, with how much is done by now.
 
     Where there is no terminal, a line now and then.

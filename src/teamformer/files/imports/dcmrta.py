@@ -15,7 +15,7 @@ import numpy as np
 
 from teamformer.base.array_types import Floats
 from teamformer.base.errors import TeamformerError
-from teamformer.files.imports.trees import HINT, Part, read_yaml, refuse_detours
+from teamformer.files.imports.trees import HINT, TreePart, read_yaml, refuse_detours
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 
@@ -54,7 +54,7 @@ def read(path: Path) -> list[Mission]:
     ]
 
 
-def _needs(tree: Part) -> list[int]:
+def _needs(tree: TreePart) -> list[int]:
     """Return how many robots each task needs."""
     needs = []
     for number in range(len(tree.parts())):
@@ -77,7 +77,7 @@ def _robots(path: Path) -> int:
     return planner["vehNumPerType"][0].whole(1)
 
 
-def _ways(graph: Part, tasks: int) -> tuple[Floats, float]:
+def _ways(graph: TreePart, tasks: int) -> tuple[Floats, float]:
     """Return the distances between the tasks and the depot, the last, and the robots' speed."""
     ways = np.full((tasks + 1, tasks + 1), np.nan)
     np.fill_diagonal(ways, 0.0)
@@ -113,7 +113,7 @@ def places_of(ways: Floats) -> Floats:
     return places
 
 
-def _refuse_crooked(graph: Part, ways: Floats, places: Floats) -> None:
+def _refuse_crooked(graph: TreePart, ways: Floats, places: Floats) -> None:
     """Refuse ways that are not straight ones between points of a plane."""
     names = [*(f"node {n}" for n in range(len(ways) - 1)), "the depot"]
     refuse_detours(graph, names, ways, EXACT)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from teamformer.files.imports.trees import Part, read_json
+from teamformer.files.imports.trees import TreePart, read_json
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
@@ -44,7 +44,7 @@ def read(path: Path) -> list[Mission]:
     ]
 
 
-def _compare_sizes(tree: Part, robots: int, tasks: int) -> None:
+def _compare_sizes(tree: TreePart, robots: int, tasks: int) -> None:
     """Refuse a file whose setup names other numbers than it holds: it was cut or put together."""
     setup = tree["setup"]
     for key, count in (("robots", robots), ("tasks", tasks)):
@@ -52,11 +52,11 @@ def _compare_sizes(tree: Part, robots: int, tasks: int) -> None:
             setup[key].refuse(f"is {setup[key].value}, but the file holds {count}")
 
 
-def _place(part: Part) -> Place:
+def _place(part: TreePart) -> Place:
     return part["x"].number(0), part["y"].number(0)
 
 
-def _skills(part: Part) -> dict[str, int]:
+def _skills(part: TreePart) -> dict[str, int]:
     """Return the skills that are not 0, as `skill-0`, `skill-1`, ..."""
     counts = {f"skill-{key}": count.whole(0) for key, count in part["skillset"].parts()}
     return {name: count for name, count in counts.items() if count}

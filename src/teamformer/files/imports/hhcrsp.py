@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from teamformer.files.imports.trees import Part, read_json
+from teamformer.files.imports.trees import TreePart, read_json
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import GROUND, Roads
@@ -51,14 +51,14 @@ def read(path: Path) -> list[Mission]:
     ]
 
 
-def _office(tree: Part) -> Part:
+def _office(tree: TreePart) -> TreePart:
     offices = tree["central_offices"].parts()
     if len(offices) > 1:
         tree["central_offices"].refuse(f"has {len(offices)} offices; here one is known")
     return offices[0][1]
 
 
-def _read_roads(tree: Part, names: list[str]) -> Roads:
+def _read_roads(tree: TreePart, names: list[str]) -> Roads:
     ways = tree["distances"].ways(names)
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
@@ -66,7 +66,7 @@ def _read_roads(tree: Part, names: list[str]) -> Roads:
     return Roads(tuple(names), {GROUND: tuple(tuple(row) for row in ways.tolist())})
 
 
-def _services(patient: Part, spot: Place, usual: dict[str, float]) -> list[Task]:
+def _services(patient: TreePart, spot: Place, usual: dict[str, float]) -> list[Task]:
     """Return a patient's one or two services as tasks."""
     name, services = patient["id"].text(), patient["required_caregivers"].parts()
     if len(services) > 2:
@@ -85,14 +85,14 @@ def _services(patient: Part, spot: Place, usual: dict[str, float]) -> list[Task]
     return tasks
 
 
-def _names(patient: str, services: list[tuple[str, Part]]) -> list[str]:
+def _names(patient: str, services: list[tuple[str, TreePart]]) -> list[str]:
     kinds = [part["service"].text() for _, part in services]
     if len(set(kinds)) < len(kinds):
         return [f"{patient}-{number}" for number in range(1, len(kinds) + 1)]
     return [f"{patient}-{kind}" for kind in kinds]
 
 
-def _gap(patient: Part) -> tuple[float, float]:
+def _gap(patient: TreePart) -> tuple[float, float]:
     """Return how long after the first service the second one starts, at least and at most."""
     said = patient["synchronization"]
     kind = said["type"].text()
@@ -103,7 +103,7 @@ def _gap(patient: Part) -> tuple[float, float]:
     return _pair(said["distance"])
 
 
-def _pair(part: Part) -> tuple[float, float]:
+def _pair(part: TreePart) -> tuple[float, float]:
     if len(part.parts()) != 2:
         part.refuse(f"has {len(part.parts())} entries; here should be two")
     one, two = part[0].number(0), part[1].number(0)
@@ -112,5 +112,5 @@ def _pair(part: Part) -> tuple[float, float]:
     return one, two
 
 
-def _abilities(caregiver: Part) -> dict[str, int]:
+def _abilities(caregiver: TreePart) -> dict[str, int]:
     return {part.text(): 1 for _, part in caregiver["abilities"].parts()}

@@ -15,7 +15,7 @@ from itertools import product
 from pathlib import Path
 
 from teamformer.base.array_types import Floats
-from teamformer.files.imports.trees import Part, read_json
+from teamformer.files.imports.trees import TreePart, read_json
 from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
@@ -33,7 +33,7 @@ def read(path: Path) -> list[Mission]:
     return [_mission(tree, path.stem)]
 
 
-def _mission(tree: Part, name: str) -> Mission:
+def _mission(tree: TreePart, name: str) -> Mission:
     robots, needs, durations = _table(tree["Q"]), _table(tree["R"]), tree["T_e"].numbers(0)
     is_published = "task_locations" in tree.value
     places, order = (
@@ -59,7 +59,7 @@ def _mission(tree: Part, name: str) -> Mission:
     )
 
 
-def _check_counts(tree: Part, places: str, is_published: bool) -> None:
+def _check_counts(tree: TreePart, places: str, is_published: bool) -> None:
     """Refuse tables of different numbers of tasks, and a start or an end that is a task."""
     rows = tree["R"].parts()
     tasks = len(rows) - 2 * is_published
@@ -75,7 +75,7 @@ def _check_counts(tree: Part, places: str, is_published: bool) -> None:
                 part.refuse(f"is {part.value}; here is the {'end' if at else 'start'}, so 0")
 
 
-def _read_world(tree: Part, names: Sequence[str], places: str) -> tuple[World, list[Place]]:
+def _read_world(tree: TreePart, names: Sequence[str], places: str) -> tuple[World, list[Place]]:
     """Return the world, and where the start, each task and the end are in it."""
     spots: list[Place] = [(one[0].number(0), one[1].number(0)) for _, one in tree[places].parts()]
     ways = tree["T_t"].ways(names) if "T_t" in tree.value else None
@@ -90,7 +90,7 @@ def _is_straight(ways: Floats, spots: Sequence[Place]) -> bool:
     return all(abs(ways[i, j] - math.dist(one, two)) < STRAIGHT for (i, one), (j, two) in pairs)
 
 
-def _read_order(part: Part, tasks: int) -> dict[int, tuple[str, ...]]:
+def _read_order(part: TreePart, tasks: int) -> dict[int, tuple[str, ...]]:
     """Return the names of the tasks that each task, counted from 1, comes after."""
     after: dict[int, dict[str, None]] = {number: {} for number in range(1, tasks + 1)}
     for _, pair in part.parts() if part.value else ():
@@ -101,7 +101,7 @@ def _read_order(part: Part, tasks: int) -> dict[int, tuple[str, ...]]:
     return {number: tuple(names) for number, names in after.items()}
 
 
-def _table(part: Part) -> list[list[int]]:
+def _table(part: TreePart) -> list[list[int]]:
     """Return a table of counts whose rows have one length."""
     rows = [[count.whole(0) for _, count in row.parts()] for _, row in part.parts()]
     if len({len(row) for row in rows}) > 1:

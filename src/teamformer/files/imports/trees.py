@@ -19,27 +19,27 @@ LARGEST_FILE = 20_000_000  # bytes
 HINT = "name a file of this format, whole and as its authors publish it"
 
 
-class Part:
+class TreePart:
     """A part of a tree that knows the file and the place that it comes from."""
 
     def __init__(self, value: Any, path: Path, place: str = "") -> None:
         self.value, self.path, self.place = value, path, place
 
-    def __getitem__(self, key: str | int) -> Part:
+    def __getitem__(self, key: str | int) -> TreePart:
         """Return a part of a mapping or a list; refuses if it is not there."""
         if isinstance(key, int):
             if not isinstance(self.value, list) or key >= len(self.value):
                 self.refuse(f"lacks entry {key}")
-            return Part(self.value[key], self.path, f"{self.place}[{key}]")
+            return TreePart(self.value[key], self.path, f"{self.place}[{key}]")
         if not isinstance(self.value, dict) or key not in self.value:
             self.refuse(f"lacks '{key}'")
-        return Part(self.value[key], self.path, f"{self.place}.{key}".lstrip("."))
+        return TreePart(self.value[key], self.path, f"{self.place}.{key}".lstrip("."))
 
     def refuse(self, what: str, hint: str = HINT) -> NoReturn:
         """Raise the error that names file and place."""
         raise TeamformerError(f"{self.path}: {self.place or 'the file'} {what}", hint)
 
-    def parts(self) -> list[tuple[str, Part]]:
+    def parts(self) -> list[tuple[str, TreePart]]:
         """Return the parts of a mapping that is not empty, by key, or of a list, by number."""
         if isinstance(self.value, dict) and self.value:
             return [(str(key), self[key]) for key in self.value]
@@ -92,21 +92,21 @@ class Part:
         return np.array(rows)
 
 
-def read_json(path: Path) -> Part:
+def read_json(path: Path) -> TreePart:
     """Return the tree of a JSON file."""
     return _read(path, json.loads, json.JSONDecodeError, "JSON")
 
 
-def read_yaml(path: Path) -> Part:
+def read_yaml(path: Path) -> TreePart:
     """Return the tree of a YAML file."""
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     return _read(path, lambda text: yaml.load(text, loader), yaml.YAMLError, "YAML")
 
 
-def _read(path: Path, parse: Callable[[str], Any], error: type[Exception], kind: str) -> Part:
+def _read(path: Path, parse: Callable[[str], Any], error: type[Exception], kind: str) -> TreePart:
     text = read_text(path, LARGEST_FILE, HINT)
     try:
-        return Part(parse(text), path)
+        return TreePart(parse(text), path)
     except (error, RecursionError, ValueError) as wrong:
         place = getattr(wrong, "lineno", None) or _line_of(wrong)
         where = f"{path}:{place}" if place else str(path)
@@ -127,7 +127,7 @@ def _from(least: float) -> str:
     return "" if least == -math.inf else f", {least:g} or more"
 
 
-def refuse_detours(part: Part, names: Sequence[str], ways: Floats, tolerance: float) -> None:
+def refuse_detours(part: TreePart, names: Sequence[str], ways: Floats, tolerance: float) -> None:
     """Refuse ways that are longer than a detour: straight ones never are."""
     detours = np.min(ways[:, :, None] + ways[None, :, :], axis=1)
     worst = np.unravel_index(np.argmax(ways - detours), ways.shape)

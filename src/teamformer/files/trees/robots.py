@@ -17,7 +17,7 @@ from teamformer.mission.model import Absence, Robot
 
 
 @dataclass(frozen=True)
-class Fleet:
+class FileRobots:
     """The robots of a file, by number, and the entry that each comes from.
 
     A name stands for one robot, or for all that an entry with `count` makes.
@@ -28,7 +28,7 @@ class Fleet:
     named: Mapping[str, tuple[int, ...]]
 
 
-def read_robots(reader: Reader, value: Any, given: Given) -> Fleet:
+def read_robots(reader: Reader, value: Any, given: Given) -> FileRobots:
     """Return the robots; problems are noted in the reader."""
     robots: list[Robot] = []
     entries: list[int] = []
@@ -48,7 +48,7 @@ def read_robots(reader: Reader, value: Any, given: Given) -> Fleet:
         robots += [replace(robot, name=name) for name in names]
         entries += [number] * len(names)
     one = {robot.name: (number,) for number, robot in reversed(list(enumerate(robots)))}
-    return Fleet(tuple(robots), tuple(entries), groups | one)
+    return FileRobots(tuple(robots), tuple(entries), groups | one)
 
 
 def _keys_for(part: Any) -> tuple[Key, ...]:

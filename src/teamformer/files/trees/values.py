@@ -58,7 +58,7 @@ def stand_in(kind: kinds.Kind) -> Any:
             return (0, 0)
         case kinds.Counts():
             return {}
-        case kinds.Names() | kinds.Parts():
+        case kinds.Names() | kinds.KeyedParts():
             return []
     return 0
 
@@ -123,7 +123,7 @@ def _(
 
 @read.register
 def _(
-    kind: kinds.Links, reader: Reader, where: Where, value: Any, given: Given
+    kind: kinds.StartLinks, reader: Reader, where: Where, value: Any, given: Given
 ) -> dict[str, tuple[float, float]]:
     gap, form = kinds.Window("[least, most]"), "{TASK: [least, most]}"
     gaps = _read_named(reader, where, value, gap, form, given)
@@ -165,7 +165,7 @@ def _(kind: kinds.Names, reader: Reader, where: Where, value: Any, given: Given)
 
 @read.register
 def _(
-    kind: kinds.Robots, reader: Reader, where: Where, value: Any, given: Given
+    kind: kinds.RobotNames, reader: Reader, where: Where, value: Any, given: Given
 ) -> tuple[int, ...]:
     if value == []:
         reader.refuse(where, f"{where[-1]} names no robot; name one, or drop it")
@@ -174,7 +174,7 @@ def _(
 
 @read.register
 def _(
-    kind: kinds.Teams, reader: Reader, where: Where, value: Any, given: Given
+    kind: kinds.TeamLists, reader: Reader, where: Where, value: Any, given: Given
 ) -> tuple[tuple[int, ...], ...]:
     teams = enumerate(reader.sequence(where, value))
     return tuple(_read_robots(reader, (*where, entry), team, given) for entry, team in teams)
@@ -197,7 +197,7 @@ def _(kind: kinds.Place, reader: Reader, where: Where, value: Any, given: Given)
 
 
 @read.register
-def _(kind: kinds.Word, reader: Reader, where: Where, value: Any, given: Given) -> str:
+def _(kind: kinds.OneOf, reader: Reader, where: Where, value: Any, given: Given) -> str:
     return reader.word(value)
 
 
@@ -212,13 +212,13 @@ def _(kind: kinds.Moves, reader: Reader, where: Where, value: Any, given: Given)
 @read.register
 def _(kind: kinds.Either, reader: Reader, where: Where, value: Any, given: Given) -> Any:
     chosen = kind.listed if isinstance(value, list) else kind.plain
-    if isinstance(chosen, kinds.Word) and isinstance(given.world, Roads):
+    if isinstance(chosen, kinds.OneOf) and isinstance(given.world, Roads):
         chosen = chosen if value in chosen.choices else kind.listed  # the name of a place
     return read(chosen, reader, where, value, given)
 
 
 @read.register
-def _(kind: kinds.Part, reader: Reader, where: Where, value: Any, given: Given) -> Any:
+def _(kind: kinds.KeyedPart, reader: Reader, where: Where, value: Any, given: Given) -> Any:
     if kind.alone and not isinstance(value, dict):
         [key] = [key for key in kind.keys if key.name == kind.alone]
         said = {key.field: read(key.kind, reader, where, value, given)}

@@ -13,11 +13,11 @@ from teamformer.mission.keys.kinds import (
     INFINITE,
     Counts,
     Either,
+    KeyedPart,
     Kind,
-    Links,
     Number,
-    Part,
     Place,
+    StartLinks,
 )
 from teamformer.mission.keys.mission_keys import MISSION_KEYS, VERSION
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
@@ -65,11 +65,11 @@ def to_tree(kind: Kind, value: Any, world: World) -> Any:
             return at_to_tree(value, world)
         case Either():
             return to_tree(kind.listed if isinstance(value, tuple) else kind.plain, value, world)
-        case Links():
+        case StartLinks():
             return {name: list(gap) for name, gap in value.items()}
-        case Part(makes=""):
+        case KeyedPart(makes=""):
             return dict(value)
-        case Part():
+        case KeyedPart():
             tree = part_to_tree(kind.keys, vars(value), world)
             return tree[kind.alone] if list(tree) == [kind.alone] else tree
     return list(value) if isinstance(value, tuple) else value

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by
-from teamformer.mission.orders import Order, draw_order, in_order
+from teamformer.mission.orders import WritingOrder, draw_order, in_order
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Reordered:
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return a plan of the coordinator in the numbers of the mission."""
         there = draw_order(known.mission, self.order)
-        back = Order(_inverse(there.robots), _inverse(there.tasks))
+        back = WritingOrder(_inverse(there.robots), _inverse(there.tasks))
         old = None if plan is None else _renumbered(plan, back)
         return _renumbered(self.coordinator.update(_reordered(known, self.order), old), there)
 
@@ -50,7 +50,7 @@ def _reordered(known: Known, number: int) -> Known:
     )
 
 
-def _renumbered(plan: Plan, numbers: Order) -> Plan:
+def _renumbered(plan: Plan, numbers: WritingOrder) -> Plan:
     """Return a plan with other numbers for its robots and tasks."""
     robot, task = numbers
 

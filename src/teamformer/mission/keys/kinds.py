@@ -80,7 +80,7 @@ class Window:
 
 
 @dataclass(frozen=True)
-class Links:
+class StartLinks:
     """How long after others something starts: the least and the most, by the others' names."""
 
 
@@ -100,12 +100,12 @@ class Names:
 
 
 @dataclass(frozen=True)
-class Robots:
+class RobotNames:
     """A list of at least one robot, by name; the name of an entry with `count` is all of its."""
 
 
 @dataclass(frozen=True)
-class Teams:
+class TeamLists:
     """Lists of robots, by name."""
 
 
@@ -115,7 +115,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Word:
+class OneOf:
     """One of a few words."""
 
     choices: tuple[str, ...]
@@ -129,7 +129,7 @@ class Moves:
 
 
 @dataclass(frozen=True)
-class Part:
+class KeyedPart:
     """A mapping with keys of its own.
 
     `makes` is the class of the model that it becomes; `alone` the key whose value may stand alone
@@ -142,7 +142,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Parts:
+class KeyedParts:
     """A list of at least one mapping, all with the same keys."""
 
     keys: tuple[Key, ...]
@@ -193,17 +193,17 @@ Kind = (
     | Moments
     | Range
     | Window
-    | Links
+    | StartLinks
     | Counts
     | Chances
     | Names
-    | Robots
-    | Teams
+    | RobotNames
+    | TeamLists
     | Place
-    | Word
+    | OneOf
     | Moves
-    | Part
-    | Parts
+    | KeyedPart
+    | KeyedParts
     | Either
     | Sides
     | Rows

@@ -7,15 +7,15 @@ from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     Either,
     Forms,
+    KeyedPart,
+    KeyedParts,
     Names,
     Number,
-    Part,
-    Parts,
+    OneOf,
     Place,
-    Teams,
+    TeamLists,
     Text,
     Whole,
-    Word,
 )
 from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS, SURPRISES
 from teamformer.mission.keys.task_keys import (
@@ -85,11 +85,11 @@ MISSION_KEYS = (
         "the names of all capabilities",
         example=["lift", "scan"],
     ),
-    Key("robots", Parts(ROBOT_KEYS), "a list of at least one robot"),
-    Key("tasks", Parts(TASK_KEYS), "a list of at least one task"),
+    Key("robots", KeyedParts(ROBOT_KEYS), "a list of at least one robot"),
+    Key("tasks", KeyedParts(TASK_KEYS), "a list of at least one task"),
     Key(
         "teams",
-        Teams(),
+        TeamLists(),
         "lists of robots that start as one team, by name as for `only`; they must start at the "
         "same cell or point",
         default=(),
@@ -127,13 +127,13 @@ MISSION_KEYS = (
     ),
     Key(
         "time",
-        Word(TIMES),
+        OneOf(TIMES),
         f"`steps` or `continuous` {CONTINUOUS_TIME}",
         default="steps",
     ),
     Key(
         "ends",
-        Either(Word((HOME,)), Place()),
+        Either(OneOf((HOME,)), Place()),
         "in continuous time, when the mission is over: `home`, when every robot is back where it "
         "started; or `[x, y]` (on roads the name of a place), when all robots are there",
         default=None,
@@ -150,7 +150,7 @@ MISSION_KEYS = (
     ),
     Key(
         "cost",
-        Part(COST_KEYS),
+        KeyedPart(COST_KEYS),
         f"what plans minimise, such as `{{makespan: 1, tardiness: 2}}` {CONTINUOUS_TIME}",
         default=None,
         without="the makespan or, if tasks have windows, `{makespan: 1, tardiness: 2}`",
@@ -164,7 +164,7 @@ MISSION_KEYS = (
     ),
     Key(
         "arrivals",
-        Part(ARRIVALS_KEYS, makes="Arrivals"),
+        KeyedPart(ARRIVALS_KEYS, makes="Arrivals"),
         f"`{{rate: 0.05, until: 60}}`: tasks that appear at random {NOT_KNOWN}",
         default=None,
         without="none",

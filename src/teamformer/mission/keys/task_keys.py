@@ -7,12 +7,12 @@ from teamformer.mission.keys.kinds import (
     Chances,
     Counts,
     Either,
-    Links,
     Names,
     Number,
     Place,
     Range,
-    Robots,
+    RobotNames,
+    StartLinks,
     Text,
     Time,
     Whole,
@@ -92,7 +92,7 @@ TASK_KEYS = (
     ),
     Key(
         "starts",
-        Links(),
+        StartLinks(),
         "in continuous time: `{TASK: [least, most]}`, this task starts at least and at most this "
         f"long after TASK starts, and other robots do it {CONTINUOUS_TIME}",
         default={},
@@ -141,7 +141,7 @@ TASK_KEYS = (
     ),
     Key(
         "only",
-        Robots(),
+        RobotNames(),
         "names of robots, or the name of an entry with `count` for all its robots: what other "
         "robots bring does not count for this task ([pins](#pins))",
         default=(),
@@ -149,7 +149,7 @@ TASK_KEYS = (
     ),
     Key(
         "with",
-        Robots(),
+        RobotNames(),
         "names of robots that must take part, as for `only` ([pins](#pins))",
         default=(),
         without="none",

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from teamformer.mission.keys.key import Key
 from teamformer.mission.keys.kinds import (
+    KeyedPart,
     Number,
+    OneOf,
     Origin,
-    Part,
     Rows,
     Sides,
     Tables,
     Text,
     Whole,
-    Word,
 )
 from teamformer.mission.parts.plane import LONGEST_SIDE, LONGEST_STEP, SHORTEST_STEP, SHORTEST_UNIT
 
@@ -31,14 +31,14 @@ FRAME_KEYS = (
 TURNED = (
     Key(
         "y_axis",
-        Word(("up", "down")),
+        OneOf(("up", "down")),
         "which way up a drawing shows the map: `up` or `down`",
         default=None,
         without="`up` beside `grid`, `down` beside `rows`",
     ),
     Key(
         "frame",
-        Part(FRAME_KEYS),
+        KeyedPart(FRAME_KEYS),
         "where the grid lies in the metres of a map",
         default=None,
         without="nowhere",

@@ -42,7 +42,7 @@ SCALE, LARGEST = 1024, 8191
 """Makespans are counted in 1024ths of the first one, to eight times that."""
 
 
-class Kept(NamedTuple):
+class BestLists(NamedTuple):
     """The best lists and crews so far, and what has changed since these were written down."""
 
     tasks: Array  # (crews, tasks)
@@ -119,7 +119,7 @@ def _try_change(
     is_able: Array,
     near: Array,
     room: CrewRoom,
-    best: Kept,
+    best: BestLists,
     reference: int,
     cost: int,
     limit: int,
@@ -157,7 +157,7 @@ def _try_trade(
     crew: Array,
     is_alone: Array,
     room: CrewRoom,
-    best: Kept,
+    best: BestLists,
     reference: int,
     cost: int,
     limit: int,
@@ -251,9 +251,9 @@ def _who_starts_alone(shared: Shared) -> Array:
 
 
 @allocating_kernel
-def _first_kept(lists: CrewRoutes, crew: Array) -> Kept:
+def _first_kept(lists: CrewRoutes, crew: Array) -> BestLists:
     crews, robots = len(lists.length), len(crew)
-    return Kept(
+    return BestLists(
         lists.tasks.copy(),
         lists.length.copy(),
         crew.copy(),
@@ -274,7 +274,7 @@ def _note(changes: Array, is_changed: Array, number: int) -> None:
 
 
 @kernel
-def _keep(lists: CrewRoutes, crew: Array, best: Kept) -> None:
+def _keep(lists: CrewRoutes, crew: Array, best: BestLists) -> None:
     """Write down what has changed."""
     for index in range(1, best.list_changes[0] + 1):
         number = best.list_changes[index]
@@ -290,7 +290,7 @@ def _keep(lists: CrewRoutes, crew: Array, best: Kept) -> None:
 
 
 @kernel
-def _put_back(lists: CrewRoutes, crew: Array, best: Kept) -> None:
+def _put_back(lists: CrewRoutes, crew: Array, best: BestLists) -> None:
     """Make the lists what was written down."""
     for number in range(len(lists.length)):
         replace_list(lists, number, best.tasks[number], best.length[number])

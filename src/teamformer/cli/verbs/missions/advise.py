@@ -10,7 +10,7 @@ from rich.text import Text
 
 from teamformer.base.errors import Problem, TeamformerError
 from teamformer.cli.terminal.compiling import compile_ahead
-from teamformer.cli.terminal.console import Timing, out, prepare_file, print_json, processors, say
+from teamformer.cli.terminal.console import TimeBar, out, prepare_file, print_json, processors, say
 from teamformer.cli.terminal.interruption import Interruption
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import default_for, load_method
@@ -33,7 +33,7 @@ def advise(path: Path, page: Path | None, time_limit: float, as_json: bool) -> i
         prepare_file(page)
     if mission.time != "continuous":
         _prepare(mission)
-    with Interruption(), Timing("searches", time_limit) as timing:
+    with Interruption(), TimeBar("searches", time_limit) as timing:
         advice = advise_on(mission, time_limit, processors(), timing.update)
     if page is not None:
         write_advice(advice.row, page)

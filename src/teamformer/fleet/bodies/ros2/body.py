@@ -21,7 +21,7 @@ from teamformer.fleet.bodies.ros2.goals import (
     ByAction,
     ByTopic,
     GoalSender,
-    State,
+    GoalState,
     pose_at,
 )
 from teamformer.fleet.bodies.ros2.graph import RosNode, Whereabouts
@@ -139,7 +139,7 @@ class Nav2Body:
         elif self._arrived == goal:
             self._sent_leg = self._command.leg
         elif is_new or self._is_to_send_again(at):
-            if not is_new and self._goals.state == State.FAILED:
+            if not is_new and self._goals.state == GoalState.FAILED:
                 self._say(f"has given up its way to {goal[0]:g}, {goal[1]:g}; it is sent again")
             self._sent, self._from, self._sent_leg = time.monotonic(), at, self._command.leg
             x, y = metres_of(self._world, goal)
@@ -159,7 +159,7 @@ class Nav2Body:
         now = time.monotonic()
         if math.dist(at, self._from) > MOVED:
             self._sent, self._from = now, at
-        has_stopped = self._goals.state in (State.FAILED, State.ENDED, State.UNKNOWN)
+        has_stopped = self._goals.state in (GoalState.FAILED, GoalState.ENDED, GoalState.UNKNOWN)
         return has_stopped and now - self._sent > AGAIN
 
     def _place(self, at: tuple[float, float]) -> Place:

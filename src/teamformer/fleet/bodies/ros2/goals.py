@@ -17,7 +17,7 @@ ACTION = "navigate_to_pose"
 GOAL = "goal_pose"
 
 
-class State(Enum):
+class GoalState(Enum):
     """How far a robot is with its newest goal."""
 
     UNKNOWN = "unknown"
@@ -29,7 +29,7 @@ class State(Enum):
 class GoalSender(Protocol):
     """Sends one robot off; a new goal takes the place of the one before."""
 
-    state: State
+    state: GoalState
 
     def go(self, pose: PoseStamped) -> None:
         """Send the robot to a pose of the map."""
@@ -51,7 +51,7 @@ class ByTopic:
     """Publishes goals, and hears how far the robot is from the action's status, if there is one."""
 
     def __init__(self, node: Node) -> None:
-        self.state = State.UNKNOWN
+        self.state = GoalState.UNKNOWN
         self._publisher = node.create_publisher(PoseStamped, GOAL, 10)
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         node.create_subscription(
@@ -61,7 +61,7 @@ class ByTopic:
 
     def go(self, pose: PoseStamped) -> None:
         """Publish a goal."""
-        self.state, self._before = State.UNKNOWN, self._newest
+        self.state, self._before = GoalState.UNKNOWN, self._newest
         self._publisher.publish(pose)
 
     def stop(self, here: PoseStamped) -> None:
@@ -84,7 +84,7 @@ class ByAction:
     def __init__(
         self, node: Node, kind: Any, goal_of: Callable[[PoseStamped], Any], name: str = ACTION
     ) -> None:
-        self.state = State.UNKNOWN
+        self.state = GoalState.UNKNOWN
         self.client = ActionClient(node, kind, name)
         self._goal_of = goal_of
         self._count = 0  # of goals: what comes back of an older one is left
@@ -96,9 +96,9 @@ class ByAction:
         self._count += 1
         number = self._count
         if not self.client.server_is_ready():
-            self.state = State.FAILED
+            self.state = GoalState.FAILED
             return
-        self.state = State.UNKNOWN
+        self.state = GoalState.UNKNOWN
         sent = self.client.send_goal_async(self._goal_of(pose))
         sent.add_done_callback(lambda future: self._on_answer(number, future.result()))
 
@@ -106,7 +106,7 @@ class ByAction:
         """Cancel the goal."""
         self._cancel()
         self._count += 1
-        self.state = State.ENDED
+        self.state = GoalState.ENDED
 
     def _cancel(self) -> None:
         if self._handle is not None:
@@ -119,12 +119,12 @@ class ByAction:
             if handle.accepted:
                 handle.cancel_goal_async()
         elif handle.accepted:
-            self.state, self._handle = State.GOING, handle
+            self.state, self._handle = GoalState.GOING, handle
             handle.get_result_async().add_done_callback(
                 lambda future: self._on_result(number, future.result().status)
             )
         else:
-            self.state = State.FAILED
+            self.state = GoalState.FAILED
 
     def _on_result(self, number: int, status: int) -> None:
         """Take in how a goal ended; only the status is read, since results differ by version."""
@@ -132,11 +132,11 @@ class ByAction:
             self.state, self._handle = _state_of(status), None
 
 
-def _state_of(status: int) -> State:
+def _state_of(status: int) -> GoalState:
     if status == GoalStatus.STATUS_SUCCEEDED:
-        return State.ENDED
+        return GoalState.ENDED
     has_failed = status in (GoalStatus.STATUS_ABORTED, GoalStatus.STATUS_CANCELED)
-    return State.FAILED if has_failed else State.GOING
+    return GoalState.FAILED if has_failed else GoalState.GOING
 
 
 def _stamp(status: GoalStatus) -> tuple[int, int]:

@@ -24,11 +24,11 @@ from typing import Any
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.vda5050.address import read_address
 from teamformer.fleet.bodies.vda5050.broker import Broker
-from teamformer.fleet.bodies.vda5050.orders import Action, Stop, Way, action_of, order_of
-from teamformer.fleet.bodies.vda5050.service import DROP, NEAR, SET_DOWN, Service, begin
+from teamformer.fleet.bodies.vda5050.orders import Action, OrderStop, Way, action_of, order_of
+from teamformer.fleet.bodies.vda5050.service import DROP, NEAR, SET_DOWN, ServiceTry, begin
 from teamformer.fleet.bodies.vda5050.state import FAILED, FINISHED, State
 from teamformer.fleet.bodies.vda5050.tries import UNANSWERED, Tries
-from teamformer.fleet.bodies.vda5050.watch import Watch
+from teamformer.fleet.bodies.vda5050.watch import VehicleWatch
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.saying import say
@@ -49,14 +49,14 @@ class Vda5050Body:
         self._name = mission.scenario.robots[robot].name
         self._tasks = {task.key: task for task in mission.tasks}
         self._lock = threading.Lock()
-        self._watch = Watch(address, self._say)
+        self._watch = VehicleWatch(address, self._say)
         self._report: Report | None = None
         self._command = Command()
         self._run = f"{robot}-{time.time_ns() // 1_000_000:x}"  # so that no order is an earlier one
         self._numbers = itertools.count(1)
-        self._service: Service | None = None  # that at hand, or the last one
+        self._service: ServiceTry | None = None  # that at hand, or the last one
         self._ended = self._served = ""  # the services that were over last, and done last
-        self._held: Service | None = None  # whose load it has
+        self._held: ServiceTry | None = None  # whose load it has
         self._lies: Place | None = None  # where it has set down the load of the task at hand
         self._tries = Tries()
         self._broker = Broker(address, f"teamformer-{self._run}", self._take, self._say)
@@ -110,7 +110,7 @@ class Vda5050Body:
             elif at is not None and service is not None and self._ended != service.name:
                 self._note_service(service)
 
-    def _note_service(self, service: Service) -> None:
+    def _note_service(self, service: ServiceTry) -> None:
         """Note that the vehicle has served or has picked a load, or that it failed to."""
         status = self._state.status_of(service.begins)
         if status in FAILED and self._command.serve:
@@ -124,7 +124,7 @@ class Vda5050Body:
                 self._ended = self._served = service.name
                 self._tries.recover()
 
-    def _note_drop(self, at: Place, held: Service) -> None:
+    def _note_drop(self, at: Place, held: ServiceTry) -> None:
         """Note that the vehicle has brought its load or has set it down, or that it failed to."""
         dropped = self._state.status_of(held.drop)
         set_down = self._state.status_of(held.set_down)
@@ -174,9 +174,9 @@ class Vda5050Body:
         if goal is None:
             self._once(CANCEL, self._cancel)
         else:
-            self._hand_out(self._order, [Stop(at), Stop(goal)], self._way)
+            self._hand_out(self._order, [OrderStop(at), OrderStop(goal)], self._way)
 
-    def _serve(self, at: Place, service: Service) -> None:
+    def _serve(self, at: Place, service: ServiceTry) -> None:
         """Have the vehicle do its part of the task, unless its state shows that it does."""
         if service.load is None:
             if self._state.status_of(service.name) is None:
@@ -191,7 +191,7 @@ class Vda5050Body:
             self._hand_out(held.drop, held.bring_on(at), held.drop_words, self._pace())
 
     def _hand_out(
-        self, order: str, stops: Sequence[Stop], what: str, limits: Mapping[str, float] = FREE
+        self, order: str, stops: Sequence[OrderStop], what: str, limits: Mapping[str, float] = FREE
     ) -> None:
         """See to it that the vehicle has an order; the one before is cancelled first."""
         if self._state.order == order:
@@ -267,7 +267,7 @@ class Vda5050Body:
         """Return a name that nothing had before."""
         return f"{name}-{next(self._numbers)}"
 
-    def _try_of(self, command: Command) -> Service:
+    def _try_of(self, command: Command) -> ServiceTry:
         """Return a new try of a command's task."""
         task = self._tasks.get(command.task)
         return begin(self._another(self._order), task, command.task, command.team)

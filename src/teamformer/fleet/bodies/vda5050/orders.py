@@ -14,7 +14,7 @@ from teamformer.mission.parts.grid import Place
 Action = Mapping[str, Any]
 
 
-class Stop(NamedTuple):
+class OrderStop(NamedTuple):
     """A place of an order, and what is to be done there."""
 
     place: Place
@@ -30,7 +30,7 @@ class Way(NamedTuple):
     limits: Mapping[str, float] = {}  # of its edges
 
 
-def order_of(name: str, stops: Sequence[Stop], way: Way) -> dict[str, Any]:
+def order_of(name: str, stops: Sequence[OrderStop], way: Way) -> dict[str, Any]:
     """Return an order from where the vehicle is, its first stop, to each other one."""
     nodes = [_node(f"{name}-{number}", 2 * number, *stop, way) for number, stop in enumerate(stops)]
     nodes[0]["nodeId"] = way.begins

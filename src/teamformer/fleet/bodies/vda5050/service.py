@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from teamformer.fleet.bodies.vda5050.orders import Action, Stop, action_of
+from teamformer.fleet.bodies.vda5050.orders import Action, OrderStop, action_of
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.parts.grid import Place
 
@@ -20,7 +20,7 @@ NEAR = 0.3
 """Metres from its goal at which a vehicle that has nothing more to drive is there."""
 
 
-class Service(NamedTuple):
+class ServiceTry(NamedTuple):
     """One try of a task, under names that no other try has.
 
     `name` is that of its action, or of its order; `drop` and `set_down` are the newest actions that
@@ -73,22 +73,25 @@ class Service(NamedTuple):
         lasts = 0.0 if self.task is None else self.task.duration
         return self._action(SERVE, self.name, lasts, blocking)
 
-    def bring(self, at: Place) -> list[Stop]:
+    def bring(self, at: Place) -> list[OrderStop]:
         """Return an order to pick the load where the vehicle is, and to drop it at its goal."""
         load, goal = self._load_and_goal()
         pick = self._action(PICK, self.begins, load.duration)
-        return [Stop(at, [pick]), Stop(goal, [self._action(DROP, self.drop, load.unload)])]
+        return [
+            OrderStop(at, [pick]),
+            OrderStop(goal, [self._action(DROP, self.drop, load.unload)]),
+        ]
 
-    def bring_on(self, at: Place) -> list[Stop]:
+    def bring_on(self, at: Place) -> list[OrderStop]:
         """Return an order to drop what the vehicle has failed to drop."""
         load, goal = self._load_and_goal()
         drop = self._action(DROP, self.drop, load.unload)
         is_there = math.dist(at, goal) <= NEAR
-        return [Stop(at, [drop])] if is_there else [Stop(at), Stop(goal, [drop])]
+        return [OrderStop(at, [drop])] if is_there else [OrderStop(at), OrderStop(goal, [drop])]
 
-    def put_down(self, at: Place) -> list[Stop]:
+    def put_down(self, at: Place) -> list[OrderStop]:
         """Return an order to drop the load where the vehicle is."""
-        return [Stop(at, [self._action(DROP, self.set_down, 0.0)])]
+        return [OrderStop(at, [self._action(DROP, self.set_down, 0.0)])]
 
     def _load_and_goal(self) -> tuple[TaskFact, Place]:
         assert self.task is not None
@@ -100,6 +103,6 @@ class Service(NamedTuple):
         return action_of(kind, name, parameters, blocking)
 
 
-def begin(name: str, task: TaskFact | None, key: int, team: int) -> Service:
+def begin(name: str, task: TaskFact | None, key: int, team: int) -> ServiceTry:
     """Return a new try of a task."""
-    return Service(name, task, key, team, f"{name}-{DROP}", f"{name}-{SET_DOWN}")
+    return ServiceTry(name, task, key, team, f"{name}-{DROP}", f"{name}-{SET_DOWN}")

@@ -15,7 +15,7 @@ AWAY = 40.0
 30."""
 
 
-class Watch:
+class VehicleWatch:
     """Takes in what a vehicle says, and tells once what keeps orders from it."""
 
     def __init__(self, address: Address, tell: Callable[[str], None]) -> None:

@@ -71,7 +71,7 @@ def serving(
     `address` is where the page is to be asked for; it is served here on a free port.
     """
     mission = RunningMission(scenario, lambda: load_method(method), 0)
-    with serving_session(Session(mission, folder, speed), token, address) as served:
+    with serving_session(Session(mission, folder, speed), token, address=address) as served:
         yield served
 
 

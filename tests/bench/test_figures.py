@@ -6,6 +6,7 @@ from pathlib import Path
 
 from hand_rows import rows_of
 from teamformer.bench.report.figures import colour_of, draw_suite
+from teamformer.bench.report.files import bare_if_run
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import load_suite
 from teamformer.bench.summary import summarise
@@ -24,6 +25,26 @@ def test_only_parts_with_trials_are_drawn(tmp_path: Path) -> None:
     assert draw("paper", rows, tmp_path) == ["fig4a.png", "fig5a.png"]
     for name in ("fig4a.png", "fig5a.png"):
         assert len((tmp_path / name).read_bytes()) > 10_000
+
+
+def test_figures_have_networks_without_their_deadlock_guard_where_these_were_run() -> None:
+    rows = [
+        row
+        for setting, method in (
+            ("4N20T-C4", "gnn-c4-ppo"),
+            ("4N20T-C4", "gnn-c4-ppo-bare"),
+            ("4N20T-C4", "heuristic"),
+            ("8N20T-C8", "gnn-c8-ppo"),
+        )
+        for row in rows_of(setting, method, [10])
+    ]
+    assert [(row.setting, row.method) for row in bare_if_run(rows)] == [
+        ("4N20T-C4", "gnn-c4-ppo-bare"),
+        ("4N20T-C4", "heuristic"),
+        ("8N20T-C8", "gnn-c8-ppo"),
+    ]
+    assert colour_of("teamformer-bare") == colour_of("teamformer")
+    assert colour_of("gnn-c4-ppo-bare") == colour_of("gnn-c8-ppo")
 
 
 def test_curves_have_a_panel_for_each_axis(tmp_path: Path) -> None:

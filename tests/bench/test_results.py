@@ -10,7 +10,9 @@ import pytest
 
 from hand_rows import rows_of
 from teamformer import __version__
-from teamformer.bench.report.results import _missions, template
+from teamformer.bench.report.beside import beside_the_plan
+from teamformer.bench.report.kept import kept_tables
+from teamformer.bench.report.results import template
 from teamformer.bench.runner import AUTHORS
 from teamformer.bench.store import folders_beside
 from teamformer.bench.suites import names_of_suites
@@ -30,11 +32,11 @@ def test_the_document_stands_on_the_rows(
     words = ("paper", "--trials", "3", "--workers", "1", "--time-limit", "20", "--out", str(folder))
     planned = ("--settings", "4N4T-C4", "--methods", "central,heuristic")
     assert bench(*words, *planned) == 0
-    others = ("--settings", "4N4T-C4,4N20+20T-C4-nn", "--methods", "join-all,teamformer")
+    others = ("--settings", "4N4T-C4,4N20+20T-C4-nn", "--methods", "join-all,teamformer-bare")
     assert bench(*words, *others, "--report", str(document)) == 0
     capsys.readouterr()
     text = document.read_text()
-    assert "--settings 4N4T-C4,4N20+20T-C4-nn --methods join-all,teamformer" in text
+    assert "--settings 4N4T-C4,4N20+20T-C4-nn --methods join-all,teamformer-bare" in text
     assert "18 trials: 3 of each method" in text
     assert "holds: 0 of 3 (0.0% to 56.1%)" in text
     assert "$" not in text.replace("\n$ ", "")  # every blank is filled in
@@ -48,12 +50,68 @@ def test_the_document_stands_on_the_rows(
 def test_missions_stand_beside_the_plan() -> None:
     """With 10 and 20 steps `plan` takes 15 on average; what takes a third more says so."""
     rows = [*rows_of("real", "plan", [10, 20]), *rows_of("real", "crews", [15, 25])]
+    rows += rows_of("real", "heuristic", [30, 30])
+    rows += rows_of("real", "teamformer", [40, None])
     rows += [replace(row, cost=3.0 + row.world_seed) for row in rows_of("sparse", "plan", [4, 6])]
-    table = _missions(rows).splitlines()[2:]
+    head, _, *table = beside_the_plan(rows).splitlines()
+    assert head == "| setting | worlds | `plan` | `crews` | `heuristic` | `teamformer` |"
     assert table == [
-        "| real | 2 | 15.0 ± 5.0 | 20.0 ± 5.0 (+33%) |  |",
-        "| sparse | 2 | 5.0 ± 1.0, cost 3.5 |  |  |",
+        "| real | 2 | 15.0 ± 5.0 | 20.0 ± 5.0 (+33%) | 30.0 ± 0.0 (+100%) "
+        "| 40.0 (+300%), 1 failed |",
+        "| sparse | 2 | 5.0 ± 1.0, cost 3.5 |  |  |  |",
     ]
+    assert beside_the_plan([]) == ""
+
+
+OLDER = """# Results
+
+The version of Teamformer that ran them: 0.1.0 (code abc). The machine: any.
+
+## Missions
+
+Mean steps.
+
+| setting | `plan` |
+| --- | ---: |
+| real | 15.0 |
+
+## What to know
+
+Nothing.
+"""
+
+
+def test_tables_without_rows_stay_and_say_which_version_made_them(tmp_path: Path) -> None:
+    document = tmp_path / "results.md"
+    assert kept_tables(document) == {}
+    document.write_text(OLDER)
+    kept = kept_tables(document)
+    told = "Kept from an earlier report; these rows were made by version 0.1.0 (code abc).\n\n"
+    assert kept == {"Missions": f"{told}| setting | `plan` |\n| --- | ---: |\n| real | 15.0 |\n"}
+    again = OLDER.replace("abc", "def").replace("Mean steps.\n\n", f"Mean steps.\n\n{told}")
+    document.write_text(again)
+    assert kept_tables(document) == kept
+
+
+def test_a_report_keeps_what_it_cannot_make_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document, tables = tmp_path / "results.md", tmp_path / "results-tables.md"
+    document.write_text(OLDER)
+    tables.write_text(OLDER.replace("## Missions", "## missions"))
+    (tmp_path / "images").mkdir()
+    (tmp_path / "images" / "results-scale.png").write_bytes(b"drawn before")
+    words = ("fig3", "--trials", "1", "--workers", "1", "--methods", "join-all")
+    assert bench(*words, "--out", str(tmp_path / "rows"), "--report", str(document)) == 0
+    capsys.readouterr()
+    told = "Kept from an earlier report; these rows were made by version 0.1.0 (code abc).\n\n| set"
+    assert told in document.read_text()
+    assert (
+        "## Large missions\n\nNot measured: `teamformer bench large` does." in document.read_text()
+    )
+    older = "Kept from an earlier report:\n\n![scale](images/results-scale.png)"
+    assert older in document.read_text()
+    assert f"## missions\n\n{told}" in tables.read_text()
 
 
 DOCS = Path(__file__).parents[2] / "docs"

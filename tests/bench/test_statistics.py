@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from teamformer.bench.statistics import growth_exponent, mean_of, t_quantile, wilson
+from teamformer.bench.statistics import growth_exponent, mean_of, slope_of, t_quantile, wilson
 
 
 @pytest.mark.parametrize(
@@ -23,6 +23,31 @@ def test_a_mean_with_its_interval() -> None:
     assert mean.deviation == pytest.approx(math.sqrt(8 / 3))
     assert mean.error == pytest.approx(math.sqrt(2 / 3))
     assert mean.half_width == pytest.approx(3.182 * math.sqrt(2 / 3), abs=1e-3)
+
+
+def test_a_slope_with_its_interval() -> None:
+    """Around x = 2 and y = 3: x -1 -1 1 1, y -1 -2 2 1, so 6 / 4; left over are 0.5 each, ±."""
+    slope = slope_of([(1, 2), (1, 1), (3, 5), (3, 4)])
+    assert slope.value == pytest.approx(1.5)
+    assert slope.half_width == pytest.approx(4.303 * math.sqrt(1 / 2 / 4), abs=1e-3)  # 1.52
+    assert not slope.rises
+    assert not slope.falls
+
+
+def test_a_slope_rises_or_falls_if_its_interval_leaves_zero_out() -> None:
+    """With the same four points twice: six degrees of freedom, t = 2.447, ±0.61."""
+    points = [(1, 2), (1, 1), (3, 5), (3, 4)] * 2
+    assert slope_of(points).half_width == pytest.approx(2.447 * math.sqrt(2 / 6 / 8), abs=1e-3)
+    assert slope_of(points).rises
+    assert slope_of([(x, -y) for x, y in points]).falls
+    flat = slope_of([(1, 0), (2, 0), (3, 0)])
+    assert (flat.value, flat.half_width, flat.rises, flat.falls) == (0.0, 0.0, False, False)
+
+
+def test_too_few_points_have_no_slope() -> None:
+    assert math.isnan(slope_of([(1, 2), (1, 3)]).value)
+    assert math.isnan(slope_of([(1, 2), (2, 3)]).half_width)
+    assert not slope_of([(1, 2), (2, 3)]).rises
 
 
 def test_too_few_values_have_no_spread() -> None:

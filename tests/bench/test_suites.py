@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from teamformer.base.errors import TeamformerError
+from teamformer.bench.report.claim_checks import ANY_FLEET, TABLE_1, method_for
 from teamformer.bench.suites import cells, load_suite, names_of_suites, player_of
+from teamformer.files.drawn.named_settings import size_of
 from teamformer.methods.by_name import load_method
 
 SHIPPED = [
@@ -62,11 +64,27 @@ def test_missions_with_loads_flights_and_due_dates_are_measured_undisturbed_and_
         assert {f"{family}{kind}" for kind in kinds} <= set(settings)
 
 
+def test_the_suites_of_the_paper_measure_what_its_claims_are_judged_by() -> None:
+    """Every method that a claim is judged by is bare, if it has learned, and in the suite."""
+    measured = set(cells(load_suite("paper")))
+    for setting in TABLE_1:
+        capabilities = size_of(setting).capabilities
+        compared = ("deepset", "gnn") if capabilities <= 8 else ()
+        for family in ("teamformer", ANY_FLEET, "heuristic", *compared):
+            assert (setting, method_for(family, setting)) in measured
+
+
+def test_a_learned_method_plays_all_families_of_missions() -> None:
+    suite = load_suite("missions")
+    assert {(setting, "teamformer") for setting in suite.settings} <= set(cells(suite))
+
+
 def test_the_paper_is_its_figures() -> None:
     suite = load_suite("paper")
     assert list(suite.settings) == PAPER_SETTINGS
     assert [part.name for part in suite.figures] == SHIPPED[1:8]
     assert ("8N20T-C8", "gnn-c8-ppo") in cells(suite)
+    assert ("8N20T-C8", "gnn-c8-ppo-bare") in cells(suite)  # as the paper's: it has no guard
     assert ("4N20T-C4", "gnn-c4-ppo") in cells(suite)
     assert ("8N20T-C8", "gnn-c4-ppo") not in cells(suite)
     assert ("4N20+20T-C4-nn", "central") not in cells(suite)  # nobody can plan for what appears
@@ -96,7 +114,7 @@ def test_methods_and_settings_can_be_chosen() -> None:
         ("100N20T-C100-R20", "join-all"),
         ("100N20T-C100-R50", "join-all"),
     ]
-    assert len(list(cells(suite))) == 4 * 5
+    assert len(list(cells(suite))) == 4 * 7
 
 
 def test_an_unknown_name_is_told_the_nearest() -> None:

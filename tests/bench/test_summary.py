@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -19,13 +20,15 @@ from teamformer.bench.report.claim_checks import (
     near_optimum,
     no_failure,
     saves,
+    slowest,
     some_failures,
+    splits_fall,
     trend,
 )
 from teamformer.bench.report.claims import FAILURES, INFERENCE, claims
 from teamformer.bench.report.evidence import Evidence
 from teamformer.bench.report.tables import cells_of, summary_csv, summary_table
-from teamformer.bench.rows import row_of
+from teamformer.bench.rows import Row, row_of
 from teamformer.bench.summary import on_shared_worlds, summarise
 
 SMALL = "4N4T-C4"
@@ -154,6 +157,27 @@ def test_inference_is_of_trials_that_ran_alone() -> None:
     assert summary.inference.value == 2.0
 
 
+def test_inference_is_what_completing_a_trial_takes() -> None:
+    """The trial that waited until the step limit says nothing of that."""
+    rows = rows_of(SMALL, "gnn-c4-ppo-bare", [10, 20, None])
+    times = (1.0, 3.0, 90.0)
+    rows = [replace(row, decision_cpu_seconds=time) for row, time in zip(rows, times, strict=True)]
+    [summary] = summarise(rows)
+    assert (summary.inference.value, summary.inference.count) == (2.0, 2)
+
+
+def test_the_slowest_is_found_among_bare_methods() -> None:
+    timed = {"teamformer-c4-ppo-bare": 3.0, "deepset-c4-ppo-bare": 1.0, "gnn-c4-ppo-bare": 2.0}
+    rows = [
+        replace(row, decision_cpu_seconds=time)
+        for method, time in {**timed, "gnn-c4-ppo": 9.0}.items()
+        for row in rows_of("4N20T-C4", method, [10])
+    ]
+    told = slowest(Evidence(rows), "teamformer")
+    assert told.measured == "4N20T-C4: 1.5 times the slower one"
+    assert told.holds is True
+
+
 def test_tables_say_the_same() -> None:
     rows = [
         *rows_of(SMALL, "heuristic", [30, 40, 50]),
@@ -180,9 +204,9 @@ def test_tables_say_the_same() -> None:
 def test_a_saving_is_a_share_of_the_other_mean() -> None:
     rows = [
         *rows_of("4N20T-C4", "heuristic", [100, 80, 120, None]),
-        *rows_of("4N20T-C4", "teamformer-c4-ppo", [70, 60, 80, 50]),
+        *rows_of("4N20T-C4", "teamformer-c4-ppo-bare", [70, 60, 80, 50]),
     ]
-    saving = Evidence(rows).saving("4N20T-C4", "teamformer-c4-ppo", "heuristic")
+    saving = Evidence(rows).saving("4N20T-C4", "teamformer-c4-ppo-bare", "heuristic")
     assert saving is not None
     assert saving.value == pytest.approx(0.3)  # (300 - 210) / 300
     assert saving.half_width == pytest.approx(4.303 * 10 / math.sqrt(3) / 100, abs=1e-4)
@@ -209,9 +233,9 @@ def test_the_optimum_is_what_was_proven() -> None:
 def test_verdicts() -> None:
     evidence = Evidence(
         [
-            *rows_of(SMALL, "teamformer-c4-ppo", [20, 22]),
-            *rows_of(SMALL, "teamformer-c4", [90, None]),  # what a script taught is not judged
-            *rows_of(SMALL, "gnn-c4-ppo", [24, 26]),
+            *rows_of(SMALL, "teamformer-c4-ppo-bare", [20, 22]),
+            *rows_of(SMALL, "teamformer-c4-bare", [90, None]),  # what a script taught is not judged
+            *rows_of(SMALL, "gnn-c4-ppo-bare", [24, 26]),
             *rows_of(SMALL, "heuristic", [21, 20]),
         ]
     )
@@ -225,32 +249,87 @@ def test_verdicts() -> None:
     assert as_quick(SMALL, 1.0)(evidence, "teamformer").holds is None  # nothing was timed
 
 
-def test_who_struggles_shows_without_the_deadlock_guard() -> None:
-    safe = rows_of(SMALL, "gnn-c4-ppo", [10, 20])
-    bare = rows_of(SMALL, "gnn-c4-ppo-bare", [10, None])
-    judge = some_failures(SMALL, "gnn")
-    assert judge(Evidence(safe), "teamformer").holds is False
-    told = judge(Evidence([*safe, *bare]), "teamformer")
-    assert told.holds is True
-    assert told.measured == "1 of 2 (9.5% to 90.5%) without the deadlock guard"
-
-
-def test_trends_go_by_the_ends() -> None:
+def test_faster_is_what_the_whole_interval_says() -> None:
+    """The mean is below in both cases: by 2 (±1.3), and by 1 (±3.6)."""
     rows = [
-        row
-        for setting, makespan in zip(TABLE_1[4:], (100, 120, 110, 105), strict=True)
-        for row in rows_of(setting, "heuristic", [makespan, makespan])
+        *rows_of(SMALL, "teamformer-c4-ppo-bare", [20, 20, 20, 20]),
+        *rows_of(SMALL, "gnn-c4-ppo-bare", [21, 22, 22, 23]),
+        *rows_of(SMALL, "heuristic", [18, 21, 21, 24]),
     ]
-    judgement = trend("heuristic", rises=True)(Evidence(rows), "teamformer")
-    assert judgement.measured == "100.0, 120.0, 110.0, 105.0"
-    assert judgement.holds is True
+    told = faster_than(SMALL, ("gnn",))(Evidence(rows), "teamformer")
+    assert told.measured.startswith("gnn -2.0 (-3.3 to -0.7)")
+    assert told.holds is True
+    told = faster_than(SMALL, ("heuristic",))(Evidence(rows), "teamformer")
+    assert told.measured.startswith("heuristic -1.0 (-4.9 to +2.9)")
+    assert told.holds is False
+
+
+def test_failures_are_those_without_the_deadlock_guard() -> None:
+    """Of the paper's network as of those that it is compared with."""
+    crowd = "100N20T-C100-R10"
+    rows = [
+        *rows_of(crowd, "teamformer-c100-ppo", [10, 20]),
+        *rows_of(crowd, "teamformer-c100-ppo-bare", [10, None]),
+        *rows_of("8N20T-C8", "gnn-c8-ppo", [10, 20]),
+        *rows_of("8N20T-C8", "gnn-c8-ppo-bare", [10, None]),
+    ]
+    told = no_failure(crowd)(Evidence(rows), "teamformer")
+    assert (told.holds, told.measured) == (False, "1 of 2 (9.5% to 90.5%)")
+    told = some_failures("8N20T-C8", "gnn")(Evidence(rows), "teamformer")
+    assert (told.holds, told.measured) == (True, "1 of 2 (9.5% to 90.5%)")
+    guarded = [row for row in rows if not row.method.endswith("-bare")]
+    assert no_failure(crowd)(Evidence(guarded), "teamformer").holds is None
+    assert some_failures("8N20T-C8", "gnn")(Evidence(guarded), "teamformer").holds is None
+
+
+def by_requirements(method: str, values: Sequence[Sequence[int]]) -> list[Row]:
+    """Trials with 10, 20, 50 and 90 requirements for each task."""
+    return [
+        row
+        for setting, makespans in zip(TABLE_1[4:], values, strict=True)
+        for row in rows_of(setting, method, makespans)
+    ]
+
+
+def test_trends_go_by_the_line_through_all_trials() -> None:
+    """Requirements are 42.5 on average, so 3875 in squares, and the sum of products is -537.5."""
+    rows = by_requirements("heuristic", [[104, 106], [119, 121], [109, 111], [99, 101]])
+    falling = trend("heuristic", rises=False)(Evidence(rows), "teamformer")
+    assert falling.measured.startswith("105.0, 120.0, 110.0, 100.0; -1.4 (")
+    assert falling.holds is False  # the interval reaches above zero, though the last is the least
+    steady = by_requirements("heuristic", [[100, 101], [104, 105], [115, 116], [130, 131]])
+    rising = trend("heuristic", rises=True)(Evidence(steady), "teamformer")
+    assert rising.measured.startswith("100.5, 104.5, 115.5, 130.5; +3.7 (")
+    assert rising.holds is True
+    assert trend("heuristic", rises=True)(Evidence(steady[:2]), "teamformer").holds is None
+
+
+def test_the_same_splits_are_judged_alike() -> None:
+    """Where no network splits, nothing falls: for neither of the two."""
+    rows = [
+        *by_requirements("teamformer-c100-ppo-bare", [[100, 101]] * 4),
+        *by_requirements("teamformer-bare", [[100, 101]] * 4),
+    ]
+    told = [splits_fall(Evidence(rows), family) for family in ("teamformer", ANY_FLEET)]
+    assert told[0] == told[1]
+    assert told[0].holds is False
+    assert told[0].measured.startswith(
+        "0, 0, 0, 0 splits in 2, 2, 2, 2 trials; +0.0 (+0.0 to +0.0)"
+    )
+    splits = {10: 9, 20: 8, 50: 5, 90: 1}
+    fewer = [
+        replace(row, splits=splits[int(row.setting.partition("-R")[2])])
+        for row in by_requirements("teamformer-bare", [[100, 101]] * 4)
+    ]
+    assert splits_fall(Evidence(fewer), ANY_FLEET).holds is True
 
 
 def test_the_method_of_a_family_fits_the_setting() -> None:
-    assert method_for("gnn", "24N100T-C8") == "gnn-c8-ppo"
-    assert method_for("gnn", "20N100T-C4") == "gnn-c4-ppo"
-    assert method_for("teamformer", "100N20T-C100-R20") == "teamformer-c100-ppo"
-    assert method_for(ANY_FLEET, "24N100T-C8") == "teamformer"
+    assert method_for("gnn", "24N100T-C8") == "gnn-c8-ppo-bare"
+    assert method_for("gnn", "20N100T-C4") == "gnn-c4-ppo-bare"
+    assert method_for("teamformer", "100N20T-C100-R20") == "teamformer-c100-ppo-bare"
+    assert method_for(ANY_FLEET, "24N100T-C8") == "teamformer-bare"
+    assert method_for("heuristic", "24N100T-C8") == "heuristic"
 
 
 def test_every_claim_can_be_judged_of_nothing() -> None:

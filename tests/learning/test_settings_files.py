@@ -62,6 +62,15 @@ def test_shipped_settings_are_those_of_the_network(name: str) -> None:
     assert settings.learns_by == learns_by[how]
 
 
+@pytest.mark.parametrize("name", names_of_settings())
+def test_shipped_settings_can_be_repeated(name: str) -> None:
+    """No clock ends them or slows learning down: a half is a half of the iterations."""
+    settings = load_settings(name)
+    assert settings.iterations is not None
+    assert settings.minutes is None
+    assert settings.share_done(settings.iterations // 2, 1e9) == pytest.approx(0.5, abs=0.02)
+
+
 def test_every_learned_method_has_its_settings() -> None:
     assert {card.name for card in shipped_cards()} <= set(names_of_settings())
 

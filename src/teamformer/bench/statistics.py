@@ -1,4 +1,4 @@
-"""The few statistics that the tables need: means, intervals, growth exponents."""
+"""The few statistics that the tables need: means, intervals, slopes, growth exponents."""
 
 from __future__ import annotations
 
@@ -31,6 +31,45 @@ class Mean:
         if self.count < 2:
             return math.nan
         return t_quantile(0.5 + CONFIDENCE / 2, self.count - 1) * self.error
+
+
+@dataclass(frozen=True)
+class Slope:
+    """By how much a value rises for each unit more of another, over `count` points.
+
+    `half_width` is what the 95% interval reaches to either side; NaN where there are too few.
+    """
+
+    value: float
+    half_width: float
+    count: int
+
+    @property
+    def falls(self) -> bool:
+        """Say whether all of the interval is below zero."""
+        return self.value + self.half_width < 0
+
+    @property
+    def rises(self) -> bool:
+        """Say whether all of the interval is above zero."""
+        return self.value - self.half_width > 0
+
+
+def slope_of(points: Sequence[tuple[float, float]]) -> Slope:
+    """Return the slope of the least-squares line through points (x, y), with Student's interval."""
+    count = len(points)
+    if len({x for x, _ in points}) < 2:
+        return Slope(math.nan, math.nan, count)
+    x, y = np.array(points, dtype=np.float64).T
+    x, y = x - x.mean(), y - y.mean()
+    spread = float((x * x).sum())
+    value = float((x * y).sum()) / spread
+    freedom = count - 2
+    if freedom < 1:
+        return Slope(value, math.nan, count)
+    rest = y - value * x
+    error = math.sqrt(float((rest * rest).sum()) / freedom / spread)
+    return Slope(value, t_quantile(0.5 + CONFIDENCE / 2, freedom) * error, count)
 
 
 def mean_of(values: Sequence[float]) -> Mean:

@@ -31,11 +31,11 @@ class Summary:
     its mean, and `cost_to_central` the same of costs.
     `room` is the part of the steps between `HOPEFUL` and `central` that is won, on the worlds that
     all three completed.
-    `inference` is the CPU time that deciding took in a trial,
-    `waiting` the time by the clock, both over trials that ran alone. `to_best` and `to_bound` are
-    ratios of the makespan to the best known and to the lower bound of the same world, less one;
-    they are over worlds that a planner has planned, where there are such. `to_list` is the
-    difference to the list schedule. The means after that are of the worlds, whatever the method.
+    `inference` is the CPU time that deciding took in a trial, `waiting` the time by the clock, both
+    over completed trials that ran alone. `to_best` and `to_bound` are ratios of the makespan to the
+    best known and to the lower bound of the same world, less one; they are over worlds that a
+    planner has planned, where there are such. `to_list` is the difference to the list schedule. The
+    means after that are of the worlds, whatever the method.
     """
 
     setting: str
@@ -151,8 +151,8 @@ def _summary(
     room: Mean,
 ) -> Summary:
     known = [row for row in rows if row.world_seed in planned or not planned]
-    alone = [row for row in rows if row.side_by_side == 1]
     done = [row for row in rows if row.makespan is not None]
+    alone = [row for row in done if row.side_by_side == 1]
     return Summary(
         setting=rows[0].setting,
         method=rows[0].method,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from teamformer.bench.rows import Row
 from teamformer.bench.statistics import Mean, mean_of
@@ -52,15 +52,15 @@ class Evidence:
         found = differences(self._makespans.get((setting, method), {}), optimum)
         return found if found.count else None
 
-    def splits(self, setting: str, method: str) -> float | None:
-        """Return the splits of a trial, on average."""
-        found = _of(self.rows, setting, method)
-        return mean_of([row.splits or 0 for row in found]).value if found else None
+    def makespans(self, setting: str, method: str) -> list[int]:
+        """Return the makespans of completed trials."""
+        return list(self._makespans.get((setting, method), {}).values())
+
+    def splits(self, setting: str, method: str) -> list[int]:
+        """Return the splits of each trial."""
+        trials = [row for row in self.rows if (row.setting, row.method) == (setting, method)]
+        return [row.splits or 0 for row in trials]
 
     def least_timed(self) -> int:
         """Return how many trials a mean of inference times rests on at least."""
         return min((s.inference.count for s in self.summaries if s.inference.count), default=0)
-
-
-def _of(rows: Iterable[Row], setting: str, method: str) -> list[Row]:
-    return [row for row in rows if (row.setting, row.method) == (setting, method)]

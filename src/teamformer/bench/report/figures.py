@@ -20,6 +20,7 @@ from teamformer.bench.statistics import growth_exponent
 from teamformer.bench.suites import Suite
 from teamformer.bench.summary import Summary
 from teamformer.files.drawn.named_settings import spec_of
+from teamformer.methods.by_name import BARE
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart.
 FAMILIES = {
@@ -192,7 +193,7 @@ def _curve(axes: Axes, method: str, points: dict[int, float]) -> None:
 
 def colour_of(method: str) -> str:
     """Return the colour of a method, the same in every figure."""
-    family = re.sub(r"-c\d+(-.*)?$", "-c", method)
+    family = re.sub(r"-c\d+(-.*)?$", "-c", method.removesuffix(BARE))
     if family in FAMILIES:
         return FAMILIES[family]
     return OTHERS[sum(method.encode()) % len(OTHERS)]

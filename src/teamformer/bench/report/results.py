@@ -12,31 +12,22 @@ from string import Template
 from typing import TypeVar
 
 from teamformer.base.whole_files import write_whole
+from teamformer.bench.report.beside import beside_the_authors, beside_the_plan, steps_of
 from teamformer.bench.report.claim_checks import ANY_FLEET, TABLE_1, ClaimJudgement, method_for
 from teamformer.bench.report.claims import FAILURES, INFERENCE, Claim, claims
 from teamformer.bench.report.evidence import Evidence
-from teamformer.bench.report.tables import (
-    EXPLANATION,
-    markdown,
-    number,
-    plus_minus,
-    seconds,
-    summary_table,
-)
+from teamformer.bench.report.kept import KEPT, kept_tables
+from teamformer.bench.report.tables import EXPLANATION, markdown, number, seconds, summary_table
 from teamformer.bench.rows import Row
-from teamformer.bench.runner import AUTHORS
 from teamformer.bench.statistics import Mean, wilson
 from teamformer.bench.store import read_folder
-from teamformer.bench.summary import Summary
 from teamformer.methods.by_name import BARE
 
 FAMILIES = {
     "teamformer": "the paper's network, trained here",
-    ANY_FLEET: "`teamformer`",
+    ANY_FLEET: "`teamformer-bare`",
 }
 T = TypeVar("T")
-MISSIONS, PLANNERS = ("missions", "large"), ("crews", "heuristic")
-"""The suites of missions, and the methods that stand there beside `plan`."""
 
 VERDICTS = {True: "holds", False: "**does not hold**", None: ""}
 
@@ -45,26 +36,39 @@ def write_results(file: Path, command: str, folders: Sequence[Path]) -> None:
     """Write the document from the folders of finished benchmarks, the paper's first.
 
     The tables of all suites go to a document of their own beside it, and figures are copied into
-    `images/`.
+    `images/`. What stands in the documents already and has no rows here is kept, and said to be.
     """
     suites = {about.suite: rows for about, rows in map(read_folder, folders)}
     evidence = Evidence(next(iter(suites.values())))
     tables = tables_file(file)
+    kept, kept_suites = kept_tables(file), kept_tables(tables)
+
+    def measured(heading: str, table: str, suite: str) -> str:
+        """Return a table, or else what was measured before, or else by which suite it would be."""
+        missing = f"Not measured: `teamformer bench {suite}` does.\n"
+        return table or kept.get(heading, missing)
+
     text = template("results").substitute(
         **_origin(command, evidence),
         **_claims(evidence),
         **_weight(evidence),
-        authors=_beside_the_authors(suites.get("authors", ())),
-        missions=_missions([row for name in MISSIONS for row in suites.get(name, ())]),
+        authors=measured(
+            "On the authors' own worlds",
+            beside_the_authors(suites.get("authors", ())),
+            "authors FILE",
+        ),
+        missions=measured("Missions", beside_the_plan(suites.get("missions", ())), "missions"),
+        large=measured("Large missions", beside_the_plan(suites.get("large", ())), "large"),
         figures=_figures(file, folders),
         table_1=_table_1(evidence),
-        room=_room(evidence),
+        room=measured("How much room there is", _room(evidence), "paper --methods central"),
         tables=tables.name,
     )
     everything = template("tables").substitute(
         results=file.name,
         versions=_versions(row for rows in suites.values() for row in rows),
-        everything=_everything(suites),
+        codes=_codes(row for rows in suites.values() for row in rows),
+        everything=_everything(suites, kept_suites),
     )
     write_whole(tables, everything)
     write_whole(file, text)
@@ -91,7 +95,7 @@ def _origin(command: str, evidence: Evidence) -> dict[str, str]:
         "first_seed": f"{seeds[0]}",
         "last_seed": f"{seeds[-1]}",
         "versions": _versions(evidence.rows),
-        "codes": ", ".join(sorted({row.code for row in evidence.rows})),
+        "codes": _codes(evidence.rows),
         "machine": f"{platform.system()} on {platform.machine()} with {os.cpu_count()} cores",
         "python": platform.python_version(),
     }
@@ -101,6 +105,10 @@ def _versions(rows: Iterable[Row]) -> str:
     """Say which versions of this package made rows; those before 0.1.0 left no trace of theirs."""
     found = sorted({row.version for row in rows})
     return " and ".join(version or "before 0.1.0" for version in found)
+
+
+def _codes(rows: Iterable[Row]) -> str:
+    return ", ".join(sorted({row.code for row in rows}))
 
 
 def _claims(evidence: Evidence) -> dict[str, str]:
@@ -132,29 +140,37 @@ def _verdict(judgement: ClaimJudgement) -> str:
 def _figures(file: Path, folders: Sequence[Path]) -> str:
     """Copy the figures beside the document and return what shows them.
 
-    They are all of the first folder, and of the others those of the suite as a whole.
+    They are all of the first folder, and of the others those of the suite as a whole; then those
+    that stood there before.
     """
     images = file.parent / "images"
     images.mkdir(exist_ok=True)
+    before = set(images.glob("results-*.png"))
     wholes = [folder / f"{read_folder(folder)[0].suite}.png" for folder in folders[1:]]
     pictures = [*sorted(folders[0].glob("*.png")), *filter(Path.exists, wholes)]
-    shown = []
-    for picture in pictures:
-        copy = images / f"results-{picture.name}"
+    copies = [images / f"results-{picture.name}" for picture in pictures]
+    for picture, copy in zip(pictures, copies, strict=True):
         shutil.copyfile(picture, copy)
-        shown.append(f"![{picture.stem}](images/{copy.name})\n")
-    return "\n".join(shown)
+    shown = [_shown(copy) for copy in copies]
+    older = [_shown(picture) for picture in sorted(before.difference(copies))]
+    return "\n".join([*shown, *([f"{KEPT}:\n", *older] if older else [])])
+
+
+def _shown(copy: Path) -> str:
+    name = copy.stem.removeprefix("results-")
+    return f"![{name}](images/{copy.name})\n"
 
 
 def _table_1(evidence: Evidence) -> str:
     """Return Table I, with the paper's numbers in brackets."""
+    learned = ("teamformer", "deepset", "gnn", ANY_FLEET)
     rows = [
         ["failures", _label(family), *(_failures(evidence, family, s) for s in TABLE_1)]
-        for family in ("teamformer", "deepset", "gnn", ANY_FLEET, "join-all", "heuristic")
+        for family in (*learned, "join-all", "heuristic")
     ]
     rows += [
-        ["failures, bare", _label(family), *(_failures(evidence, family, s, BARE) for s in TABLE_1)]
-        for family in ("teamformer", "deepset", "gnn", ANY_FLEET)
+        ["failures, guarded", _label(family), *(_guarded(evidence, family, s) for s in TABLE_1)]
+        for family in learned
     ]
     rows += [
         ["inference, s", _label(family), *(_inference(evidence, family, s) for s in TABLE_1)]
@@ -169,11 +185,20 @@ def _label(family: str) -> str:
     return f"{family}-cN" if family in FAILURES else family
 
 
-def _failures(evidence: Evidence, family: str, setting: str, ending: str = "") -> str:
-    summary = evidence.summary(setting, method_for(family, setting) + ending)
+def _failures(evidence: Evidence, family: str, setting: str) -> str:
     theirs = _of_paper(FAILURES, family, setting)
-    told = "-" if summary is None else f"{summary.failures} of {summary.trials}"
+    told = _failed(evidence, method_for(family, setting), setting)
     return told if theirs is None else f"{told} ({theirs})"
+
+
+def _guarded(evidence: Evidence, family: str, setting: str) -> str:
+    """Return the failures with the deadlock guard, which the paper's policies do not have."""
+    return _failed(evidence, method_for(family, setting).removesuffix(BARE), setting)
+
+
+def _failed(evidence: Evidence, method: str, setting: str) -> str:
+    summary = evidence.summary(setting, method)
+    return "-" if summary is None else f"{summary.failures} of {summary.trials}"
 
 
 def _inference(evidence: Evidence, family: str, setting: str) -> str:
@@ -192,15 +217,15 @@ def _of_paper(table: Mapping[str, Sequence[T]], family: str, setting: str) -> T 
     return values[place] if place < len(values) else None
 
 
-def _everything(suites: Mapping[str, Sequence[Row]]) -> str:
-    parts = [
-        f"## {name}\n\n{summary_table(Evidence(rows).summaries)}" for name, rows in suites.items()
-    ]
-    return "\n".join([EXPLANATION, *parts])
+def _everything(suites: Mapping[str, Sequence[Row]], kept: Mapping[str, str]) -> str:
+    """Return the tables of suites, then those of suites that are kept."""
+    tables = {name: summary_table(Evidence(rows).summaries) for name, rows in suites.items()}
+    tables |= {name: table for name, table in kept.items() if name not in tables}
+    return "\n".join([EXPLANATION, *(f"## {name}\n\n{table}" for name, table in tables.items())])
 
 
 def _room(evidence: Evidence) -> str:
-    """Return how much better any method could be, for each setting."""
+    """Return how much better any method could be, for each setting; nothing without `central`."""
     rows = [
         row
         for setting in dict.fromkeys(summary.setting for summary in evidence.summaries)
@@ -217,7 +242,7 @@ def _room(evidence: Evidence) -> str:
         "`join-all`",
         "`teamformer`",
     ]
-    return markdown(headers, rows, words=1)
+    return markdown(headers, rows, words=1) if rows else ""
 
 
 def _room_row(evidence: Evidence, setting: str) -> list[str]:
@@ -237,13 +262,9 @@ def _room_row(evidence: Evidence, setting: str) -> list[str]:
         f"{central.proven} of {central.trials}",
         number(central.list_schedule.value),
         number(central.best_known.value),
-        _mean(central),
-        *map(_mean, played),
+        steps_of(central),
+        *map(steps_of, played),
     ]
-
-
-def _mean(summary: Summary | None) -> str:
-    return "" if summary is None else plus_minus(summary.makespan, summary.makespan.error)
 
 
 def _weight(evidence: Evidence) -> dict[str, str]:
@@ -262,49 +283,6 @@ def _savings(evidence: Evidence) -> Iterator[str]:
         found = evidence.saving(setting, "join-all", "heuristic")
         if found:
             yield f"{found.value:.0%} on {setting}"
-
-
-def _missions(rows: Sequence[Row]) -> str:
-    """Return how methods do beside the shared plan, on missions."""
-    evidence = Evidence(rows)
-    settings = dict.fromkeys(summary.setting for summary in evidence.summaries)
-    table = [[setting, *_beside_the_plan(evidence, setting)] for setting in settings]
-    if not table:
-        return "Not measured: `teamformer bench missions` plays them.\n"
-    return markdown(["setting", "worlds", "`plan`", *map("`{}`".format, PLANNERS)], table, words=1)
-
-
-def _beside_the_plan(evidence: Evidence, setting: str) -> Iterator[str]:
-    plan = evidence.summary(setting, "plan")
-    yield "" if plan is None else str(plan.trials)
-    for method in ("plan", *PLANNERS):
-        summary = evidence.summary(setting, method)
-        saving = None if method == "plan" else evidence.saving(setting, method, "plan")
-        more = "" if saving is None else f" ({-saving.value:+.0%})"
-        has_cost = summary is not None and summary.cost.count > 0
-        cost = f", cost {number(summary.cost.value)}" if summary and has_cost else ""
-        yield _mean(summary) + more + cost
-
-
-def _beside_the_authors(rows: Sequence[Row]) -> str:
-    """Return how ours do beside the authors' own heuristic, on their worlds."""
-    evidence = Evidence(rows)
-    settings = dict.fromkeys(summary.setting for summary in evidence.summaries)
-    methods = ("heuristic", "join-all", "teamformer")
-    table = [[setting, *_beside(evidence, setting, methods)] for setting in settings]
-    if not table:
-        return "Not measured: `teamformer bench authors FILE` reads such worlds.\n"
-    headers = ["setting", "worlds", AUTHORS, "it failed", *methods]
-    return markdown(headers, table, words=1)
-
-
-def _beside(evidence: Evidence, setting: str, methods: Sequence[str]) -> Iterator[str]:
-    theirs = evidence.summary(setting, AUTHORS)
-    if theirs is not None:
-        yield from (str(theirs.trials), _mean(theirs), str(theirs.failures))
-    for method in methods:
-        ours, saving = evidence.summary(setting, method), evidence.saving(setting, method, AUTHORS)
-        yield _mean(ours) + ("" if saving is None else f" ({-saving.value:+.0%})")
 
 
 def _power(evidence: Evidence) -> str:

@@ -7,7 +7,7 @@ import io
 import math
 from collections.abc import Iterable, Sequence
 
-from teamformer.bench.statistics import Mean
+from teamformer.bench.statistics import Mean, Slope
 from teamformer.bench.summary import BASELINES, CENTRAL, Summary
 
 HEADERS = (
@@ -32,9 +32,9 @@ EXPLANATION = """\
   mean; `cost to central`: that of costs. `room won`: of the steps between `plan@needed`, which
   plans as if everything that may be needed were needed, and `central`, which knows the truth, the
   part that the method wins, on the same worlds, with its 95% interval.
-- `inference`: CPU seconds that the method takes in a whole trial, mean ± standard deviation, over
-  trials that ran alone, one after the other, one thread each (the first 50 of a setting; all others
-  share batches and are not timed).
+- `inference`: CPU seconds that the method takes to complete a trial, mean ± standard deviation,
+  over completed ones of the first 50 trials of a setting, which run alone, one after the other, one
+  thread each (all others share batches and are not timed).
 - `to best`, `to bound`: by how much the makespan is above the best one known of the same world, by
   any method here, and above what is proven that no plan can beat. If `central` planned worlds of a
   setting, only those count.
@@ -168,7 +168,7 @@ def plus_minus(mean: Mean, spread: float) -> str:
     return number(mean.value) + ("" if math.isnan(spread) else f" ± {spread:.1f}")
 
 
-def interval(difference: Mean) -> str:
+def interval(difference: Mean | Slope) -> str:
     """Return a difference with its 95% interval."""
     if difference.count == 0:
         return ""

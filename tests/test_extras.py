@@ -19,7 +19,9 @@ def test_in_a_clone_it_is_an_editable_install_by_this_python(
 ) -> None:
     monkeypatch.setattr(sys, "executable", str(tmp_path / ".venv" / "bin" / "python"))
     (tmp_path / "pyproject.toml").touch()
-    monkeypatch.setattr(extras, "__file__", str(tmp_path / "src" / "teamformer" / "extras.py"))
+    monkeypatch.setattr(
+        extras, "__file__", str(tmp_path / "src" / "teamformer" / "base" / "extras.py")
+    )
     monkeypatch.chdir(tmp_path)
     assert extras.how_to_install("live") == ".venv/bin/pip install -e '.[live]'"
     (tmp_path / "out").mkdir()

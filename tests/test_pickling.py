@@ -26,7 +26,8 @@ from teamformer.base.worker_processes import WorkerDiedError, work_in_processes
 from teamformer.bench.peers.peer_plan import OutOfReachError
 from teamformer.files.yaml.reader import StopReadingError
 from teamformer.live.running.messages import TaskRefusedError
-from teamformer.methods.by_name import METHODS, load_method
+from teamformer.methods.by_name import load_method
+from teamformer.methods.listings import method_names
 from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.coordination import Coordinator
 from teamformer.record.values import DamageError
@@ -127,7 +128,7 @@ def test_no_public_type_is_left_out() -> None:
     assert classes - seams == {*EQUAL, *OTHERWISE}
 
 
-@pytest.mark.parametrize("name", [method.name for method in METHODS if "-ppo" not in method.name])
+@pytest.mark.parametrize("name", [name for name in method_names() if "-ppo" not in name])
 def test_a_method_decides_alike_in_another_process(name: str) -> None:
     method = load_method(name, time_limit=0.05)
     theirs = sent(method)

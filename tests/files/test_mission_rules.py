@@ -146,7 +146,7 @@ def test_tasks_that_appear_at_random_are_for_who_need_not_be_sure() -> None:
     scenario = world_of("4N4T-C4-calls", 0)
     [told] = rules_of_sure_missions(scenario)
     assert told.where == ("arrivals",)
-    assert "drop arrivals, or use one of these" in told.message
+    assert "drop it, or use `run`, `compare`, `plan` or `live`" in told.message
     assert list(rules_not_played(scenario)) == []
 
 

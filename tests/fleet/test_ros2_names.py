@@ -97,9 +97,9 @@ def test_the_command_line_tells_it(
 
 
 def test_a_python_without_ros_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    import teamformer.cli.verbs.robots.agent as command
+    from teamformer.fleet.process import our_bodies
 
-    with patch.object(command, "find_spec", lambda _: None):
+    with patch.object(our_bodies, "find_spec", lambda _: None):
         assert agent_with("nav2", tmp_path) == 2
     words = capsys.readouterr().err
     assert "error: --body nav2 needs ROS 2: this Python has no rclpy" in words

@@ -46,7 +46,7 @@ def test_a_plan_as_good_as_the_bound_ends_it_if_the_bound_is_of_such_plans() -> 
 def test_plans_in_steps_are_over_when_the_makespan_is_the_bound() -> None:
     now, plan = time.perf_counter(), plan_teams([0], [[0]])
     for has_prices in (False, True):
-        timed = TimedPlan(plan, 26_629, np.array([31]), has_prices)
+        timed = TimedPlan(plan, 26_629, 0, np.array([31]), has_prices)
         race = begin_race(timed, now, now + 60)
         race.raise_bound(31)
         assert race.is_over != has_prices

@@ -103,7 +103,7 @@ import teamformer
 from teamformer.base.kernels.compiler import Entry
 from teamformer.base.kernels.clock import compiling_seconds, working_seconds
 from teamformer.base.kernels.stamps import stamp_of
-for part in ("rules", "planning", "sim", "policies"):
+for part in ("world", "planning", "methods"):
     package = importlib.import_module(f"teamformer.{part}")
     for found in pkgutil.walk_packages(package.__path__, f"teamformer.{part}."):
         module = importlib.import_module(found.name)
@@ -246,7 +246,7 @@ import sys
 import time
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
-from teamformer import jit
+from teamformer.base.kernels import jit
 from teamformer.base.kernels import files
 from teamformer.base.kernels.clock import compiling_seconds, working_seconds
 from teamformer.base.kernels.stamps import stamp_of

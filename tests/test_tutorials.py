@@ -159,8 +159,8 @@ def told_by_a_server(command: list[str]) -> str:
         assert it.stdout is not None
         first = next(line for line in it.stdout if line.startswith("live:"))
         it.send_signal(signal.SIGINT)
-        it.stdout.read()
-    return first.replace(f":{port}/", ":8765/")
+        rest = it.stdout.read()
+    return (first + rest).replace(f":{port}/", ":8765/")
 
 
 def test_lines_that_are_shown_are_looked_for_in_order() -> None:

@@ -137,14 +137,14 @@ def test_one_thread_proves_too() -> None:
 )
 def test_an_interrupt_ends_all_threads(spec: Spec) -> None:
     solve(generate(Spec(), np.random.default_rng(0)), 0.1)  # compiles
-    main = threading.get_ident()
+    main, others = threading.get_ident(), set(threading.enumerate())
     interrupt = threading.Timer(1.5, lambda: signal.pthread_kill(main, signal.SIGINT))
     begun, limit = time.perf_counter(), 120.0
     interrupt.start()
     with pytest.raises(KeyboardInterrupt):
         solve(generate(spec, np.random.default_rng(0)), limit)
     assert time.perf_counter() - begun < limit / 2  # however busy the machine is
-    assert threading.active_count() == 1
+    assert set(threading.enumerate()) <= others
 
 
 def test_joining_costs_are_no_part_of_the_relaxed_problem() -> None:

@@ -49,7 +49,7 @@ FOR_MISSIONS = (
 )
 NETWORK = "teamformer"
 DEPLOYED = {
-    NETWORK: "policies.learned.any_fleet:teamformer",
+    NETWORK: "methods.learned.any_fleet:teamformer",
     "heuristic": "methods.scripted.heuristic:Heuristic",
     "join-all": "methods.scripted.joining:JoinAll",
     "join-fitting": "methods.scripted.join_fitting:JoinFitting",

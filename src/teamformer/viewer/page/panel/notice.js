@@ -42,6 +42,16 @@ function showWork(box, text) {
   ticking.set(box, setInterval(tell, 1000));
 }
 
+// A text with seconds that go on counting from so many; those who listen hear it once.
+function showSeconds(box, { before, seconds, after }) {
+  stopWork(box);
+  const count = element("span", { "aria-live": "off" }, String(seconds));
+  box.replaceChildren(before, count, ` s${after}`);
+  const begun = performance.now() - 1000 * seconds;
+  const tell = () => (count.textContent = String(Math.round((performance.now() - begun) / 1000)));
+  ticking.set(box, setInterval(tell, 1000));
+}
+
 function stopWork(box) {
   clearInterval(ticking.get(box));
   ticking.delete(box);

@@ -150,13 +150,24 @@ def _told(
 
 
 def all_plans(scenario: Mission, ways: Ways) -> Iterator[Times]:
-    """Return every plan of a tiny mission: all orders, and all coalitions that are able."""
+    """Return every plan of a tiny mission: all orders, and all coalitions that are able.
+
+    In an order no task is before one that it is `after`. Else, where neither tasks nor ways take
+    time, robots could come to it from what waits for it.
+    """
     tasks, robots = scenario.tasks, range(len(scenario.robots))
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    pairs = [(number_of[name], k) for k, task in enumerate(tasks) for name in task.after]
+    orders = [
+        order
+        for order in itertools.permutations(range(len(tasks)))
+        if all(order.index(first) < order.index(then) for first, then in pairs)
+    ]
     able = (able_crews(scenario, task) for task in range(len(tasks)))
     for crews in itertools.product(*able):
         if not _are_apart(scenario, crews):
             continue
-        for order in itertools.permutations(range(len(tasks))):
+        for order in orders:
             routes = [[k for k in order if r in crews[k]] for r in robots]
             times = times_of(scenario, routes, ways)
             if times is not None and times.makespan < math.inf:

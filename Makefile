@@ -9,7 +9,7 @@ unexport PYTHONDONTWRITEBYTECODE  # hundreds of processes start in a test run, w
 
 .PHONY: run test check lint docs kernels types indices test-all behaviour fuzz test-real test-ros wheel wheel-of clean
 
-run: $(VENV)/run.stamp  ## run the example mission and write its replay page
+run: $(VENV)/run.stamp  ## run the example mission and write its record page
 	$(BIN)/teamformer run examples/warehouse.yaml --out out/
 
 test: $(VENV)/dev.stamp lint  ## before every commit: three to four minutes on two cores

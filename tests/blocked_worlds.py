@@ -30,5 +30,5 @@ def blocked_worlds(
         while env.is_running.any():
             env.step(decide(env, method, env.view()))
         assert env.worlds.count["illegal"].sum() == 0
-        blocked += [s for w, s in enumerate(env.scenarios) if env.tally(w).status == "step limit"]
+        blocked += [s for w, s in enumerate(env.missions) if env.tally(w).status == "step limit"]
     return blocked

@@ -15,8 +15,8 @@ def rows_of(
 ) -> list[Row]:
     """Trials on worlds 0, 1, ...; None is a failure at the step limit."""
     job = Job("hand", setting, policy, (), 1.0, "abc")
-    scenario = world_of("4N4T-C4", 0)
+    mission = world_of("4N4T-C4", 0)
     return [
-        replace(known_row(job, seed, scenario, makespan), steps=makespan or limit)
+        replace(known_row(job, seed, mission, makespan), steps=makespan or limit)
         for seed, makespan in enumerate(makespans)
     ]

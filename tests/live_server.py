@@ -59,7 +59,7 @@ def small_mission() -> Mission:
 
 @contextmanager
 def serving(
-    scenario: Mission,
+    source: Mission,
     folder: Path,
     speed: float = 20.0,
     token: str | None = None,
@@ -70,7 +70,7 @@ def serving(
 
     `address` is where the page is to be asked for; it is served here on a free port.
     """
-    mission = RunningMission(scenario, lambda: load_method(method), 0)
+    mission = RunningMission(source, lambda: load_method(method), 0)
     with serving_session(Session(mission, folder, speed), token, address=address) as served:
         yield served
 
@@ -79,8 +79,8 @@ def serving(
 def serving_editor(folder: Path, speed: float = 20.0) -> Iterator[Served]:
     """Serve the editor, whose missions run by the method `join-fitting`."""
 
-    def start(scenario: Mission) -> RunningMission:
-        return RunningMission(scenario, lambda: load_method("join-fitting"), 0)
+    def start(mission: Mission) -> RunningMission:
+        return RunningMission(mission, lambda: load_method("join-fitting"), 0)
 
     with serving_session(Workshop(start, folder, speed)) as served:
         yield served

@@ -43,9 +43,9 @@ def random_world(
             continue
 
 
-def with_fractions(scenario: Mission, rng: np.random.Generator) -> Mission:
-    """Return a scenario in which counts are fractions, of robots, and of tasks finer ones still."""
-    caps = scenario.capabilities
+def with_fractions(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission in which counts are fractions, of robots, and of tasks finer ones still."""
+    caps = mission.capabilities
     scale = {cap: int(rng.choice([500, 125, 2500, 333, 20_250])) for cap in caps}  # thousandths
     grain = {cap: int(rng.choice([0, 1, 50])) for cap in caps}
 
@@ -61,32 +61,32 @@ def with_fractions(scenario: Mission, rng: np.random.Generator) -> Mission:
             for cap, count in counts.items()
         }
 
-    robots = tuple(replace(robot, can=can(robot.can)) for robot in scenario.robots)
-    tasks = tuple(replace(task, needs=needs(task.needs)) for task in scenario.tasks)
-    return replace(scenario, robots=robots, tasks=tasks)
+    robots = tuple(replace(robot, can=can(robot.can)) for robot in mission.robots)
+    tasks = tuple(replace(task, needs=needs(task.needs)) for task in mission.tasks)
+    return replace(mission, robots=robots, tasks=tasks)
 
 
-def with_surprises(scenario: Mission, rng: np.random.Generator) -> Mission:
-    """Return a scenario of which not everything is known: durations, needs, breakdowns."""
-    near = totals_by_region(scenario.world, scenario.robots)
+def with_surprises(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission of which not everything is known: durations, needs, breakdowns."""
+    near = totals_by_region(mission.world, mission.robots)
     tasks: list[Task] = []
-    for task in scenario.tasks:
+    for task in mission.tasks:
         lasts = None
         if rng.random() < 0.5:
             least = int(rng.integers(0, 4))
             lasts = (least, least + int(rng.integers(0, 7)))
-        have, may = near[scenario.world.region(task.at)], {}
-        for cap in scenario.capabilities:
+        have, may = near[mission.world.region(task.at)], {}
+        for cap in mission.capabilities:
             if rng.random() < 0.4 and have.get(cap, 0) >= task.needs.get(cap, 0) + 1:
                 may[cap] = float(rng.choice([0.0, 0.3, 0.7, 1.0]))
-        unit = scenario.world.unit if isinstance(scenario.world, Plane) else 1.0
+        unit = mission.world.unit if isinstance(mission.world, Plane) else 1.0
         within = float(rng.choice([0.0, 0.0, 1.0, 2.5, 4.0])) * unit
         tasks.append(replace(task, lasts=lasts, may_need=may, within=within))
     robots = tuple(
         robot
         if robot.absences or rng.random() < 0.6
         else replace(robot, breaks=Breakdown(0.03, (1, 9) if rng.random() < 0.7 else None))
-        for robot in scenario.robots
+        for robot in mission.robots
     )
     delayed = rng.random(len(robots)) < 0.3
     robots = tuple(
@@ -94,39 +94,39 @@ def with_surprises(scenario: Mission, rng: np.random.Generator) -> Mission:
         for robot, is_delayed in zip(robots, delayed, strict=True)
     )
     arrivals = Arrivals(0.1, 20, duration=int(rng.integers(3)))
-    can_appear = any(count >= 1 for count in near[busiest_part(scenario)].values())
+    can_appear = any(count >= 1 for count in near[busiest_part(mission)].values())
     rules = {
         "finding_radius": float(rng.choice([0.0, 0.2, 1.0, 1.5, np.inf])),
         "step_limit": 0,
         "arrivals": arrivals if rng.random() < 0.3 and can_appear else None,
     }
-    return replace(scenario, tasks=tuple(tasks), robots=robots, **rules)
+    return replace(mission, tasks=tuple(tasks), robots=robots, **rules)
 
 
-def with_loads(scenario: Mission, rng: np.random.Generator) -> Mission:
-    """Return a scenario in which most tasks are carried to where another thing is, or begins."""
-    world, tasks = scenario.world, list[Task]()
-    places = [thing.at for thing in (*scenario.tasks, *scenario.robots)]
-    for task in scenario.tasks:
+def with_loads(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission in which most tasks are carried to where another thing is, or begins."""
+    world, tasks = mission.world, list[Task]()
+    places = [thing.at for thing in (*mission.tasks, *mission.robots)]
+    for task in mission.tasks:
         near = [place for place in places if world.region(place) == world.region(task.at)]
         to = near[rng.integers(len(near))] if rng.random() < 0.7 else None
         unload = int(rng.choice([0, 0, 1, 3])) if to is not None else 0
         tasks.append(replace(task, to=to, unload=unload))
-    return replace(scenario, tasks=tuple(tasks), step_limit=0)
+    return replace(mission, tasks=tuple(tasks), step_limit=0)
 
 
 def with_precedence_and_windows(
-    scenario: Mission, rng: np.random.Generator, windows: float = 0.4
+    mission: Mission, rng: np.random.Generator, windows: float = 0.4
 ) -> Mission:
-    """Return a scenario in which some tasks come after others, and a share have windows."""
+    """Return a mission in which some tasks come after others, and a share have windows."""
     tasks: list[Task] = []
-    for task in scenario.tasks:
+    for task in mission.tasks:
         after = tuple(other.name for other in tasks if rng.random() < 0.3)
         begin, length = (int(n) for n in rng.integers(0, 25, size=2))
         between = (begin, begin + task.duration + length + 1) if rng.random() < windows else None
         tasks.append(replace(task, after=after, between=between))
     turned = rng.permutation(len(tasks))  # so that tasks come after later ones in the file, too
-    return replace(scenario, tasks=tuple(tasks[k] for k in turned), step_limit=0)
+    return replace(mission, tasks=tuple(tasks[k] for k in turned), step_limit=0)
 
 
 def _absences(robot: int, lost: int | None, back: int | None) -> tuple[Absence, ...]:

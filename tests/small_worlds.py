@@ -35,7 +35,7 @@ def task(needs: str, x: int, y: int = 0, duration: int = 0, appears: int = 0) ->
 def make(
     robots: Sequence[Robot], tasks: Sequence[Task], world: Grid | None = None, **rules: Any
 ) -> Mission:
-    """Return a scenario in a corridor of 20 cells, or elsewhere; names are made distinct."""
+    """Return a mission in a corridor of 20 cells, or elsewhere; names are made distinct."""
     named_robots = (Robot(f"r{r}", *list(vars(one).values())[1:]) for r, one in enumerate(robots))
     named_tasks = (Task(f"t{k}", *list(vars(one).values())[1:]) for k, one in enumerate(tasks))
     grid = world or Grid(20, 1)

@@ -24,13 +24,13 @@ pytestmark = pytest.mark.skipif(not AUTHORS.is_dir(), reason=f"{AUTHORS} is not 
 
 def load(setting: str) -> tuple[list[Mission], list[int | None]]:
     worlds = read_worlds(AUTHORS / f"{setting}.jsonl")
-    return [world.scenario for world in worlds], [world.heuristic for world in worlds]
+    return [world.mission for world in worlds], [world.heuristic for world in worlds]
 
 
 def test_on_four_robots_and_four_tasks() -> None:
-    scenarios, authors = load("4N4T-C4")
-    heuristic = [tally.steps for tally in run_trials(scenarios, Heuristic())]
-    join_all = [tally.steps for tally in run_trials(scenarios, JoinAll())]
+    missions, authors = load("4N4T-C4")
+    heuristic = [tally.steps for tally in run_trials(missions, Heuristic())]
+    join_all = [tally.steps for tally in run_trials(missions, JoinAll())]
     assert np.mean([steps for steps in authors if steps]) == pytest.approx(25.96)
     assert np.mean(heuristic) == pytest.approx(25.04)
     assert np.mean(join_all) == pytest.approx(19.76)
@@ -38,10 +38,10 @@ def test_on_four_robots_and_four_tasks() -> None:
 
 @pytest.mark.parametrize("path", sorted(p.stem for p in AUTHORS.glob("*.jsonl")))
 def test_nothing_fails_and_joining_all_beats_the_heuristic(path: str) -> None:
-    scenarios, _ = load(path)
+    missions, _ = load(path)
     mean = {}
     for policy in (Heuristic(), JoinAll()):
-        tallies = run_trials(scenarios, policy)
+        tallies = run_trials(missions, policy)
         assert {tally.status for tally in tallies} == {"completed"}
         assert sum(tally.illegal_decisions for tally in tallies) == 0
         mean[type(policy)] = np.mean([tally.steps for tally in tallies])

@@ -34,11 +34,11 @@ def test_run_writes_a_record_that_check_accepts(
 ) -> None:
     assert teamformer("run", FOUR, "--method", "join-all", "--out", str(tmp_path)) == 0
     shown = capsys.readouterr().out
-    replay = read_record(tmp_path / "replay.json")
-    assert f"all done after {replay.end.makespan} steps" in shown
-    assert all(task.name in shown for task in replay.scenario.tasks)
-    assert "<html" in (tmp_path / "replay.html").read_text(encoding="utf-8").lower()
-    assert teamformer("check", str(tmp_path / "replay.json")) == 0
+    record = read_record(tmp_path / "record.json")
+    assert f"all done after {record.end.makespan} steps" in shown
+    assert all(task.name in shown for task in record.mission.tasks)
+    assert "<html" in (tmp_path / "record.html").read_text(encoding="utf-8").lower()
+    assert teamformer("check", str(tmp_path / "record.json")) == 0
     assert "legal" in capsys.readouterr().out
 
 
@@ -46,7 +46,7 @@ def test_run_json_is_one_object_with_every_key(capsys: pytest.CaptureFixture[str
     assert teamformer("run", FOUR, "--json") == 0
     row = json.loads(capsys.readouterr().out)
     keys = (
-        "scenario method seed completed makespan steps tasks_done tasks robots capabilities joins "
+        "mission method seed completed makespan steps tasks_done tasks robots capabilities joins "
         "splits illegal_decisions planning_seconds decision_seconds simulating_seconds "
         "compiling_seconds total_seconds best_known lower_bound"
     )
@@ -65,7 +65,7 @@ def test_same_seed_same_record(tmp_path: Path) -> None:
     records = []
     for name in ("a", "b"):
         assert teamformer("run", FOUR, "--out", str(tmp_path / name), "--seed", "5") == 0
-        records.append((tmp_path / name / "replay.json").read_bytes())
+        records.append((tmp_path / name / "record.json").read_bytes())
     assert records[0] == records[1]
 
 
@@ -90,40 +90,40 @@ def test_a_lost_capability_ends_the_trial_and_names_the_task(
     shown = capsys.readouterr().out
     assert "given up at step 2: t3, t4 can never be done" in shown
     assert "\nlost: r4 in step 2\n" in shown
-    assert read_record(tmp_path / "replay.json").end.blocked_tasks == ("t3", "t4")
-    assert teamformer("check", str(tmp_path / "replay.json")) == 0
+    assert read_record(tmp_path / "record.json").end.blocked_tasks == ("t3", "t4")
+    assert teamformer("check", str(tmp_path / "record.json")) == 0
 
 
-def test_check_says_what_is_only_claimed_and_compares_the_scenario(
+def test_check_says_what_is_only_claimed_and_compares_the_mission(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ("--method", "join-all", "--seed", "3", "--out", str(tmp_path))
     assert teamformer("run", with_step_limit(tmp_path, 900), *words) == 0
-    record = str(tmp_path / "replay.json")
-    bound = read_record(tmp_path / "replay.json").lower_bound
+    record = str(tmp_path / "record.json")
+    bound = read_record(tmp_path / "record.json").lower_bound
     capsys.readouterr()
     assert teamformer("check", record) == 0
     claims = f"method join-all, seed 3, illegal decisions 0, lower bound {bound}"
     assert f"only claimed by the record: {claims}\n" in capsys.readouterr().out
-    assert teamformer("check", record, "--scenario", FOUR, "--json") == 1
+    assert teamformer("check", record, "--mission", FOUR, "--json") == 1
     verdict = json.loads(capsys.readouterr().out)
     limit = read_mission(Path(FOUR)).step_limit
     assert [finding["message"] for finding in verdict["findings"]] == [
-        f"the record is of another scenario than {FOUR}: step_limit is 900, there {limit}"
+        f"the record is of another mission than {FOUR}: step_limit is 900, there {limit}"
     ]
     assert verdict["claimed"]["seed"] == 3
     text = Path(FOUR).read_text(encoding="utf-8")
     same = tmp_path / "same.yaml"
     same.write_text(f"step_limit: 900\n{text.replace('name: four', 'name: more than four')}")
-    assert teamformer("check", record, "--scenario", str(same)) == 0
+    assert teamformer("check", record, "--mission", str(same)) == 0
     for method in ("plan", "crews"):
         assert teamformer("run", FOUR, "--method", method, "--out", str(tmp_path)) == 0
-        assert teamformer("check", record, "--scenario", FOUR) == 0
+        assert teamformer("check", record, "--mission", FOUR) == 0
 
 
 def test_check_finds_a_forged_makespan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert teamformer("run", FOUR, "--out", str(tmp_path)) == 0
-    path = tmp_path / "replay.json"
+    path = tmp_path / "record.json"
     record = json.loads(path.read_text(encoding="utf-8"))
     record["end"]["makespan"] -= 1
     path.write_text(json.dumps(record), encoding="utf-8")
@@ -179,7 +179,7 @@ def test_compare_measures_each_truth_by_its_own_bars(
         assert f"seed {seed}: best known {steps}, lower bound {steps}\n" in shown
 
 
-def test_generate_makes_a_scenario_that_runs(
+def test_generate_makes_a_mission_that_runs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "made.yaml"
@@ -297,7 +297,7 @@ def test_names_that_the_terminal_cannot_show_and_narrow_pipes(
     assert (done.returncode, told) == (0, [])
     shown = done.stdout.decode("ascii")
     if words:
-        assert json.loads(shown)["scenario"].startswith("\u00e9\u4e2d four")
+        assert json.loads(shown)["mission"].startswith("\u00e9\u4e2d four")
     else:
         assert shown.startswith(r"\xe9\u4e2d four")
         assert "step  task  needs" in shown
@@ -348,13 +348,13 @@ def test_ctrl_c_leaves_a_legal_record_of_what_was_done(
     process = start_slow(tmp_path, pause, "run", FOUR, "--method", "slow:Slow", "--out", "out")
     shown, errors = press_ctrl_c(process, 3, wait, sent)
     assert "Traceback" not in errors
-    replay = read_record(tmp_path / "out" / "replay.json")
-    assert judge(replay).findings == ()
-    assert replay.end.steps >= 2
+    record = read_record(tmp_path / "out" / "record.json")
+    assert judge(record).findings == ()
+    assert record.end.steps >= 2
     if pause:
         assert process.returncode == 1
-        assert replay.end.status == "interrupted"
-        assert f"interrupted at step {replay.end.steps}" in shown
+        assert record.end.status == "interrupted"
+        assert f"interrupted at step {record.end.steps}" in shown
 
 
 @pytest.mark.thorough
@@ -446,7 +446,7 @@ def test_on_a_full_disk_the_result_is_shown_and_no_half_record_stays(
     assert teamformer("run", FOUR, "--method", "join-all", "--json", "--out", str(tmp_path)) == 1
     printed = capsys.readouterr()
     assert json.loads(printed.out)["completed"] is True
-    assert f"error: {tmp_path / 'replay.json'}: No space left on device" in printed.err
+    assert f"error: {tmp_path / 'record.json'}: No space left on device" in printed.err
     assert list(tmp_path.iterdir()) == []
 
 
@@ -485,7 +485,7 @@ def test_compare_plays_every_method_under_what_it_was_made_for(
     assert [row["method"] for row in rows] == names
     mission = read_mission(Path(FOUR))
     for row in rows:
-        end = run_trial(mission, load_method(row["method"])).replay.end
+        end = run_trial(mission, load_method(row["method"])).record.end
         made = (end.makespan, end.joins, end.splits)
         assert (row["makespan"], row["joins"], row["splits"]) == made, row["method"]
 
@@ -520,7 +520,7 @@ def test_a_reader_that_has_seen_enough_is_no_fault(command: str, tmp_path: Path)
     assert "Exception" not in done.stderr
     assert done.returncode == 0
     if "out" in command:
-        assert read_record(tmp_path / "out" / "replay.json").end.status == "completed"
+        assert read_record(tmp_path / "out" / "record.json").end.status == "completed"
 
 
 def test_generate_overwrites_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

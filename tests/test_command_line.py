@@ -49,7 +49,7 @@ def test_what_others_scripts_rely_on_is_there(name: str) -> None:
         "run": "--method --seed --json --out",
         "compare": "--methods --seeds --json",
         "plan": "--time-limit --json",
-        "check": "--scenario --json",
+        "check": "--mission --json",
         "advise": "--json",
         "fleet start": "--json",
         "fleet rehearse": "--seed --schedule --schedules --json",

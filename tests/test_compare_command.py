@@ -66,7 +66,7 @@ def test_who_fails_is_told_in_json_too(failing: str, capsys: pytest.CaptureFixtu
     good, bad = map(json.loads, capsys.readouterr().out.splitlines())
     assert (good["method"], good["completed"]) == ("join-all", True)
     assert (bad["method"], bad["completed"], bad["status"]) == (failing, False, "failed")
-    assert (bad["scenario"], bad["seed"], bad["makespan"]) == (good["scenario"], 0, None)
+    assert (bad["mission"], bad["seed"], bad["makespan"]) == (good["mission"], 0, None)
     assert "failing_policies.py" in bad["error"]
     assert good["best_known"] == good["makespan"]
 
@@ -94,7 +94,7 @@ def test_central_plans_what_comes_after_others_where_robots_are_delayed(
 
 def shown_on(page: Path) -> dict[str, Any]:
     """Return what a page embeds."""
-    text = page.read_text().split('<script type="application/json" id="replay">')[1]
+    text = page.read_text().split('<script type="application/json" id="record">')[1]
     shown: dict[str, Any] = json.loads(text.split("</script>")[0])
     return shown
 

@@ -45,7 +45,7 @@ class Rude(JoinAll):
 
 class Still:
     def __init__(self, mission, robot, address, line):
-        self.at = mission.scenario.robots[robot].at
+        self.at = mission.source.robots[robot].at
         self.address = address
 
     def command(self, command):
@@ -62,8 +62,8 @@ def read(path):
     return [smallest_mission()] if path.suffix == ".good" else 3
 
 
-def write(replay, path):
-    path.write_text(str(replay.end.makespan))
+def write(record, path):
+    path.write_text(str(record.end.makespan))
 """
 
 METHODS = {
@@ -112,8 +112,8 @@ def test_a_method_of_a_package_is_listed_with_it_and_run() -> None:
     assert "eager" in method_names()
     assert "eager" not in our_method_names()
     assert [file.name for file in files_of_own("eager")] == ["eager_robots.py"]
-    replay = run_trial(two_robots_one_task(), load_method("eager")).replay
-    assert (replay.method, replay.end.status) == ("eager", "completed")
+    record = run_trial(two_robots_one_task(), load_method("eager")).record
+    assert (record.method, record.end.status) == ("eager", "completed")
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ def test_what_a_package_does_wrong_is_told_by_file_and_line() -> None:
 
 def test_bodies_importers_and_exporters_of_packages(tmp_path: Path) -> None:
     line, fleet = cast(Any, None), FleetMission(two_robots_one_task())
-    at = fleet.scenario.robots[1].at
+    at = fleet.mission.robots[1].at
     assert body_maker("still:here")(fleet, 1, line).report() == Report(*map(float, at))
     with pytest.raises(TeamformerError, match="returned str, not a Report"):
         body_maker("still")(fleet, 1, line).report()
@@ -147,13 +147,13 @@ def test_bodies_importers_and_exporters_of_packages(tmp_path: Path) -> None:
     assert mission.tasks
     with pytest.raises(TeamformerError, match="'ours' of package 'eager-robots' returned some"):
         import_missions("ours", tmp_path / "a.bad")
-    record, out = tmp_path / "replay.json", tmp_path / "run.steps"
-    replay = run_trial(two_robots_one_task(), load_method("plan")).replay
-    save_record(replay, record)
-    assert export(record, [out]) == 0
-    assert out.read_text() == str(replay.end.makespan)
+    path, out = tmp_path / "record.json", tmp_path / "run.steps"
+    record = run_trial(two_robots_one_task(), load_method("plan")).record
+    save_record(record, path)
+    assert export(path, [out]) == 0
+    assert out.read_text() == str(record.end.makespan)
     with pytest.raises(TeamformerError) as caught:
-        export(record, [tmp_path / "run.step"])
+        export(path, [tmp_path / "run.step"])
     assert ".steps of package eager-robots" in caught.value.hint
 
 

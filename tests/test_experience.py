@@ -182,4 +182,4 @@ def test_the_verb_writes_the_mission_and_says_what_changed(
     assert f"{learned}: there is such a file" in capsys.readouterr().err
     empty.mkdir()
     assert teamformer("learn", str(file), str(empty), str(tmp_path / "other.yaml")) == 2
-    assert f"{empty}: there is no replay.json in this folder" in capsys.readouterr().err
+    assert f"{empty}: there is no record.json in this folder" in capsys.readouterr().err

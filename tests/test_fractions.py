@@ -49,15 +49,15 @@ def haul(*robots: float, needs: float = 100, **rules: Any) -> Mission:
     return Mission("haul", Grid(8, 1), ("lift",), fleet, (safe,), **rules)
 
 
-def scaled(scenario: Mission, factors: dict[str, float]) -> Mission:
-    """Return a scenario with all counts multiplied, by capability."""
+def scaled(mission: Mission, factors: dict[str, float]) -> Mission:
+    """Return a mission with all counts multiplied, by capability."""
 
     def times(counts: Counts) -> Counts:
         return {cap: count * factors[cap] for cap, count in counts.items()}
 
-    robots = tuple(replace(robot, can=times(robot.can)) for robot in scenario.robots)
-    tasks = tuple(replace(task, needs=times(task.needs)) for task in scenario.tasks)
-    return replace(scenario, robots=robots, tasks=tasks)
+    robots = tuple(replace(robot, can=times(robot.can)) for robot in mission.robots)
+    tasks = tuple(replace(task, needs=times(task.needs)) for task in mission.tasks)
+    return replace(mission, robots=robots, tasks=tasks)
 
 
 def pair_of_worlds() -> tuple[Mission, Mission]:
@@ -81,7 +81,7 @@ PLAYED = (
 @pytest.mark.parametrize("name", PLAYED)
 def test_scaled_counts_are_played_alike(name: str) -> None:
     whole, parts = pair_of_worlds()
-    one, other = (run_trial(scenario, load_method(name)).replay for scenario in (whole, parts))
+    one, other = (run_trial(mission, load_method(name)).record for mission in (whole, parts))
     assert one.end.status == "completed"
     assert (one.steps, one.orders, one.plans, one.end) == (
         *(other.steps, other.orders, other.plans, other.end),
@@ -109,21 +109,21 @@ def test_no_more_robots_than_this_are_needed_whatever_each_brings() -> None:
 def test_three_robots_of_33_333_do_not_lift_100() -> None:
     with pytest.raises(MissionError, match=r"needs 100 x lift but .* have 99\.999 x lift"):
         haul(33.333, 33.333, 33.333)
-    replay = run_trial(haul(33.334, 33.334, 33.334), JoinAll()).replay
-    assert replay.steps[-1].done == ((0, 0),)
-    assert sum(len(step.joins) for step in replay.steps) == 2
-    assert judge(replay).findings == ()
+    record = run_trial(haul(33.334, 33.334, 33.334), JoinAll()).record
+    assert record.steps[-1].done == ((0, 0),)
+    assert sum(len(step.joins) for step in record.steps) == 2
+    assert judge(record).findings == ()
 
 
 def test_two_wait_for_the_gram_that_they_lack() -> None:
     """20.25 and 12.5 join, and stand there in step 4; the third takes 8 steps, and one to join."""
-    scenario = haul(20.25, 12.5, 0.001, needs=32.751)
-    slow = replace(scenario.robots[2], at=(7, 0), speed=0.5)
-    scenario = replace(scenario, robots=(*scenario.robots[:2], slow), step_limit=0)
-    replay = run_trial(scenario, load_method("join-fitting")).replay
-    assert judge(replay).findings == ()
-    assert replay.end.makespan == 9
-    assert "lacks 0.001 x lift, which r2 brings" in [chapter.why for chapter in explain(replay, 0)]
+    mission = haul(20.25, 12.5, 0.001, needs=32.751)
+    slow = replace(mission.robots[2], at=(7, 0), speed=0.5)
+    mission = replace(mission, robots=(*mission.robots[:2], slow), step_limit=0)
+    record = run_trial(mission, load_method("join-fitting")).record
+    assert judge(record).findings == ()
+    assert record.end.makespan == 9
+    assert "lacks 0.001 x lift, which r2 brings" in [chapter.why for chapter in explain(record, 0)]
 
 
 def test_views_count_in_units() -> None:
@@ -131,7 +131,7 @@ def test_views_count_in_units() -> None:
     view = env.view()
     assert view.counts.tolist() == [[50], [81]]
     assert view.task_needs[0].tolist() == [[121]]  # 30.25, of which 30.1 are needed
-    assert env.scenarios[0].out_of_units({"lift": 81}) == {"lift": 20.25}
+    assert env.missions[0].out_of_units({"lift": 81}) == {"lift": 20.25}
 
 
 def test_a_whole_one_more_may_be_needed_of_fractions() -> None:
@@ -139,37 +139,37 @@ def test_a_whole_one_more_may_be_needed_of_fractions() -> None:
     task = Task("safe", (3, 0), {"lift": 20.25}, may_need={"lift": 0.5})
     with pytest.raises(MissionError, match=r"may need 21\.25 x lift but .* lack 0\.25 x lift"):
         replace(haul(20.5, 0.5, needs=1), tasks=(task,))
-    scenario = replace(haul(20.5, 0.75, needs=1), tasks=(task,))
-    assert TeamFormation([scenario]).view().task_needs[0, 0].tolist() == [85]
-    assert TeamFormation([scenario], foresight="absent").view().task_needs[0, 0].tolist() == [81]
+    mission = replace(haul(20.5, 0.75, needs=1), tasks=(task,))
+    assert TeamFormation([mission]).view().task_needs[0, 0].tolist() == [85]
+    assert TeamFormation([mission], foresight="absent").view().task_needs[0, 0].tolist() == [81]
 
 
 def test_what_appears_at_random_needs_a_whole_one() -> None:
     calls = Arrivals(0.5, 20)
     with pytest.raises(MissionError, match=r"bring 0\.75 x lift; add such a robot"):
         haul(0.5, 0.25, needs=0.5, arrivals=calls)
-    scenario = haul(0.5, 0.5, needs=0.5, arrivals=calls)
-    replay = run_trial(scenario, JoinAll()).replay
-    assert replay.end.status == "completed"
-    assert judge(replay).findings == ()
+    mission = haul(0.5, 0.5, needs=0.5, arrivals=calls)
+    record = run_trial(mission, JoinAll()).record
+    assert record.end.status == "completed"
+    assert judge(record).findings == ()
 
 
 def test_the_example_is_played_by_every_kind_of_policy(tmp_path: Path) -> None:
     """The grand piano takes all four dollies: three and the crawler lift 0.45 too little."""
-    scenario = read_mission(EXAMPLE)
+    mission = read_mission(EXAMPLE)
     for policy in ("heuristic", "plan", "teamformer", "deepset-c4"):
-        replay = run_trial(scenario, load_method(policy)).replay
-        assert replay.end.status == "completed"
-        assert judge(replay).findings == ()
-    write_tables(replay, tmp_path)
+        record = run_trial(mission, load_method(policy)).record
+        assert record.end.status == "completed"
+        assert judge(record).findings == ()
+    write_tables(record, tmp_path)
     assert "308.2 x lift, steer" in (tmp_path / "tasks.csv").read_text()
     assert "62.5 x lift" in (tmp_path / "robots.csv").read_text()
 
 
 def test_a_network_that_spells_refuses_counts_that_take_too_long() -> None:
-    scenario = haul(12.5, 7.5, needs=15)  # 5 and 3 units of 2.5
+    mission = haul(12.5, 7.5, needs=15)  # 5 and 3 units of 2.5
     policy = load_method("teamformer-c4").policy
-    assert run_trial(scenario, policy).replay.end.status == "completed"
+    assert run_trial(mission, policy).record.end.status == "completed"
     with pytest.raises(TeamformerError, match="spells counts one by one, and a robot brings 12,34"):
         run_trial(haul(12.345, 7.501, needs=15), policy)
 
@@ -187,15 +187,15 @@ def test_an_operators_task_may_be_finer_than_what_robots_bring() -> None:
     run = RunningMission(haul(2.5, 2.5, 2.5, needs=2.5), lambda: load_method("join-all"), 0)
     run.step()
     message = {"task": {"at": [5, 0], "needs": {"lift": 7.401}, "name": "more"}}
-    more = read_incident(message, run.scenario)
+    more = read_incident(message, run.source)
     assert more == NewTask((5, 0), {"lift": 7.401}, "more")
     assert more.text() == "task more at [5, 0] that needs 7.401 x lift"
     run.happen(more)
     while run.is_running:
         run.step()
-    assert run.record().scenario.tasks[-1].needs == {"lift": 7.401}
+    assert run.record().mission.tasks[-1].needs == {"lift": 7.401}
     assert judge(run.record()).findings == ()
-    again = run_trial(run.scenario, JoinAll()).replay
+    again = run_trial(run.source, JoinAll()).record
     assert again.steps == run.record().steps
     with pytest.raises(TeamformerError, match=r"7\.501 x lift but .* have 7\.5 x lift"):
         run.happen(NewTask((5, 0), {"lift": 7.501}, "most"))
@@ -222,9 +222,9 @@ def test_a_message_with_a_senseless_count_is_dropped(count: float) -> None:
 
 
 def test_robots_in_a_ring_are_no_fractions() -> None:
-    scenario = replace(haul(12.5, needs=12), world=Plane(3.2, 2.0), step_limit=0)
+    mission = replace(haul(12.5, needs=12), world=Plane(3.2, 2.0), step_limit=0)
     with pytest.raises(MissionError) as caught:
-        check_mission(scenario)
+        check_mission(mission)
     assert [problem.message for problem in caught.value.problems] == [
         "robot 'r0' can 12.5 x lift; use whole numbers here"
     ]

@@ -61,8 +61,8 @@ def test_importing_it_loads_nothing_heavy() -> None:
 def test_a_trial_is_saved_shown_and_checked(tmp_path: Path) -> None:
     trial = tf.run(tf.load("examples/warehouse.yaml"), method="plan", seed=0)
     folder = trial.save(tmp_path / "new" / "out")
-    assert {path.name for path in folder.iterdir()} == {"replay.json", "replay.html"}
-    assert tf.check(folder / "replay.json") == trial.check()
+    assert {path.name for path in folder.iterdir()} == {"record.json", "record.html"}
+    assert tf.check(folder / "record.json") == trial.check()
     assert trial.row["makespan"] == trial.makespan == trial.record.end.makespan
     assert repr(trial) == "<warehouse morning by plan: completed after 56 steps>"
     frame = trial.show(height=400)._repr_html_()
@@ -78,7 +78,7 @@ def test_numbers_of_numpy_are_saved(tmp_path: Path) -> None:
         tf.save(numpys, tmp_path / name)
         assert tf.load(tmp_path / name) == mission
     tf.run(numpys, method="join-all").save(tmp_path / "out")
-    assert tf.check(tmp_path / "out" / "replay.json").is_legal
+    assert tf.check(tmp_path / "out" / "record.json").is_legal
 
 
 def test_a_plan_is_shown_and_explained() -> None:
@@ -149,7 +149,7 @@ def test_numbers_of_numpy_are_numbers(tmp_path: Path) -> None:
     mission = tf.generate(seed=np.int64(3), robots=np.int64(3))
     assert mission == tf.generate(seed=3, robots=3)
     trial = tf.run(mission, "heuristic", seed=np.int64(3))
-    assert tf.check(trial.save(tmp_path) / "replay.json") == tf.check(trial)
+    assert tf.check(trial.save(tmp_path) / "record.json") == tf.check(trial)
 
 
 def test_learning_takes_records() -> None:

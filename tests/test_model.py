@@ -25,7 +25,7 @@ SCANNER = Robot("b", (0, 0), {"scan": 1})
 CRATE = Task("x", (3, 2), {"lift": 1, "scan": 1})
 
 
-def scenario(**changes: Any) -> Mission:
+def mission(**changes: Any) -> Mission:
     """Return two robots at [0, 0] of 4 x 3 cells and a task at [3, 2] that needs both."""
     parts: dict[str, Any] = {
         "name": "small",
@@ -320,17 +320,17 @@ def test_what_is_impossible_is_refused_at_the_edge(
     message: str,
 ) -> None:
     with pytest.raises(MissionError) as caught:
-        scenario(**wrong)
+        mission(**wrong)
     assert [(problem.where, problem.message) for problem in caught.value.problems] == [
         (where, message)
     ]
     if right is not None:
-        scenario(**right)
+        mission(**right)
 
 
 def test_without_robots_there_is_nobody_for_the_tasks_either() -> None:
     with pytest.raises(MissionError) as caught:
-        scenario(robots=())
+        mission(robots=())
     assert [problem.where for problem in caught.value.problems] == [
         ("robots",),
         ("tasks", 0, "needs"),
@@ -339,7 +339,7 @@ def test_without_robots_there_is_nobody_for_the_tasks_either() -> None:
 
 def test_all_problems_are_told_at_once() -> None:
     with pytest.raises(MissionError) as caught:
-        scenario(
+        mission(
             step_limit=-1,
             **robots(speed=-1.0, absences=(Absence(0),)),
             **tasks(at=(9, 9), duration=-1),
@@ -353,14 +353,14 @@ def test_a_requirement_must_be_met_on_the_tasks_side_of_a_wall() -> None:
     walled = Grid(4, 3, ("..@.",) * 3)
     right = Robot("c", (3, 0), {"lift": 1})
     with pytest.raises(MissionError, match="robots that bring scan"):
-        scenario(world=walled, robots=(LIFTER, SCANNER, right))
+        mission(world=walled, robots=(LIFTER, SCANNER, right))
     lifted = (replace(CRATE, needs={"lift": 1}), Task("y", (1, 2), {"scan": 1}))
-    scenario(world=walled, robots=(LIFTER, SCANNER, right), tasks=lifted)
+    mission(world=walled, robots=(LIFTER, SCANNER, right), tasks=lifted)
 
 
 def test_starting_teams_are_sorted_and_include_lone_robots() -> None:
     five = tuple(replace(LIFTER, name=f"r{r}") for r in range(5))
-    built = scenario(robots=five, teams=((4, 1), (2,)), tasks=tasks(needs={"lift": 1})["tasks"])
+    built = mission(robots=five, teams=((4, 1), (2,)), tasks=tasks(needs={"lift": 1})["tasks"])
     assert built.starting_teams == ((0,), (1, 4), (2,), (3,))
 
 
@@ -379,10 +379,10 @@ def test_step_limit_on_an_open_grid() -> None:
     # Two tasks, so 4 x 3 walks of 4 + 3 steps: 84, or 168 at half a cell a step;
     # a step for each of two robots and 12 walks, to form.
     late = replace(CRATE, name="y", duration=5, appears=30)
-    built = scenario(tasks=(CRATE, late), **robots(speed=0.5))
+    built = mission(tasks=(CRATE, late), **robots(speed=0.5))
     assert built.step_limit == 168 + 24 + 5 + 30
     assert default_step_limit(built) == built.step_limit
-    assert scenario(step_limit=9).step_limit == 9  # what is set stays
+    assert mission(step_limit=9).step_limit == 9  # what is set stays
 
 
 def test_step_limit_leaves_fast_robots_the_time_to_form() -> None:
@@ -405,19 +405,19 @@ def test_step_limit_behind_walls() -> None:
     . . . .
     """
     rows = ("....", "@@@.", "....", ".@@@", "....", "@@@.", "....")
-    winding = scenario(world=Grid(4, 7, rows))
+    winding = mission(world=Grid(4, 7, rows))
     assert winding.step_limit == 4 * 2 * 2 * (3 * 4 + 3 * 2) + 16
-    walled = scenario(world=Grid(4, 3, ("....", "..@.", "....")))
+    walled = mission(world=Grid(4, 3, ("....", "..@.", "....")))
     assert walled.step_limit == 4 * 2 * 2 * (4 + 3) + 16
 
 
 def test_step_limit_has_room_for_late_tasks_and_an_end_for_slow_robots() -> None:
-    assert scenario(**tasks(appears=5_000_000)).step_limit == 56 + 16 + 5_000_000
-    far = scenario(world=Grid(2000, 2000), **robots(speed=0.001), **tasks(duration=7))
+    assert mission(**tasks(appears=5_000_000)).step_limit == 56 + 16 + 5_000_000
+    far = mission(world=Grid(2000, 2000), **robots(speed=0.001), **tasks(duration=7))
     assert far.step_limit == MOST_WALKING + 16 + 7
     slow = replace(CRATE, duration=10**9)
     late = replace(CRATE, name="y", appears=10**9)
-    assert scenario(tasks=(slow, late)).step_limit == 84 + 24 + MOST_WAITING <= 10**9
+    assert mission(tasks=(slow, late)).step_limit == 84 + 24 + MOST_WAITING <= 10**9
 
 
 @pytest.mark.parametrize(

@@ -38,10 +38,10 @@ needs_data = pytest.mark.skipif(
 )
 
 
-def plan(scenario: Path, capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+def plan(mission: Path, capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
     warm_up()
     capsys.readouterr()
-    assert teamformer("plan", str(scenario), "--json", *words) == 0
+    assert teamformer("plan", str(mission), "--json", *words) == 0
     row: dict[str, Any] = json.loads(capsys.readouterr().out)
     return row
 

@@ -132,8 +132,8 @@ class Moody(JoinAll):
     ("make", "told"),
     [
         (Deaf, "a policy has 'begin', and Deaf has not"),
-        (Curious, "begins without scenarios, and Curious raised TypeError"),
-        (Modest, "refuses to begin without scenarios, and Modest did not"),
+        (Curious, "begins without missions, and Curious raised TypeError"),
+        (Modest, "refuses to begin without missions, and Modest did not"),
         (Greedy, "Greedy decided otherwise . times in step"),
         (Flat, "a decision has a row for each team"),
         (Scribbling, "a view is only read, and Scribbling changed counts"),

@@ -102,7 +102,7 @@ def test_commands_of_how_to_and_reference_pages_run(
 
 def test_enough_of_them_are_run() -> None:
     names = {page.stem for page in other_pages()}
-    assert {"bench", "fleet", "foxglove", "live", "methods", "policies", "replay"} <= names
+    assert {"bench", "fleet", "foxglove", "live", "methods", "policies", "record"} <= names
 
 
 def do(block: Block, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""Writes what the tables of keys say into docs/reference/scenarios.md, and the JSON Schema.
+"""Writes what the tables of keys say into docs/reference/mission.md, and the JSON Schema.
 
 `python docs/making/keys.py` after a change of `src/teamformer/mission/keys`.
 """
@@ -16,7 +16,7 @@ from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "reference" / "scenarios.md"
+PAGE = ROOT / "docs" / "reference" / "missions.md"
 SCHEMA = ROOT / "mission.schema.json"
 
 

@@ -217,7 +217,7 @@ def pages() -> None:
         )
         page = browser.new_page(viewport={"width": 1100, "height": 620}, color_scheme="light")
         for name, where in (("page-map", "step=17"), ("page-gantt", "step=17&view=gantt")):
-            page.goto(f"file://{folder}/replay.html#{where}")
+            page.goto(f"file://{folder}/record.html#{where}")
             page.reload()
             page.wait_for_timeout(800)
             page.screenshot(path=IMAGES / f"{name}.png")

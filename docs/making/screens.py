@@ -128,7 +128,7 @@ def record(where: str, *words: object) -> Callable[..., None]:
     def show(take: Callable[..., None]) -> None:
         folder = FOLDER / "record"
         teamformer(*(words or ("run", ROOT / "examples" / "warehouse.yaml")), "--out", folder)
-        take(f"file://{folder}/replay.html#{where}")
+        take(f"file://{folder}/record.html#{where}")
 
     return show
 
@@ -164,7 +164,7 @@ def crowd(robots: int, tasks: int) -> Callable[..., None]:
         words = ("--capabilities", 8, "--requirements", 3, "--grid", f"{side}x{side}")
         teamformer("generate", "--out", mission, "--robots", robots, "--tasks", tasks, *words)
         teamformer("run", mission, "--method", "crews", "--out", folder)
-        take(f"file://{folder}/replay.html#step=40")
+        take(f"file://{folder}/record.html#step=40")
 
     return show
 

@@ -19,8 +19,8 @@ SHOWN = (
     "run examples/breakdown.yaml --explain lifter-2",
     "run examples/missing.yaml",
     "compare examples/warehouse.yaml --methods heuristic,crews,plan",
-    "check out/replay.json",
-    "export out/replay.json out/tables",
+    "check out/record.json",
+    "export out/record.json out/tables",
     "plan examples/four-robots.yaml --time-limit 1",
     "generate --setting real --seed 3 --out out/real.yaml",
     "generate --setting nothing",
@@ -38,7 +38,7 @@ def terminal_row(line: str) -> str:
     """Return how a command ended, and a hash of what it said, without times of the clock."""
     with TemporaryDirectory() as folder:
         os.symlink(ROOT / "examples", os.path.join(folder, "examples"))
-        if "out/replay.json" in line:
+        if "out/record.json" in line:
             _call("run examples/four-robots.yaml --out out", folder)
         done = _call(line, folder)
         said = [CLOCKS.sub("~", text.replace(folder, "")) for text in (done.stdout, done.stderr)]

@@ -51,7 +51,7 @@ def test_json_is_a_line_for_each_trial(tmp_path: Path, capsys: pytest.CaptureFix
         (policy, seed) for policy in ("heuristic", "join-all") for seed in range(4)
     ]
     asked = (
-        "scenario method seed completed makespan steps tasks_done tasks robots capabilities joins "
+        "mission method seed completed makespan steps tasks_done tasks robots capabilities joins "
         "splits illegal_decisions decision_seconds total_seconds best_known lower_bound suite "
         "setting world_seed"
     )

@@ -19,20 +19,20 @@ MINE = [name for name in our_method_names() if not load_method(name).needs_every
 FITTING = [name for name in MINE if not name.endswith(("-c8", "-c100", "-ppo"))]  # networks once
 
 
-def with_another_future(scenario: Mission, kept: int) -> Mission:
+def with_another_future(mission: Mission, kept: int) -> Mission:
     """Move the late tasks, change what they need, and leave some of them out."""
-    known = [task for task in scenario.tasks if task.appears == 0]
-    late = [task for task in scenario.tasks if task.appears > 0]
+    known = [task for task in mission.tasks if task.appears == 0]
+    late = [task for task in mission.tasks if task.appears > 0]
     others: list[Task] = [
         replace(task, at=(9 - task.at[0], 9 - task.at[1]), needs={"c1": 1}) for task in late[:kept]
     ]
-    return replace(scenario, tasks=(*known, *others))
+    return replace(mission, tasks=(*known, *others))
 
 
-def play(scenario: Mission, method: Method, steps: int) -> list[tuple[View, Decision]]:
+def play(mission: Mission, method: Method, steps: int) -> list[tuple[View, Decision]]:
     """Return what is seen and decided in the first steps."""
-    begin(method, [scenario], [scenario], seed=0)
-    env = TeamFormation([scenario], coordinator=method.coordinator, new_tasks=method.new_tasks)
+    begin(method, [mission], [mission], seed=0)
+    env = TeamFormation([mission], coordinator=method.coordinator, new_tasks=method.new_tasks)
     seen = []
     for _ in range(steps):
         view = View(*(part.copy() for part in env.view()))
@@ -67,12 +67,12 @@ def test_nobody_knows_of_the_future_however_tasks_are_inserted(name: str, settin
 def check_another_future(name: str, setting: str, seeds: int) -> None:
     method = replace(load_method(name), new_tasks=new_tasks_of(setting))
     for seed in range(seeds):
-        scenario = world_of(setting, seed)
-        appears = scenario.tasks[-1].appears
+        mission = world_of(setting, seed)
+        appears = mission.tasks[-1].appears
         steps = appears + 1  # the view after `appears` steps is the first to know
-        now = play(scenario, method, steps)
+        now = play(mission, method, steps)
         for kept in (20, 7):
-            then = play(with_another_future(scenario, kept), method, steps)
+            then = play(with_another_future(mission, kept), method, steps)
             for step in range(appears):
                 assert_alike(now[step], then[step])
             with pytest.raises(AssertionError):

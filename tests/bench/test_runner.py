@@ -66,7 +66,7 @@ def test_missions_with_a_cost_are_told_by_it(tmp_path: Path) -> None:
     suite = replace(load_suite("missions"), settings=("deadlines",), methods=("plan", "heuristic"))
     rows = measured(tmp_path, Request(suite, trials=2))
     for (_, method, seed), row in rows.items():
-        record = run_trial(world_of("deadlines", seed), load_method(method), seed=seed).replay
+        record = run_trial(world_of("deadlines", seed), load_method(method), seed=seed).record
         assert row.cost == pytest.approx(cost_of_record(record), abs=1e-6)
     mean = sum(rows["deadlines", "plan", seed].cost or 0 for seed in (0, 1)) / 2
     table = summary_table(summarise(rows.values()))
@@ -86,11 +86,11 @@ def test_rows_of_older_versions_are_read() -> None:
 def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:
     rows = measured(tmp_path, Request(SMALL, trials=2))
     row = rows["4N4T-C4", "join-all", 1]
-    scenario = world_of("4N4T-C4", 1)
-    end = run_trial(scenario, JoinAll(), seed=1).replay.end
+    mission = world_of("4N4T-C4", 1)
+    end = run_trial(mission, JoinAll(), seed=1).record.end
     assert (row.makespan, row.steps, row.joins) == (end.makespan, end.steps, end.joins)
     assert (row.tasks_done, row.tasks, row.robots, row.capabilities) == (4, 4, 4, 4)
-    assert row.lower_bound == lower_bound(scenario)
+    assert row.lower_bound == lower_bound(mission)
     others = [rows["4N4T-C4", policy, 1].makespan or 0 for policy in SMALL.methods]
     assert row.best_known == min(others)
     assert row.decision_seconds is not None
@@ -103,7 +103,7 @@ def test_a_row_says_what_the_trial_alone_says(tmp_path: Path) -> None:
 def test_a_row_of_a_mission_with_a_cost_has_it() -> None:
     row = run_job(Job("hand", "deadlines-arrivals", "heuristic", (0, 1), 1.0, "abc"))[1]
     alone = run_trial(world_of("deadlines-arrivals", 1), load_method("heuristic"), 1)
-    assert row.cost == cost_of_record(alone.replay) is not None
+    assert row.cost == cost_of_record(alone.record) is not None
     assert row.cost > 0
 
 
@@ -236,15 +236,15 @@ def test_plans_made_in_more_time_are_not_mixed_with_others(tmp_path: Path) -> No
 
 def test_the_list_schedule_of_two_tasks_in_a_row() -> None:
     """Robot at 0, tasks at 2 and 5: done in steps 2 and 5, whatever forming costs."""
-    scenario = Mission(
+    mission = Mission(
         "row",
         Grid(9, 1),
         ("a",),
         (Robot("r", (0, 0), {"a": 1}),),
         (Task("far", (5, 0), {"a": 1}), Task("near", (2, 0), {"a": 1})),
     )
-    assert list_schedule(scenario) == 5
-    late = replace(scenario, tasks=(scenario.tasks[0], replace(scenario.tasks[1], appears=3)))
+    assert list_schedule(mission) == 5
+    late = replace(mission, tasks=(mission.tasks[0], replace(mission.tasks[1], appears=3)))
     assert list_schedule(late) is None
 
 
@@ -288,7 +288,7 @@ def test_each_method_of_a_suite_plays_by_its_own_coordination(tmp_path: Path) ->
     suite = replace(SMALL, settings=("4N9T-C4",), methods=("heuristic", "crews", "plan"))
     rows = measured(tmp_path, Request(suite, trials=2))
     for setting, method, seed in rows:
-        alone = run_trial(world_of(setting, seed), load_method(method), seed).replay.end
+        alone = run_trial(world_of(setting, seed), load_method(method), seed).record.end
         row = rows[setting, method, seed]
         assert (row.makespan, row.joins, row.splits) == (alone.makespan, alone.joins, alone.splits)
 
@@ -304,7 +304,7 @@ def test_what_a_suite_sets_of_a_method_counts(tmp_path: Path) -> None:
     for foresight in ("needed", "absent"):
         for seed in range(3):
             method = Method("plan", coordinator=SharedPlan(scouts=False), foresight=foresight)
-            alone = run_trial(world_of("4N8T-C4-needs", seed), method, seed).replay.end
+            alone = run_trial(world_of("4N8T-C4-needs", seed), method, seed).record.end
             assert rows["4N8T-C4-needs", f"plan@{foresight}", seed].makespan == alone.makespan
 
 

@@ -123,7 +123,7 @@ def test_twice_the_steps_take_twice_the_calls(words: tuple[str, ...], tmp_path: 
     for steps in (20, 300, 600, 1200):
         mission = replace(tf.load(path_of("mcap-quadratic")), step_limit=steps)
         folder = tf.run(mission).save(tmp_path / str(steps))
-        named = {"record": str(folder / "replay.json"), "out": str(folder / "it.mcap")}
+        named = {"record": str(folder / "record.json"), "out": str(folder / "it.mcap")}
         profile = cProfile.Profile()
         assert profile.runcall(teamformer, *(word.format(**named) for word in words)) == 0
         made.append(sum(it.callcount for it in profile.getstats()))
@@ -184,14 +184,14 @@ def test_who_stands_where_a_task_is_believed_waits_there_though_it_is_never_foun
     tmp_path: Path,
 ) -> None:
     folder = tf.run(tf.load(path_of("called-off-unfound"))).save(tmp_path)
-    assert teamformer("export", str(folder / "replay.json"), str(folder)) == 0
+    assert teamformer("export", str(folder / "record.json"), str(folder)) == 0
     rows = (folder / "gantt.csv").read_text().split()
     assert rows[1:] == ["r1,waiting,t1,0,1", "r2,idle,,0,1"]
 
 
 def test_a_robot_of_the_longest_name_may_be_asked_for(tmp_path: Path) -> None:
     folder = tf.run(tf.load(path_of("with-a-long-name"))).save(tmp_path)
-    assert teamformer("check", str(folder / "replay.json")) == 0
+    assert teamformer("check", str(folder / "record.json")) == 0
     (name,) = set(tf.load(path_of("with-a-long-name")).capabilities) - {"n0"}
     assert name == f"robot 2, {'a' * 150}"
 
@@ -219,4 +219,4 @@ def test_the_search_ends_though_a_task_takes_longer_than_anything() -> None:
 def test_what_came_after_a_task_that_is_called_off_comes_after_nothing(tmp_path: Path) -> None:
     """The second task is called off in step 1, so the third need not wait for the first."""
     assert teamformer("run", path_of("after-called-off"), "--out", str(tmp_path)) == 0
-    assert teamformer("check", str(tmp_path / "replay.json")) == 0
+    assert teamformer("check", str(tmp_path / "record.json")) == 0

@@ -234,7 +234,7 @@ CASES = [
     ("sensing_radius: 1", "tasks: none", 10, "'tasks' stands here a second time"),
     ("  - {name: x, at: [3, 2], needs: [lift, scan]}", "  x: 1", 8, "tasks is a mapping; write a"),
     ("- {name: x, at: [3, 2], needs: [lift, scan]}", "- weld it", 9, "task 1 is the text 'weld i"),
-    # what cannot be in a scenario file
+    # what cannot be in a mission file
     ("can: [scan], speed: 0.5", "can: &kit [scan], name: *kit", 7, "*kit is not followed"),
     ("name: good", "name: !!python/name:os.system x", 2, "the tag tag:yaml.org,2002:python/name"),
     ("sensing_radius: 1", "---\nname: two", 10, "a second document begins here"),
@@ -313,7 +313,7 @@ CASES = [
     ("sensing_radius: 1", "teams: [[a, b]]", 10, "must start in the same place"),
     ("sensing_radius: 1", "teams: [[a], [a]]", 10, "robot 'a' is in two starting teams; keep one"),
     ("{grid: [4, 3]}", '{rows: ["....", "....", "...@"]}', 9, "[3, 2], inside an obstacle; the"),
-    # what the scenario itself cannot be
+    # what the mission itself cannot be
     ("name: b", "name: a", 7, "the name 'a' is used twice; rename one"),
     ("needs: [lift, scan]", "needs: [lift, weld]", 9, "'weld', which is not under capabilities"),
     ("can: [lift]", "can: [scan]", 9, "task 'x' needs 'lift' but no robot has it; add such"),
@@ -442,9 +442,9 @@ def test_problems_beyond_fifty_are_counted(tmp_path: Path) -> None:
 
 def test_problems_say_where_in_the_tree() -> None:
     with pytest.raises(MissionError) as caught:
-        mission_from_tree({"teamformer": 1}, "replay.json: scenario")
+        mission_from_tree({"teamformer": 1}, "record.json: mission")
     assert str(caught.value).splitlines()[0] == (
-        "replay.json: scenario: the file lacks 'world'; add it"
+        "record.json: mission: the file lacks 'world'; add it"
     )
     assert {problem.where for problem in caught.value.problems} == {()}
 
@@ -457,7 +457,7 @@ def test_a_tree_in_memory_names_no_map_file() -> None:
 
 @pytest.mark.parametrize("text", ["", "\n\n", "# nothing\n"])
 def test_an_empty_file(tmp_path: Path, text: str) -> None:
-    told = "case.yaml:1: the file is empty; write a scenario into it"
+    told = "case.yaml:1: the file is empty; write a mission into it"
     assert problems_of(tmp_path, text) == [told]
 
 
@@ -471,7 +471,7 @@ def test_a_file_that_is_no_mapping(tmp_path: Path, text: str, what: str) -> None
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("case.yaml", "case.yaml:1: the file lacks 'image'"),  # a map that is its own scenario
+        ("case.yaml", "case.yaml:1: the file lacks 'image'"),  # a map that is its own mission
         ("folder.map", "folder.map: this is a folder"),
         ("loop.map", "loop.map: cannot be read: Too many"),
         ("endless.yaml", "/dev/zero: this is not a plain file"),

@@ -109,6 +109,6 @@ def test_damaged_trees_never_end_in_a_traceback() -> None:
             mission_from_tree(swapped(good, rng))
             outcomes["read"] += 1
         except TeamformerError as error:
-            outcomes["refused"] += str(error).startswith("scenario: ")
+            outcomes["refused"] += str(error).startswith("mission: ")
     assert sum(outcomes.values()) == 1500
     assert min(outcomes.values()) > 20, outcomes

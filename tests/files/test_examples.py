@@ -28,39 +28,39 @@ def test_every_example_is_read(path: Path) -> None:
 
 @pytest.mark.parametrize("policy", [JoinAll(), Heuristic()], ids=["join-all", "heuristic"])
 def test_every_example_can_be_done_and_takes_teamwork(policy: Policy) -> None:
-    scenarios = [read_mission(path) for path in sorted(EXAMPLES.glob("*.yaml"))]
-    for scenario, tally in zip(scenarios, run_trials(scenarios, policy), strict=True):
-        assert tally.status == "completed", scenario.name
+    missions = [read_mission(path) for path in sorted(EXAMPLES.glob("*.yaml"))]
+    for mission, tally in zip(missions, run_trials(missions, policy), strict=True):
+        assert tally.status == "completed", mission.name
         assert tally.joins > 0
-        assert max(task.appears for task in scenario.tasks) < tally.steps  # all of it is seen
-        assert all(away.lost < tally.steps for r in scenario.robots for away in r.absences)
+        assert max(task.appears for task in mission.tasks) < tally.steps  # all of it is seen
+        assert all(away.lost < tally.steps for r in mission.robots for away in r.absences)
 
 
-def test_the_warehouse_shows_what_a_scenario_can_hold() -> None:
-    scenario = example("warehouse")
-    assert (scenario.world.width, scenario.world.height) == (24, 16)
-    assert any("@" in row for row in scenario.world.rows)
-    assert 6 <= len(scenario.robots) <= 8
-    assert len(scenario.capabilities) == 4
-    assert any(len(robot.can) == 2 for robot in scenario.robots)
-    assert any(robot.speed < 1 for robot in scenario.robots)
-    assert any(max(task.needs.values()) == 2 for task in scenario.tasks)
-    assert any(task.duration for task in scenario.tasks)
-    assert any(task.appears for task in scenario.tasks)
+def test_the_warehouse_shows_what_a_mission_can_hold() -> None:
+    mission = example("warehouse")
+    assert (mission.world.width, mission.world.height) == (24, 16)
+    assert any("@" in row for row in mission.world.rows)
+    assert 6 <= len(mission.robots) <= 8
+    assert len(mission.capabilities) == 4
+    assert any(len(robot.can) == 2 for robot in mission.robots)
+    assert any(robot.speed < 1 for robot in mission.robots)
+    assert any(max(task.needs.values()) == 2 for task in mission.tasks)
+    assert any(task.duration for task in mission.tasks)
+    assert any(task.appears for task in mission.tasks)
 
 
 def test_four_robots_are_the_papers_smallest_test() -> None:
-    scenario = example("four-robots")
-    assert (scenario.world.width, scenario.world.height) == (10, 10)
-    assert (len(scenario.robots), len(scenario.tasks), len(scenario.capabilities)) == (4, 4, 4)
-    assert (scenario.sensing_radius, scenario.join_radius) == (1.0, 0.0)
+    mission = example("four-robots")
+    assert (mission.world.width, mission.world.height) == (10, 10)
+    assert (len(mission.robots), len(mission.tasks), len(mission.capabilities)) == (4, 4, 4)
+    assert (mission.sensing_radius, mission.join_radius) == (1.0, 0.0)
 
 
 def test_after_the_breakdown_every_task_can_still_be_done() -> None:
-    scenario = example("breakdown")
-    left = total(robot.can for robot in scenario.robots if not robot.absences)
-    assert any(robot.absences for robot in scenario.robots)
-    assert all(covers(left, task.needs) for task in scenario.tasks)
+    mission = example("breakdown")
+    left = total(robot.can for robot in mission.robots if not robot.absences)
+    assert any(robot.absences for robot in mission.robots)
+    assert all(covers(left, task.needs) for task in mission.tasks)
 
 
 def test_late_tasks_are_unknown_at_the_start() -> None:

@@ -75,7 +75,7 @@ def test_the_others_can_do_without_who_is_lost(name: str) -> None:
 @pytest.mark.thorough
 def test_a_robot_is_lost_in_the_first_half_of_what_the_shared_plan_takes(name: str) -> None:
     for seed in range(2):
-        steps = run_trial(world_of(name, seed), load_method("plan"), 0, None).replay.end.makespan
+        steps = run_trial(world_of(name, seed), load_method("plan"), 0, None).record.end.makespan
         assert steps is not None
         [lost] = [
             robot.absences for robot in world_of(f"{name}-lost", seed).robots if robot.absences

@@ -80,15 +80,15 @@ MISSION: dict[str, Any] = {
 )
 def test_a_key_without_a_value_is_refused(thing: str, key: str, told: str) -> None:
     [was] = MISSION[thing]
-    with pytest.raises(MissionError, match=f"^scenario: {re.escape(told)}$"):
+    with pytest.raises(MissionError, match=f"^mission: {re.escape(told)}$"):
         mission_from_tree(MISSION | {thing: [was | {key: None}]})
 
 
 def test_notes_are_read_and_written() -> None:
     [robot], [task] = MISSION["robots"], MISSION["tasks"]
     noted = {"robots": [robot | {"note": "leaks oil"}], "tasks": [task | {"note": "door 3"}]}
-    scenario = mission_from_tree(MISSION | noted)
-    assert (scenario.robots[0].note, scenario.tasks[0].note) == ("leaks oil", "door 3")
-    tree = mission_to_tree(scenario)
+    mission = mission_from_tree(MISSION | noted)
+    assert (mission.robots[0].note, mission.tasks[0].note) == ("leaks oil", "door 3")
+    tree = mission_to_tree(mission)
     assert (tree["robots"][0]["note"], tree["tasks"][0]["note"]) == ("leaks oil", "door 3")
     assert "note" not in mission_to_tree(mission_from_tree(MISSION))["tasks"][0]

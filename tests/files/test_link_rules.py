@@ -1,4 +1,4 @@
-"""Linked starts and costs in scenario files: read, written, refused."""
+"""Linked starts and costs in mission files: read, written, refused."""
 
 from __future__ import annotations
 

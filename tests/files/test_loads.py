@@ -42,19 +42,19 @@ def test_load_that_no_way_leads_to_is_refused(tmp_path: Path) -> None:
 
 
 def test_loads_are_written_as_they_were_read(tmp_path: Path) -> None:
-    scenario = read(tmp_path, MISSION.replace("[5, 0]", "[0, 1]\n    unload: 3"))
-    assert (scenario.tasks[0].to, scenario.tasks[0].unload) == ((0, 1), 3)
-    tree = mission_to_tree(scenario)
+    mission = read(tmp_path, MISSION.replace("[5, 0]", "[0, 1]\n    unload: 3"))
+    assert (mission.tasks[0].to, mission.tasks[0].unload) == ((0, 1), 3)
+    tree = mission_to_tree(mission)
     assert tree["tasks"][0]["to"] == [0, 1]
     assert tree["tasks"][0]["unload"] == 3
-    assert mission_from_tree(tree) == scenario
+    assert mission_from_tree(tree) == mission
 
 
 def test_robots_that_cannot_carry_yet_say_so(tmp_path: Path) -> None:
-    scenario = read(tmp_path, MISSION.replace("[5, 0]", "[0, 1]"))
-    assert list(rules_not_played(scenario)) == []
-    assert list(rules_of_simulated_missions(scenario)) == []  # fleets can
-    problem = next(find_problems(scenario))
+    mission = read(tmp_path, MISSION.replace("[5, 0]", "[0, 1]"))
+    assert list(rules_not_played(mission)) == []
+    assert list(rules_of_simulated_missions(mission)) == []  # fleets can
+    problem = next(find_problems(mission))
     assert problem.where == ("tasks", 0, "to")
     assert problem.message == (
         "task 'crate' has a load, which the Robotarium cannot carry yet; "

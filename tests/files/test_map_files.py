@@ -249,7 +249,7 @@ def test_places_are_told_in_the_map_s_frame() -> None:
     assert turned == pytest.approx((0.75, 3.75))
 
 
-def test_a_scenario_on_a_ros_map_keeps_where_its_cells_lie(tmp_path: Path) -> None:
+def test_a_mission_on_a_ros_map_keeps_where_its_cells_lie(tmp_path: Path) -> None:
     about = ABOUT.replace("[-1.0, -2.0, 0.0]", "[-1.0, -2.0, 0.5]")
     ros_map(tmp_path, b"P5 4 2 255\n" + bytes([255] * 8), about)
     text = """
@@ -260,13 +260,13 @@ robots: [{at: [0, 0], can: [a]}]
 tasks: [{at: [1, 0], needs: [a]}]
 """
     (tmp_path / "mission.yaml").write_text(text)
-    scenario = read_mission(tmp_path / "mission.yaml")
-    assert isinstance(scenario.world, Grid)
-    assert scenario.world.frame == Frame(0.1, -1.0, -2.0, 0.5)
+    mission = read_mission(tmp_path / "mission.yaml")
+    assert isinstance(mission.world, Grid)
+    assert mission.world.frame == Frame(0.1, -1.0, -2.0, 0.5)
     for name in ("copy.yaml", "copy.json"):
-        write_mission(scenario, tmp_path / name)
-        assert read_mission(tmp_path / name).world == scenario.world
-    free = replace(scenario, world=Grid(4, 2, frame=Frame(0.25)))
+        write_mission(mission, tmp_path / name)
+        assert read_mission(tmp_path / name).world == mission.world
+    free = replace(mission, world=Grid(4, 2, frame=Frame(0.25)))
     assert mission_from_tree(mission_to_tree(free)).world == free.world
 
 

@@ -133,27 +133,27 @@ def test_losses_and_unreachable_ends_are_refused() -> None:
 
 
 def test_what_has_to_be_sure_refuses_all_that_is_not() -> None:
-    scenario = world_of("4N4T-C4-mixed", 0)
-    told = {problem.where[-1]: problem.message for problem in rules_of_sure_missions(scenario)}
+    mission = world_of("4N4T-C4-mixed", 0)
+    told = {problem.where[-1]: problem.message for problem in rules_of_sure_missions(mission)}
     assert set(told) == {"breaks", "duration", "may_need"}
     assert "make duration sure" in told["duration"]
     assert all("or use `run`, `compare`, `plan` or `live`" in text for text in told.values())
-    assert list(rules_of_simulated_missions(scenario)) == list(rules_of_sure_missions(scenario))
+    assert list(rules_of_simulated_missions(mission)) == list(rules_of_sure_missions(mission))
     assert list(rules_of_sure_missions(world_of("4N4T-C4", 0))) == []
 
 
 def test_tasks_that_appear_at_random_are_for_who_need_not_be_sure() -> None:
-    scenario = world_of("4N4T-C4-calls", 0)
-    [told] = rules_of_sure_missions(scenario)
+    mission = world_of("4N4T-C4-calls", 0)
+    [told] = rules_of_sure_missions(mission)
     assert told.where == ("arrivals",)
     assert "drop it, or use `run`, `compare`, `plan` or `live`" in told.message
-    assert list(rules_not_played(scenario)) == []
+    assert list(rules_not_played(mission)) == []
 
 
 def test_continuous_time_refuses_what_is_not_sure() -> None:
-    scenario = world_of("4N4T-C4-mixed", 0)
+    mission = world_of("4N4T-C4-mixed", 0)
     with pytest.raises(MissionError) as refused:
-        replace(scenario, time="continuous")
+        replace(mission, time="continuous")
     told = str(refused.value).splitlines()
-    assert len(told) == len({where[-1] for where, _ in find_unknown(scenario, CONTINUOUS, True)})
+    assert len(told) == len({where[-1] for where, _ in find_unknown(mission, CONTINUOUS, True)})
     assert all("only missions in steps know" in line for line in told)

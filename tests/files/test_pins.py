@@ -34,16 +34,16 @@ def mission(folder: Path, pins: str, text: str = MISSION) -> Mission:
     return read_mission(path)
 
 
-def who_did(scenario: Mission, method: str) -> tuple[int | None, set[str]]:
+def who_did(mission: Mission, method: str) -> tuple[int | None, set[str]]:
     """Return the makespan, and who was in the team that did the last task."""
-    replay = run_trial(scenario, load_method(method, time_limit=0.0), 0).replay
-    assert judge(replay).findings == ()
-    [(_, slot)] = [pair for step in replay.steps for pair in step.done]
-    rows: dict[int, set[int]] = {r: {r} for r in range(len(scenario.robots))}
-    for step in replay.steps:
+    record = run_trial(mission, load_method(method, time_limit=0.0), 0).record
+    assert judge(record).findings == ()
+    [(_, slot)] = [pair for step in record.steps for pair in step.done]
+    rows: dict[int, set[int]] = {r: {r} for r in range(len(mission.robots))}
+    for step in record.steps:
         for one, other in step.joins:
             rows[min(one, other)] = rows.pop(one) | rows.pop(other)
-    return replay.end.makespan, {scenario.robots[r].name for r in rows[slot]}
+    return record.end.makespan, {mission.robots[r].name for r in rows[slot]}
 
 
 @pytest.mark.parametrize("method", ["plan", "crews", "central", "heuristic", "join-fitting"])

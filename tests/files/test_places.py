@@ -46,8 +46,8 @@ def lost_thing(within: float, world: Grid | None = None) -> Mission:
 
 
 def test_each_place_is_as_likely_as_any_other() -> None:
-    scenario = lost_thing(2)
-    truths = [draw_truth(scenario, seed) for seed in range(2000)]
+    mission = lost_thing(2)
+    truths = [draw_truth(mission, seed) for seed in range(2000)]
     xs = [truth.tasks[0].at[0] for truth in truths]
     shares = np.bincount(np.array(xs, int)) / len(xs)
     assert shares == pytest.approx([0.2] * 5, abs=0.03)

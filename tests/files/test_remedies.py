@@ -165,7 +165,7 @@ def test_a_capability_in_other_letters_is_told_once_with_the_one_that_is_meant(
 
 
 def test_a_record_that_stands_for_a_mission_is_named(tmp_path: Path) -> None:
-    record = tf.run(MISSION).save(tmp_path) / "replay.json"
+    record = tf.run(MISSION).save(tmp_path) / "record.json"
     with pytest.raises(MissionError) as error:
         read_mission(record)
     assert str(error.value) == (

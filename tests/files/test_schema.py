@@ -34,8 +34,8 @@ def test_examples_are_good(path: Path) -> None:
 @pytest.mark.parametrize("family", FAMILIES)
 def test_drawn_missions_are_good(family: str) -> None:
     for incident in ("", "-lost", "-arrivals", "-ordered", "-mixed"):
-        scenario = world_of(f"{family}{incident}", 1)
-        assert faults(mission_to_tree(scenario)) == []
+        mission = world_of(f"{family}{incident}", 1)
+        assert faults(mission_to_tree(mission)) == []
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,8 @@ PLANNER = CoordinatedPlanner()
 
 def pair() -> FleetMission:
     """Return `a` at 0 and `b` at 4 with a task for both at 6: a..b...T"""
-    scenario = make([robot("a", 0), robot("b", 4)], [task("ab", 6, duration=2)])
-    return FleetMission(scenario)
+    mission = make([robot("a", 0), robot("b", 4)], [task("ab", 6, duration=2)])
+    return FleetMission(mission)
 
 
 def trio() -> FleetMission:
@@ -37,7 +37,7 @@ def agents_of(mission: FleetMission, now: float = 0.0) -> list[Agent]:
 
 def standing(agent: Agent, number: int) -> Report:
     """Return the report of a body that stands where its robot starts."""
-    x, y = agent.mission.scenario.robots[agent.me].at
+    x, y = agent.mission.source.robots[agent.me].at
     return Report(x, y, agent.command.leg, number=number)
 
 

@@ -19,7 +19,7 @@ from typed import teamformer
 
 @pytest.fixture
 def mission(tmp_path: Path) -> str:
-    write_mission(trio().scenario, tmp_path / "trio.yaml")
+    write_mission(trio().source, tmp_path / "trio.yaml")
     return str(tmp_path / "trio.yaml")
 
 
@@ -41,8 +41,8 @@ def test_one_schedule_becomes_a_page(
     assert teamformer("fleet", "rehearse", mission, "--schedule", "3", "--out", str(out)) == 0
     told = capsys.readouterr()
     assert "50% of messages are lost" in told.out
-    assert f"page:   {out / 'replay.html'}" in told.err.replace("\n", "")
-    assert (out / "replay.html").stat().st_size > 10_000
+    assert f"page:   {out / 'record.html'}" in told.err.replace("\n", "")
+    assert (out / "record.html").stat().st_size > 10_000
 
 
 def test_check_refuses_what_was_seen_of_a_fleet(
@@ -51,7 +51,7 @@ def test_check_refuses_what_was_seen_of_a_fleet(
     out = tmp_path / "out"
     assert teamformer("fleet", "rehearse", mission, "--schedule", "2", "--out", str(out)) == 0
     capsys.readouterr()
-    assert teamformer("check", str(out / "replay.json")) == 2
+    assert teamformer("check", str(out / "record.json")) == 2
     told = capsys.readouterr()
     assert told.out == ""
     words = " ".join(told.err.split())
@@ -106,7 +106,7 @@ def test_misuse_is_told(
 @pytest.mark.slow
 def test_a_fleet_of_processes_survives_a_kill(tmp_path: Path) -> None:
     """Two of each kind, so that the mission can end without the one that is killed."""
-    mission = trio().scenario
+    mission = trio().source
     path = tmp_path / "mission.yaml"
     robots = [*mission.robots, *mission.robots]
     named = tuple(replace(robot, name=f"r{number}") for number, robot in enumerate(robots))

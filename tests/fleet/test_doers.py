@@ -29,10 +29,10 @@ Doers = dict[str, tuple[int, ...]]
 """The robots that did each task, by its name."""
 
 
-def credited(replay: Record) -> Doers:
+def credited(record: Record) -> Doers:
     """Return whom the readers of a record hold to have done its tasks."""
-    names = [task.name for task in replay.scenario.tasks]
-    done = [event for event in events(replay) if event.kind == "done"]
+    names = [task.name for task in record.mission.tasks]
+    done = [event for event in events(record) if event.kind == "done"]
     return {names[event.task]: tuple(sorted(event.robots)) for event in done}
 
 
@@ -55,9 +55,9 @@ def test_over_a_perfect_network_it_is_who_does_it_in_the_simulator(mission: Flee
     record = record_of(rehearsal, rehearsal.run(300.0), trace.events, 0)
     done = credited(record)
     assert done == really_did(rehearsal)
-    simulated = credited(run_trial(mission.scenario, SharedPlan()).replay)
+    simulated = credited(run_trial(mission.source, SharedPlan()).record)
     assert done.keys() == simulated.keys()
-    for number, wanted in enumerate(mission.scenario.tasks):
+    for number, wanted in enumerate(mission.source.tasks):
         trailing = set(simulated[wanted.name]) - set(done[wanted.name])  # in a fleet they only come
         assert set(done[wanted.name]) <= set(simulated[wanted.name]), number
         assert mission.covers(done[wanted.name], mission.tasks[number].needs) or not trailing
@@ -67,8 +67,8 @@ def test_over_a_perfect_network_it_is_who_does_it_in_the_simulator(mission: Flee
 @pytest.mark.thorough
 def test_under_faults_it_is_who_did_it(schedule: int) -> None:
     """Schedule 12 of seed 7 had robot 0 do 13 of 16 tasks, since the doers had gone on."""
-    scenario = read_mission(EXAMPLES / "warehouse.yaml")
-    stage = set_stage(FleetMission(scenario, scenario.seconds_a_step))
+    mission = read_mission(EXAMPLES / "warehouse.yaml")
+    stage = set_stage(FleetMission(mission, mission.seconds_a_step))
     faults, trace = faults_of(stage, 7, schedule), Trace()
     rehearsal, outcome, _ = play(stage.mission, stage.plan, faults, trace, stage.method)
     record = record_of(rehearsal, outcome, trace.events, 7)
@@ -89,7 +89,7 @@ def test_who_is_lost_after_several_tasks_in_a_step_did_them_all() -> None:
     record = record_of(rehearsal, rehearsal.run(300.0), trace.events, 0)
     assert credited(record) == really_did(rehearsal) == {"t0": (3,), "t1": (3,), "t2": (0, 3)}
     assert [len(step.done) for step in record.steps] == [1, 2]
-    assert record.scenario.robots[3].absences == (Absence(3),)
+    assert record.mission.robots[3].absences == (Absence(3),)
 
 
 def test_who_leaves_a_team_that_loses_its_lowest_robot_parts_from_it_before() -> None:
@@ -124,8 +124,8 @@ def test_who_hears_the_fleet_knows_who_did_it(mission: FleetMission) -> None:
 
 
 def test_who_hears_a_fleet_of_an_example_knows_who_did_it() -> None:
-    scenario = read_mission(EXAMPLES / "warehouse.yaml")
-    rehearsal = Watched(FleetMission(scenario, scenario.seconds_a_step))
+    mission = read_mission(EXAMPLES / "warehouse.yaml")
+    rehearsal = Watched(FleetMission(mission, mission.seconds_a_step))
     rehearsal.run(300.0)
     rehearsal.watch.step()
     assert credited(rehearsal.watch.record()) == really_did(rehearsal)

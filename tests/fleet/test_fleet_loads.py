@@ -192,7 +192,7 @@ def carried_record(tmp_path: Path) -> tuple[Rehearsal, Path]:
     mission = FleetMission(make(robots, [load("aa", 3, 9, 2)]))
     trace = Trace()
     rehearsal, outcome, _ = play(mission, plan_of(mission), Faults(crashes=(Crash(1, 6.5),)), trace)
-    path = tmp_path / "replay.json"
+    path = tmp_path / "record.json"
     save_record(record_of(rehearsal, outcome, trace.events, 0), path)
     return rehearsal, path
 
@@ -215,8 +215,8 @@ def test_a_load_that_is_set_down_where_it_was_taken_up_is_recorded(tmp_path: Pat
     trace = Trace()
     rehearsal, outcome, _ = play(mission, plan_of(mission), Faults(crashes=(Crash(1, 3.3),)), trace)
     assert lifts_of(rehearsal.world)[1].place == (3, 0)
-    save_record(record_of(rehearsal, outcome, trace.events, 0), tmp_path / "replay.json")
-    [left] = [row for step in read_record(tmp_path / "replay.json").steps for row in step.left]
+    save_record(record_of(rehearsal, outcome, trace.events, 0), tmp_path / "record.json")
+    [left] = [row for step in read_record(tmp_path / "record.json").steps for row in step.left]
     assert left == TaskAt(0, 3, 0)
 
 

@@ -34,7 +34,7 @@ def test_a_robot_sees_what_the_simulator_shows_its_team() -> None:
     compared = 0
     for robots, tasks, radius in ((5, 7, 3.0), (8, 20, 2.0), (20, 6, 9.0)):
         mission = FleetMission(generate(Spec(robots, tasks, 3, sensing_radius=radius), rng))
-        env, policy = TeamFormation([mission.scenario]), JoinAll()
+        env, policy = TeamFormation([mission.source]), JoinAll()
         while env.is_running.any():
             view = env.view()
             teams = env.worlds.teams[0]

@@ -106,7 +106,7 @@ def test_who_is_never_heard_is_not_waited_for_long() -> None:
     assert not watch.is_over
     assert [watch.step().done for _ in range(3)] == [(), (), ((0, None),)]
     assert (watch.is_over, watch.wonders) == (True, False)
-    told = [event.text(watch.scenario) for event in events(watch.record()) if event.kind == "done"]
+    told = [event.text(watch.source) for event in events(watch.record()) if event.kind == "done"]
     assert told == [f"t{k} done by then, nobody heard by whom" for k in (1, 0)]
 
 
@@ -117,7 +117,7 @@ def test_facts_tell_what_was_done_before_and_what_operators_added() -> None:
     assert watch.hear(message(FactsNote((0, EXTRA.key), (EXTRA,)))) == []
     assert watch.is_told
     assert [{number for number, _ in watch.step().done} for _ in range(3)] == [set(), set(), {0, 2}]
-    assert watch.scenario.tasks[2].needs == {"a": 1}
+    assert watch.source.tasks[2].needs == {"a": 1}
     watch.hear(message(FactsNote((99,), (TaskFact(8 << 24, "wall", 99.0, 0.0, (1, 0, 0)),))))
     assert len(watch.tasks) == 3  # what makes no sense is left out
     assert watch.record().end.tasks_done == 2
@@ -270,10 +270,10 @@ def test_a_task_that_a_page_adds_is_published_and_told_once_it_is_held(
     assert told[0]["kind"] == "mission"
     (incident,) = [message for message in told if message["kind"] == "incident"]
     assert incident["text"].endswith("task late accepted, held by r0, r1, r2")
-    assert incident["record"]["scenario"]["tasks"][2]["name"] == "late"
+    assert incident["record"]["mission"]["tasks"][2]["name"] == "late"
     assert incident["is_fleet"]
     assert {task.name for task in transport.offered} == {"late"}
-    record = read_record(tmp_path / "replay.json")
+    record = read_record(tmp_path / "record.json")
     assert record.method == "fleet"
     assert [step["kind"] for step in told].count("step") >= 1
 
@@ -327,7 +327,7 @@ def test_robots_that_are_not_heard_are_named_until_they_are() -> None:
     assert (alert.key, alert.since) == ("all", 5.0)
     assert alert.text() == (
         "no robot heard: nothing comes here; what is drawn is only where the robots start; "
-        "does the fleet run, and are its scenario, endpoint and --keys the same here?"
+        "does the fleet run, and are its mission, endpoint and --keys the same here?"
     )
     silence.refuse("another mission")
     assert silence.alerts(15.1)[0].why.startswith("what came was refused: another mission; what")
@@ -436,7 +436,7 @@ def test_page_and_terminal_are_told_which_robots_are_not_heard(
 @pytest.mark.thorough
 def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
     """Nobody answers; whoever started the tests may have Ctrl-C ignored, the child may not."""
-    write_mission(MISSION.scenario, tmp_path / "small.yaml")
+    write_mission(MISSION.source, tmp_path / "small.yaml")
     (port, endpoint) = free_ports(2)
     command = [sys.executable, "-m", "teamformer.cli", "fleet", "watch"]
     command += [str(tmp_path / "small.yaml"), "--connect", f"tcp/127.0.0.1:{endpoint}"]
@@ -455,9 +455,9 @@ def test_ctrl_c_ends_who_watches_a_fleet_and_saves(tmp_path: Path) -> None:
         finally:
             live.kill()
     assert lines[1] == "Ctrl-C ends it and saves what was done\n"
-    assert f"saved: {tmp_path / 'replay.json'}\n" in more
+    assert f"saved: {tmp_path / 'record.json'}\n" in more
     assert live.returncode == 0
-    assert read_record(tmp_path / "replay.json").method == FLEET
+    assert read_record(tmp_path / "record.json").method == FLEET
 
 
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])

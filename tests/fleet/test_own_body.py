@@ -23,7 +23,7 @@ class Still:
     """Stands where it starts, whatever it is told."""
 
     def __init__(self, mission: Any, robot: int) -> None:
-        self.x, self.y = mission.scenario.robots[robot].at
+        self.x, self.y = mission.source.robots[robot].at
         self.commands: list[Command] = []
 
     def command(self, command: Command) -> None:

@@ -37,7 +37,7 @@ def test_one_planner_keeps_missions_apart() -> None:
     for mission in (pair(), trio(), pair()):
         needs = tuple(int(sum(has) > 0) for has in zip(*mission.counts, strict=True))
         task = added(0, 3.0, needs)  # for all robots together
-        places = dict(enumerate(robot.at for robot in mission.scenario.robots))
+        places = dict(enumerate(robot.at for robot in mission.source.robots))
         alone = dict(PLANNER.plan(mission, FleetSituation(places, mission.tasks)))
         with_it = dict(PLANNER.plan(mission, FleetSituation(places, (*mission.tasks, task))))
         assert alone.keys() == {task.key for task in mission.tasks}
@@ -63,7 +63,7 @@ class InPassing:
 def test_stops_come_in_the_order_in_which_they_are_planned_to_be_done() -> None:
     """What nobody has planned comes last, and all do it."""
     mission = trio()
-    places = dict(enumerate(robot.at for robot in mission.scenario.robots))
+    places = dict(enumerate(robot.at for robot in mission.source.robots))
     stops = CoordinatedPlanner(InPassing()).plan(mission, FleetSituation(places, mission.tasks))
     assert stops[:3] == [(0, (0, 1)), (1, (1, 2)), (3, (2,))]
     assert stops[3:] == [(2, (0, 1, 2)), (4, (0, 1, 2))]
@@ -72,11 +72,11 @@ def test_stops_come_in_the_order_in_which_they_are_planned_to_be_done() -> None:
 @pytest.mark.slow
 def test_what_a_plan_does_in_passing_costs_no_way_of_its_own() -> None:
     """A world whose plan does a task in passing that it lists behind the one after it."""
-    scenario = world_of("sparse", 5004)
-    mission = FleetMission(scenario)
+    source = world_of("sparse", 5004)
+    mission = FleetMission(source)
     plan = first_plan(mission, PLANNER)
     _, outcome, violations = play(mission, plan, Faults())
-    simulated = run_trials([mission.scenario], SharedPlan())[0].steps
+    simulated = run_trials([mission.source], SharedPlan())[0].steps
     assert (outcome.status, violations) == ("ended", [])
     assert outcome.makespan == pytest.approx(simulated, rel=0.05)  # 91; it was 103.8
 
@@ -90,7 +90,7 @@ def test_who_is_where_it_cannot_be_gets_the_plainest_plan() -> None:
 
 def test_what_takes_longer_than_can_be_counted_gets_the_plainest_plan() -> None:
     """Half a second is a step here, so the longest duration of a message has two billion."""
-    mission = FleetMission(pair().scenario, 0.5)
+    mission = FleetMission(pair().source, 0.5)
     task = TaskFact(FIRST_ADDED, "for ever", 3.0, 0.0, (1, 0, 0), 1e9)
     stops = PLANNER.plan(mission, FleetSituation({0: (0.0, 0.0), 1: (4.0, 0.0)}, (task,)))
     assert list(stops) == [(FIRST_ADDED, (0, 1))]

@@ -36,14 +36,14 @@ def draw(seed: int) -> tuple[Mission, list[int]]:
     """
     rng = np.random.default_rng(seed)
     while True:
-        scenario = generate(Spec(ROBOTS, TASKS, 4, requirements=2, world=WORLD), rng)
+        source = generate(Spec(ROBOTS, TASKS, 4, requirements=2, world=WORLD), rng)
         who = rng.permutation(ROBOTS)[:4].tolist()
-        mission, left = FleetMission(scenario), set(range(ROBOTS)) - set(who[:2])
+        mission, left = FleetMission(source), set(range(ROBOTS)) - set(who[:2])
         if all(mission.can_do(left, task) for task in mission.tasks):
             break
-    robots = list(scenario.robots)
+    robots = list(source.robots)
     robots[who[2]] = replace(robots[who[2]], absences=(Absence(LOST, BACK),))
-    return replace(scenario, robots=tuple(robots)), who
+    return replace(source, robots=tuple(robots)), who
 
 
 class Disturber:
@@ -71,8 +71,8 @@ class Disturber:
 
 @pytest.mark.slow
 def test_a_fleet_survives_kills_a_stop_and_lost_messages() -> None:
-    scenario, who = draw(1)
-    names = [scenario.robots[robot].name for robot in who]
+    mission, who = draw(1)
+    names = [mission.robots[robot].name for robot in who]
     disturber = Disturber(
         [
             (KILLED[0], names[0], signal.SIGKILL),
@@ -81,7 +81,7 @@ def test_a_fleet_survives_kills_a_stop_and_lost_messages() -> None:
             (GOES_ON, names[3], signal.SIGCONT),
         ]
     )
-    result = LocalFleet(FleetMission(scenario), disturber.tell, drop=DROP).run(LIMIT)
+    result = LocalFleet(FleetMission(mission), disturber.tell, drop=DROP).run(LIMIT)
     assert result.completed, disturber.told
     assert result.robots_alive == ROBOTS - 2
     assert max(done.at for done in result.done) > GOES_ON

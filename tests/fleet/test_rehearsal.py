@@ -121,18 +121,18 @@ def test_who_parts_where_its_next_task_is_stays_there() -> None:
 
 def test_who_is_left_alone_goes_on_once_it_can_move_again() -> None:
     """Robot 0 hears nobody when it gets free: it is unfit by its own word before and after."""
-    scenario = make([robot("a", 4), robot("a", 0)], [task("a", 8)])
+    mission = make([robot("a", 4), robot("a", 0)], [task("a", 8)])
     faults = Faults(crashes=(Crash(1, 0.5),), stuck=(Spell(0, 2.0, 40.0),))
-    outcome = outcome_of(FleetMission(scenario), faults)
+    outcome = outcome_of(FleetMission(mission), faults)
     assert (outcome.status, outcome.tasks_done) == ("ended", 1)
 
 
 def test_who_is_stuck_beside_its_task_may_go_the_rest_of_the_way_while_it_serves() -> None:
     """Two are near enough to serve from the start, 4 centimetres away; one gets free amid it."""
-    scenario = make([robot("a", 0), robot("b", 0)], [task("ab", 0, duration=8)], Plane(0.3, 0.3))
-    near = replace(scenario.tasks[0], at=(0.04, 0.0))
+    source = make([robot("a", 0), robot("b", 0)], [task("ab", 0, duration=8)], Plane(0.3, 0.3))
+    near = replace(source.tasks[0], at=(0.04, 0.0))
     faults = Faults(stuck=(Spell(1, 0.0, 5.0),))
-    mission = FleetMission(replace(scenario, tasks=(near,)))
+    mission = FleetMission(replace(source, tasks=(near,)))
     trace = Trace()
     _, outcome, violations = play(mission, plan_of(mission), faults, trace)
     assert (outcome.status, violations) == ("ended", [])
@@ -180,11 +180,11 @@ def test_an_accepted_task_outlives_its_holders_if_one_keeps_its_facts(
     keeps_facts: bool, status: str
 ) -> None:
     """Two robots hold the task, and both break down before it is done."""
-    scenario = make([robot("a", 0), robot("a", 1)], [task("a", 3)])
+    mission = make([robot("a", 0), robot("a", 1)], [task("a", 3)])
     extra = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
     crashes = (Crash(0, 5.0, 20.0, keeps_facts), Crash(1, 5.0, 20.0, keeps_facts=False))
     outcome = outcome_of(
-        FleetMission(scenario), Faults(crashes=crashes, orders=(Order(1.0, extra),))
+        FleetMission(mission), Faults(crashes=crashes, orders=(Order(1.0, extra),))
     )
     assert outcome.status == status
     assert outcome.blocked_tasks == (() if keeps_facts else ("extra",))
@@ -192,9 +192,9 @@ def test_an_accepted_task_outlives_its_holders_if_one_keeps_its_facts(
 
 def test_an_accepted_task_is_lost_only_if_nobody_is_left_who_knows_it() -> None:
     """Both that acknowledged it forget it; the third one heard of it from them, and does it."""
-    scenario = make([robot("a", 0), robot("a", 1), robot("a", 18)], [task("a", 3)])
+    source = make([robot("a", 0), robot("a", 1), robot("a", 18)], [task("a", 3)])
     extra = TaskFact(9 << 24, "extra", 17.0, 0.0, (1, 0, 0))
-    orders, mission = (Order(1.0, extra),), FleetMission(scenario)
+    orders, mission = (Order(1.0, extra),), FleetMission(source)
     crashes = (Crash(0, 3.0), Crash(1, 3.0))
     with patch.object(operator, "COPIES", 2):
         for cuts, status in (
@@ -249,11 +249,11 @@ def test_a_rehearsal_becomes_a_record(tmp_path: Path) -> None:
     rehearsal = Rehearsal(trio(), PLANNER, plan_of(trio()), faults, trace)
     outcome = rehearsal.run(300.0)
     record = record_of(rehearsal, outcome, trace.events, 7)
-    save_record(record, tmp_path / "replay.json")
-    assert read_record(tmp_path / "replay.json") == record
-    assert record.scenario.tasks[5].name == "extra"
-    assert record.scenario.tasks[5].appears == 3
-    assert record.scenario.robots[1].lost_for_good == 10
+    save_record(record, tmp_path / "record.json")
+    assert read_record(tmp_path / "record.json") == record
+    assert record.mission.tasks[5].name == "extra"
+    assert record.mission.tasks[5].appears == 3
+    assert record.mission.robots[1].lost_for_good == 10
     assert sum(len(step.done) for step in record.steps) == outcome.tasks_done
     pairs = {(sender, receiver) for sender in range(3) for receiver in range(3)}
     beats = [{row[:2] for row in step.heard if row[2] == "beat"} for step in record.steps]
@@ -279,14 +279,14 @@ def test_shrinking_takes_away_all_that_is_not_needed() -> None:
     """A made-up failure: a crash of robot 1, with task t4 in the mission."""
 
     def fails(mission: FleetMission, faults: Faults) -> bool:
-        has_task = any(each.name == "t4" for each in mission.scenario.tasks)
+        has_task = any(each.name == "t4" for each in mission.source.tasks)
         return has_task and any(crash.robot == 1 for crash in faults.crashes)
 
     faults = replace(
         draw_faults(trio(), 4, 30.0), crashes=(Crash(0, 1.0), Crash(1, 2.0), Crash(2, 3.0))
     )
     mission, smallest = shrink(trio(), faults, fails)
-    assert [task.name for task in mission.scenario.tasks] == ["t4"]
+    assert [task.name for task in mission.source.tasks] == ["t4"]
     assert smallest == Faults(seed=faults.seed, crashes=(Crash(1, 2.0),))
 
 
@@ -326,11 +326,11 @@ def test_two_robots_meet_though_nine_messages_of_ten_are_lost_and_radios_are_sho
     Of 100 seeds all end, after 192 s in the mean, and the slowest after 898 s.
     """
     away = robot("a", 0)
-    scenario = replace(
+    mission = replace(
         make([robot("a", 2), replace(away, absences=(Absence(1, 5),))], [task("aa", 0)] * 2),
         world=Grid(3, 1),
     )
     crash = Crash(robot=1, at=0.0, back=4.0, keeps_facts=True)
     faults = Faults(seed=seed, loss=0.9, delay=0.3, radio=1.2, crashes=(crash,))
-    outcome = outcome_of(FleetMission(scenario, 1.0), faults)
+    outcome = outcome_of(FleetMission(mission, 1.0), faults)
     assert (outcome.status, outcome.tasks_done) == ("ended", 2)

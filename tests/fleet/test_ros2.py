@@ -84,7 +84,7 @@ def running(command: list[str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
 
 
 def robot_node(mission: FleetMission, number: int, folder: Path, name: str = "") -> list[str]:
-    robot = mission.scenario.robots[number]
+    robot = mission.source.robots[number]
     x, y = robot.at
     goals = folder / f"{robot.name}.goals"
     goals.touch()
@@ -217,7 +217,7 @@ def test_a_graph_without_the_robot_is_told(tmp_path: Path) -> None:
 
 
 def test_an_agent_without_its_robot_ends_with_a_hint(tmp_path: Path) -> None:
-    write_mission(yard().scenario, tmp_path / "yard.yaml")
+    write_mission(yard().source, tmp_path / "yard.yaml")
     command = [
         sys.executable,
         "-m",
@@ -321,10 +321,10 @@ def test_a_fleet_in_a_ros_graph_survives_the_loss_of_one(
 ) -> None:
     """Three robots, two tasks that need two of them; r3 is killed on its way to a third."""
     mission = yard()
-    write_mission(mission.scenario, tmp_path / "yard.yaml")
+    write_mission(mission.source, tmp_path / "yard.yaml")
     first_plan(mission, CoordinatedPlanner())  # so that no agent has to compile what plans
     ports = free_ports(3)
-    names = [robot.name for robot in mission.scenario.robots]
+    names = [robot.name for robot in mission.source.robots]
     with ExitStack() as stack:
         nodes, agents = [], []
         for number, name in enumerate(names):

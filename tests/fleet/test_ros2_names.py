@@ -107,6 +107,6 @@ def test_a_python_without_ros_is_told(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def agent_with(body: str, folder: Path) -> int:
-    write_mission(pair().scenario, folder / "pair.yaml")
+    write_mission(pair().source, folder / "pair.yaml")
     words = ("fleet", "agent", str(folder / "pair.yaml"), "r0", "--body", body)
     return teamformer(*words, "--listen", "tcp/127.0.0.1:1")

@@ -32,7 +32,7 @@ from teamformer.fleet.messages import (
 from teamformer.fleet.signatures import read_signatures
 
 MISSION = trio()
-NAMES = (*(robot.name for robot in MISSION.scenario.robots), "operator")
+NAMES = (*(robot.name for robot in MISSION.source.robots), "operator")
 
 
 def write_private(path: Path, key: Ed25519PrivateKey | X25519PrivateKey) -> None:
@@ -51,7 +51,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def post_of(folder: Path, who: int | None, mission: int = MISSION.number) -> Post:
-    signatures = read_signatures(folder, MISSION.scenario, mission, who)
+    signatures = read_signatures(folder, MISSION.source, mission, who)
     return Post(mission, MISSION.robots, signatures=signatures)
 
 

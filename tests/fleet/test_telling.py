@@ -25,14 +25,14 @@ class Terminals(Rehearsal):
 
     def __init__(self, mission: FleetMission) -> None:
         super().__init__(mission, PLANNER, plan_of(mission), Faults())
-        self.lines: dict[str, list[str]] = {robot.name: [] for robot in mission.scenario.robots}
+        self.lines: dict[str, list[str]] = {robot.name: [] for robot in mission.source.robots}
         for agent in self.agents:
             assert agent is not None
             self._listen_to(agent)
 
     def _listen_to(self, agent: Agent) -> None:
         telling, tick = Telling(agent), agent.tick
-        lines = self.lines[self.mission.scenario.robots[agent.me].name]
+        lines = self.lines[self.mission.source.robots[agent.me].name]
 
         def ticked(
             now: float, report: Report, inbox: Sequence[Message]
@@ -57,8 +57,8 @@ def deeds_told(lines: dict[str, list[str]]) -> dict[str, dict[str, set[str]]]:
 
 
 def of_example(name: str) -> FleetMission:
-    scenario = read_mission(EXAMPLES / f"{name}.yaml")
-    return FleetMission(scenario, scenario.seconds_a_step)
+    mission = read_mission(EXAMPLES / f"{name}.yaml")
+    return FleetMission(mission, mission.seconds_a_step)
 
 
 @pytest.mark.parametrize("name", ["pair", "trio", "warehouse", "late-tasks"])
@@ -66,7 +66,7 @@ def test_everybody_tells_what_it_did_and_with_whom(name: str) -> None:
     mission = {"pair": pair, "trio": trio}.get(name, lambda: of_example(name))()
     rehearsal = Terminals(mission)
     rehearsal.run(300.0)
-    names = [robot.name for robot in mission.scenario.robots]
+    names = [robot.name for robot in mission.source.robots]
     world = rehearsal.world
     really = {}
     for key, done in world.done.items():

@@ -202,18 +202,18 @@ def test_two_vehicles_do_a_mission(tmp_path: Path) -> None:
     if shutil.which("mosquitto") is None or modules is None:
         pytest.skip("needs mosquitto, node and vda-5050-lib")
     mission = two_vehicles()
-    write_mission(mission.scenario, tmp_path / "yard.yaml")
+    write_mission(mission.source, tmp_path / "yard.yaml")
     first_plan(mission, CoordinatedPlanner())  # so that no agent has to compile what plans
     broker, *ports = free_ports(3)
     with ExitStack() as stack:
         stack.enter_context(running("mosquitto", "-p", str(broker)))
         time.sleep(2)
         heard = stack.enter_context(hearing(broker))
-        for robot in mission.scenario.robots:
+        for robot in mission.source.robots:
             words = ("uagv", "acme", robot.name, *map(str, robot.at), "1.57", "0")
             agv = ("node", str(AGV), f"mqtt://127.0.0.1:{broker}", *words)
             stack.enter_context(running(*agv, NODE_PATH=modules))
-        for number, robot in enumerate(mission.scenario.robots):
+        for number, robot in enumerate(mission.source.robots):
             command = [sys.executable, "-m", "teamformer.cli", "fleet", "agent"]
             command += [str(tmp_path / "yard.yaml"), robot.name]
             command += ["--listen", f"tcp/127.0.0.1:{ports[number]}"]

@@ -43,14 +43,14 @@ def test_ways_go_round_walls() -> None:
 
 
 def test_a_plane_is_crossed_straight_on() -> None:
-    scenario = Mission(
+    mission = Mission(
         "field",
         Plane(9.0, 9.0),
         ("a",),
         (Robot("r", (0.0, 0.0), {"a": 1}, 0.5),),
         (Task("t", (3.0, 4.0), {"a": 1}),),
     )
-    world = FleetWorld(FleetMission(scenario))
+    world = FleetWorld(FleetMission(mission))
     world.command(0, Command(1, (3.0, 4.0), 0))
     world.advance(5.0)
     assert world.place(0) == pytest.approx((1.5, 2.0))

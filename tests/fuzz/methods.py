@@ -22,6 +22,6 @@ method_of = cache(load_method)
 """Returns a method by its name."""
 
 
-def play(scenario: Mission, method: str, seed: int, bound: int | None = None) -> PlayedTrial:
+def play(mission: Mission, method: str, seed: int, bound: int | None = None) -> PlayedTrial:
     """Run a trial as `teamformer run` does."""
-    return run_trial(scenario, method_of(method), seed, bound)
+    return run_trial(mission, method_of(method), seed, bound)

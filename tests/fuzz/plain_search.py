@@ -15,13 +15,13 @@ MOST_TRIED = 600
 """Steps that are tried; with more of them nobody waits for the end."""
 
 
-def fewest_steps(scenario: Mission) -> int | None:
+def fewest_steps(mission: Mission) -> int | None:
     """Return in how few steps a mission can be done; None where that was not found out."""
-    states, tried = [TeamFormation([scenario])], 0
-    for step in range(1, scenario.step_limit + 1):
+    states, tried = [TeamFormation([mission])], 0
+    for step in range(1, mission.step_limit + 1):
         after: dict[bytes, TeamFormation] = {}
         for state in states:
-            for wanted, named in _decisions(state, len(scenario.tasks)):
+            for wanted, named in _decisions(state, len(mission.tasks)):
                 tried += 1
                 if tried > MOST_TRIED:
                     return None

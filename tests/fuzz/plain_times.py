@@ -1,4 +1,4 @@
-"""When a plan in continuous time does what, by docs/reference/scenarios.md: routes in, times out.
+"""When a plan in continuous time does what, by docs/reference/mission.md: routes in, times out.
 
 Nothing is shared with the planner. All that has to wait for something is made to wait a little
 longer, again and again, until nothing changes any more.
@@ -39,8 +39,8 @@ class Times:
 class Ways:
     """How long robots take from place to place."""
 
-    def __init__(self, scenario: Mission) -> None:
-        self._world = scenario.world
+    def __init__(self, mission: Mission) -> None:
+        self._world = mission.world
         self._fields: dict[Place, dict[Place, int]] = {}
 
     def time(self, robot: Robot, here: Place, there: Place) -> float:
@@ -76,36 +76,36 @@ class Ways:
         return field
 
 
-def _end_of(scenario: Mission, task: int) -> Place:
+def _end_of(mission: Mission, task: int) -> Place:
     """Return where robots are once they have done a task."""
-    wanted = scenario.tasks[task]
+    wanted = mission.tasks[task]
     return wanted.at if wanted.to is None else wanted.to
 
 
-def _takes(scenario: Mission, task: int, crew: Sequence[int], ways: Ways) -> float:
+def _takes(mission: Mission, task: int, crew: Sequence[int], ways: Ways) -> float:
     """Return how long robots take for a task: a load goes as fast as its slowest carrier."""
-    wanted = scenario.tasks[task]
+    wanted = mission.tasks[task]
     if wanted.to is None:
         return wanted.duration
-    carried = [ways.time(scenario.robots[robot], wanted.at, wanted.to) for robot in crew]
+    carried = [ways.time(mission.robots[robot], wanted.at, wanted.to) for robot in crew]
     return wanted.duration + max(carried, default=0.0) + wanted.unload
 
 
-def times_of(scenario: Mission, routes: Routes, ways: Ways) -> Times | None:
+def times_of(mission: Mission, routes: Routes, ways: Ways) -> Times | None:
     """Return the times of a plan; None if robots wait for one another for ever."""
-    tasks, robots = scenario.tasks, scenario.robots
+    tasks, robots = mission.tasks, mission.robots
     number_of = {task.name: number for number, task in enumerate(tasks)}
     crews = [[r for r, route in enumerate(routes) if k in route] for k in range(len(tasks))]
-    takes = [_takes(scenario, k, crew, ways) for k, crew in enumerate(crews)]
+    takes = [_takes(mission, k, crew, ways) for k, crew in enumerate(crews)]
     begun = [max(float(t.appears), t.between[0] if t.between else 0.0) for t in tasks]
     last = [[None, *route] for route in routes]
     least: list[tuple[int | None, int, float]] = []  # (k, l, t): l starts t after k does, or t
     for k, crew in enumerate(crews):
         came = {r: last[r][routes[r].index(k)] for r in crew}
-        at = {robots[r].at if one is None else _end_of(scenario, one) for r, one in came.items()}
-        forming = scenario.forming if len(at) > 1 else 0.0
+        at = {robots[r].at if one is None else _end_of(mission, one) for r, one in came.items()}
+        forming = mission.forming if len(at) > 1 else 0.0
         for r, one in came.items():
-            here = robots[r].at if one is None else _end_of(scenario, one)
+            here = robots[r].at if one is None else _end_of(mission, one)
             busy = 0.0 if one is None else takes[one]
             least.append((one, k, busy + ways.time(robots[r], here, tasks[k].at) + forming))
         least += [(number_of[o], k, takes[number_of[o]]) for o in tasks[k].after]
@@ -116,21 +116,21 @@ def times_of(scenario: Mission, routes: Routes, ways: Ways) -> Times | None:
         for one, k, wait in least:
             begun[k] = max(begun[k], wait + (0.0 if one is None else begun[one]))
         if begun == before:
-            return _told(scenario, routes, ways, begun, takes)
+            return _told(mission, routes, ways, begun, takes)
     return None
 
 
 def _told(
-    scenario: Mission, routes: Routes, ways: Ways, start: list[float], takes: list[float]
+    mission: Mission, routes: Routes, ways: Ways, start: list[float], takes: list[float]
 ) -> Times:
-    tasks = scenario.tasks
+    tasks = mission.tasks
     back, travel = [], 0.0
-    for robot, route in zip(scenario.robots, routes, strict=True):
+    for robot, route in zip(mission.robots, routes, strict=True):
         at, free = robot.at, 0.0
         for k in route:
             travel += ways.time(robot, at, tasks[k].at)
-            at, free = _end_of(scenario, k), start[k] + takes[k]
-        end = robot.at if scenario.ends == "home" else scenario.ends or at
+            at, free = _end_of(mission, k), start[k] + takes[k]
+        end = robot.at if mission.ends == "home" else mission.ends or at
         home = ways.time(robot, at, end)
         travel, back = travel + home, [*back, free + home]
     over = {k: start[k] + takes[k] - t.between[1] for k, t in enumerate(tasks) if t.between}
@@ -143,19 +143,19 @@ def _told(
         "completion": sum(t.weight * (start[k] + takes[k]) for k, t in enumerate(tasks)),
     }
     cost = None
-    if scenario.cost is not None:
-        weighed = sum(weight * parts[name] for name, weight in scenario.cost.items())
-        cost = weighed / sum(scenario.cost.values())
+    if mission.cost is not None:
+        weighed = sum(weight * parts[name] for name, weight in mission.cost.items())
+        cost = weighed / sum(mission.cost.values())
     return Times(start, takes, back, travel, late, cost)
 
 
-def all_plans(scenario: Mission, ways: Ways) -> Iterator[Times]:
+def all_plans(mission: Mission, ways: Ways) -> Iterator[Times]:
     """Return every plan of a tiny mission: all orders, and all coalitions that are able.
 
     In an order no task is before one that it is `after`. Else, where neither tasks nor ways take
     time, robots could come to it from what waits for it.
     """
-    tasks, robots = scenario.tasks, range(len(scenario.robots))
+    tasks, robots = mission.tasks, range(len(mission.robots))
     number_of = {task.name: number for number, task in enumerate(tasks)}
     pairs = [(number_of[name], k) for k, task in enumerate(tasks) for name in task.after]
     orders = [
@@ -163,33 +163,33 @@ def all_plans(scenario: Mission, ways: Ways) -> Iterator[Times]:
         for order in itertools.permutations(range(len(tasks)))
         if all(order.index(first) < order.index(then) for first, then in pairs)
     ]
-    able = (able_crews(scenario, task) for task in range(len(tasks)))
+    able = (able_crews(mission, task) for task in range(len(tasks)))
     for crews in itertools.product(*able):
-        if not _are_apart(scenario, crews):
+        if not _are_apart(mission, crews):
             continue
         for order in orders:
             routes = [[k for k in order if r in crews[k]] for r in robots]
-            times = times_of(scenario, routes, ways)
+            times = times_of(mission, routes, ways)
             if times is not None and times.makespan < math.inf:
                 yield times
 
 
-def able_crews(scenario: Mission, task: int) -> list[tuple[int, ...]]:
+def able_crews(mission: Mission, task: int) -> list[tuple[int, ...]]:
     """Return all coalitions that can do a task, those with robots to spare, too."""
-    robots = range(len(scenario.robots))
+    robots = range(len(mission.robots))
     crews = [c for n in robots for c in itertools.combinations(robots, n + 1)]
-    return [c for c in crews if _is_able(scenario, c, scenario.tasks[task].needs)]
+    return [c for c in crews if _is_able(mission, c, mission.tasks[task].needs)]
 
 
-def _is_able(scenario: Mission, crew: Sequence[int], needs: object) -> bool:
+def _is_able(mission: Mission, crew: Sequence[int], needs: object) -> bool:
     return all(
-        round(sum(scenario.robots[r].can.get(cap, 0) for r in crew) * 1000) >= round(n * 1000)
+        round(sum(mission.robots[r].can.get(cap, 0) for r in crew) * 1000) >= round(n * 1000)
         for cap, n in needs.items()
     )
 
 
-def _are_apart(scenario: Mission, crews: Sequence[Sequence[int]]) -> bool:
+def _are_apart(mission: Mission, crews: Sequence[Sequence[int]]) -> bool:
     """Say whether tasks whose starts are linked with one another are done by different robots."""
-    number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
-    pairs = [(k, number_of[o]) for k, task in enumerate(scenario.tasks) for o in task.starts]
+    number_of = {task.name: number for number, task in enumerate(mission.tasks)}
+    pairs = [(k, number_of[o]) for k, task in enumerate(mission.tasks) for o in task.starts]
     return not any(set(crews[a]) & set(crews[b]) for a, b in pairs)

@@ -19,7 +19,7 @@ LENGTHS = (5.0, 0.5, 12.0, 35.0)
 def schedules(draw: st.DrawFn, mission: FleetMission) -> Faults:
     """Return a schedule of faults: every kind of them, none in the simplest case."""
     robots = mission.robots
-    across = max(mission.scenario.world.width, mission.scenario.world.height)
+    across = max(mission.source.world.width, mission.source.world.height)
 
     def share(*values: float) -> float:
         return pick(draw, values) if now_and_then(draw, 3) else 0.0
@@ -59,7 +59,7 @@ def _cuts(draw: st.DrawFn, robots: int) -> Iterator[Cut]:
 
 def _crashes(draw: st.DrawFn, mission: FleetMission) -> Iterator[Crash]:
     """Return the losses that the file says, and others."""
-    for number, robot in enumerate(mission.scenario.robots):
+    for number, robot in enumerate(mission.source.robots):
         for away in robot.absences:
             back = None if away.back is None else (away.back - 1) * mission.step
             yield Crash(number, (away.lost - 1) * mission.step, back, keeps_facts=True)

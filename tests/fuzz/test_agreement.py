@@ -99,11 +99,11 @@ class Outputs:
 
 def assert_all_agree(page: Any, outputs: Outputs) -> list[Line]:
     """Write every output of the record in a folder, and compare what they tell; return that."""
-    folder, record = outputs.folder, outputs.folder / "replay.json"
+    folder, record = outputs.folder, outputs.folder / "record.json"
     files = [folder, folder / "record.mcap"]
     files += [folder / "record.gif"] if outputs.with_gif else []
     assert typed("export", record, *files) == DONE
-    assert typed("view", record, folder / "replay.html") == DONE
+    assert typed("view", record, folder / "record.html") == DONE
     tree = json.loads(record.read_text(encoding="utf-8"))
     lines = told_by_record(tree)
     steps, ended = len(tree["steps"]), (tree["end"]["status"], tree["end"]["makespan"])
@@ -121,7 +121,7 @@ def assert_all_agree(page: Any, outputs: Outputs) -> list[Line]:
 
 
 def _compare_page(page: Any, tree: Any, lines: list[Line], folder: Path) -> None:
-    held = embedded(folder / "replay.html")
+    held = embedded(folder / "record.html")
     assert held == tree
     told = page.evaluate(TOLD_BY_PAGE, held)
     done = [line for line in lines if line.kind == "done"]
@@ -163,13 +163,13 @@ def _in_table(value: Any) -> Any:
 
 
 def _compare_mcap(tree: Any, lines: list[Line], folder: Path) -> None:
-    plane = tree["scenario"]["world"]
+    plane = tree["mission"]["world"]
     length = plane.get("step", 1) if "plane" in plane else 1
     seen = told_by_mcap(folder / "record.mcap")
     told = Counter((round(line.step * length * 1e9), sentence(line)) for line in lines)
     assert told <= seen.log
     assert Counter((at, harmless(text)) for at, text in seen.log.elements()) == logged(folder)
-    names, lost = {robot["name"] for robot in tree["scenario"]["robots"]}, set[str]()
+    names, lost = {robot["name"] for robot in tree["mission"]["robots"]}, set[str]()
     for step in range(len(tree["steps"]) + 1):
         lost |= {it.robots for it in lines if (it.step, it.kind) == (step, "lost")}
         lost -= {it.robots for it in lines if (it.step, it.kind) == (step, "back")}
@@ -236,16 +236,16 @@ def test_outputs_of_rehearsals_agree(
     mission: Any, data: st.DataObject, folder: Path, page: Any
 ) -> None:
     """And with what the bodies of the robots really did."""
-    scenario = mission_from_tree(mission)
-    fleet = FleetMission(scenario, scenario.seconds_a_step)
+    source = mission_from_tree(mission)
+    fleet = FleetMission(source, source.seconds_a_step)
     stage = set_stage(fleet)
     noted["faults"] = faults = data.draw(schedules(fleet))
     trace = Trace(with_messages=True)
     rehearsal, outcome, _ = play(fleet, stage.plan, faults, trace)
     record = record_of(rehearsal, outcome, trace.events, faults.seed)
-    save_record(record, folder / "replay.json")
+    save_record(record, folder / "record.json")
     lines = assert_all_agree(page, Outputs(folder, with_gif=False))
-    names = [robot.name for robot in record.scenario.robots]
+    names = [robot.name for robot in record.mission.robots]
     really = sorted(
         (rehearsal.world.tasks[key].name, tuple(names[robot] for robot in done.robots))
         for key, done in rehearsal.world.done.items()
@@ -308,7 +308,7 @@ def _bars_of_rehearsal(page: Any, folder: Path, mission: Mission, crash: Crash) 
     """Rehearse a mission in which a robot crashes; compare all outputs, and return its bars."""
     fleet, trace = FleetMission(mission), Trace(with_messages=True)
     rehearsal, outcome, _ = play(fleet, set_stage(fleet).plan, Faults(crashes=(crash,)), trace)
-    save_record(record_of(rehearsal, outcome, trace.events, 0), folder / "replay.json")
+    save_record(record_of(rehearsal, outcome, trace.events, 0), folder / "record.json")
     assert_all_agree(page, Outputs(folder, with_gif=False))
     return bars_of(folder)
 
@@ -325,7 +325,7 @@ def test_outputs_of_continuous_plans_agree(mission: Any, folder: Path) -> None:
         assert typed("plan", file, *words, "--json") == status == DONE
     row = json.loads(text.getvalue())
     shown = [" ".join(line.split()) for line in printed.get().splitlines()]
-    assert shown[0].startswith(" ".join(f"{row['scenario']}: over at {row['makespan']:g}".split()))
+    assert shown[0].startswith(" ".join(f"{row['mission']}: over at {row['makespan']:g}".split()))
     ends_home = mission.get("ends") is not None
     begin = shown.index(f"robot tasks: start to end{' back' if ends_home else ''}") + 1
     assert shown[begin : begin + len(row["routes"])] == lines_of_plan(row, ends_home)
@@ -348,15 +348,15 @@ def test_outputs_of_live_sessions_agree(
 
     rng = np.random.default_rng(number)
     grid = Grid(9, 7)
-    scenario = generate(Spec(5, 7, 3, requirements=2, world=grid), rng)
+    mission = generate(Spec(5, 7, 3, requirements=2, world=grid), rng)
     method = ("plan", "join-fitting", "crews")[number % 3]
-    with serving(scenario, tmp_path, speed=200.0, method=method) as server:
+    with serving(mission, tmp_path, speed=200.0, method=method) as server:
         watching = Opened(browser.new_page())
         watching.page.goto(f"http://{server.address}/")
         watching.wait_until("window.teamformer !== undefined")
         uri = f"ws://{server.address}/socket"
         with connect(uri, origin=f"http://{server.address}") as line:  # type: ignore[arg-type]
-            for message in _script(rng, scenario):
+            for message in _script(rng, mission):
                 if message["do"] in ("step", "play") and not server.session.mission.is_running:
                     continue
                 line.send(json.dumps(message))
@@ -387,13 +387,13 @@ def _compare_page_of_the_moment(watching: Opened, mission: Any) -> None:
     steps = mission.steps
     lost = {
         robot.name
-        for robot in mission.scenario.robots
+        for robot in mission.source.robots
         if any(
             away.lost <= steps + 1 and (away.back is None or away.back > steps)
             for away in robot.absences
         )
     }
-    robots = [robot.name for robot in mission.scenario.robots]
+    robots = [robot.name for robot in mission.source.robots]
     tables = watching.page.evaluate("window.teamformer.tables()")
     assert {row["Robot"] for row in tables["robots"] if row["Doing"] == "lost"} == lost
     assert {row["Next"] for row in tables["robots"] if row["Robot"] in lost} <= {"-"}
@@ -402,13 +402,13 @@ def _compare_page_of_the_moment(watching: Opened, mission: Any) -> None:
     there = watching.page.evaluate("window.teamformer.teams().flatMap(({ robots }) => robots)")
     assert {robots[robot] for robot in there} == set(robots) - lost
     goals = watching.page.evaluate("window.teamformer.teams()")
-    pursued = {mission.scenario.tasks[it["task"]].name for it in goals if it["task"] is not None}
+    pursued = {mission.source.tasks[it["task"]].name for it in goals if it["task"] is not None}
     about = {row["Task"] for row in tables["tasks"] if row["State"] in ("on the way", "waiting")}
     assert about <= pursued
     done = mission.ends()
     cancelled = {
         task.name
-        for number, task in enumerate(mission.scenario.tasks)
+        for number, task in enumerate(mission.source.tasks)
         if task.cancelled is not None and task.cancelled <= steps and number not in done
     }
     assert {row["Task"] for row in tables["tasks"] if row["State"] == "called off"} == cancelled
@@ -418,14 +418,14 @@ def _compare_page_of_the_moment(watching: Opened, mission: Any) -> None:
     assert ("Lost" in told) == bool(lost)
 
 
-def _script(rng: np.random.Generator, scenario: Mission) -> Iterator[dict[str, Any]]:
+def _script(rng: np.random.Generator, mission: Mission) -> Iterator[dict[str, Any]]:
     """Return what a page asks for, and in the end to play on.
 
     Steps, tasks, a robot lost and back, a task called off; to undo some of it, at once or steps
     later, and to restart.
     """
-    lost = str(rng.choice([robot.name for robot in scenario.robots]))
-    grid = scenario.world
+    lost = str(rng.choice([robot.name for robot in mission.robots]))
+    grid = mission.world
     deeds = ("task", "restart", "task", "lost", "undo", "lost", "task", "undo", "back", "cancelled")
     for what in (*deeds, "task"):
         for _ in range(int(rng.integers(0 if what == "undo" else 1, 4))):
@@ -437,7 +437,7 @@ def _script(rng: np.random.Generator, scenario: Mission) -> Iterator[dict[str, A
             at = [int(rng.integers(grid.width)), int(rng.integers(grid.height))]
             yield {"do": "happen", "task": {"at": at, "needs": {f"c{rng.integers(1, 4)}": 1}}}
         elif what == "cancelled":
-            yield {"do": "happen", what: scenario.tasks[-1].name}
+            yield {"do": "happen", what: mission.tasks[-1].name}
         else:
             yield {"do": "happen", what: lost}
     yield {"do": "play"}
@@ -468,8 +468,8 @@ def test_outputs_of_fleets_agree(number: int, page: Any, tmp_path: Path) -> None
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
     spec = Spec(3, 5, 2, requirements=2, world=Grid(7, 7))
-    scenario = generate(spec, np.random.default_rng(number))
-    fleet = FleetMission(scenario, scenario.seconds_a_step)
+    mission = generate(spec, np.random.default_rng(number))
+    fleet = FleetMission(mission, mission.seconds_a_step)
     told: Queue[str] = Queue()
     local = LocalFleet(fleet, told.put)
     with ThreadPoolExecutor(2) as threads:
@@ -487,7 +487,7 @@ def test_outputs_of_fleets_agree(number: int, page: Any, tmp_path: Path) -> None
     assert result.result().completed
     session.save()
     lines = assert_all_agree(page, Outputs(tmp_path, with_gif=False))
-    names = [robot.name for robot in scenario.robots]
+    names = [robot.name for robot in mission.robots]
     really = {
         result.result().names[done.key]: ", ".join(names[robot] for robot in sorted(done.robots))
         for done in result.result().done

@@ -41,34 +41,34 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("plans")
 
 
-def planned(scenario: Mission, method: str) -> MissionPlan | None:
+def planned(mission: Mission, method: str) -> MissionPlan | None:
     """Return a plan; None where it is told that there is none.
 
     That is where linked tasks need robots that cannot be had at once, which no check foresees.
     """
     try:
-        return plan_continuous(pose_mission(scenario), method, SECONDS)
+        return plan_continuous(pose_mission(mission), method, SECONDS)
     except TeamformerError:
-        if not any(task.starts for task in scenario.tasks) and scenario.cost is None:
+        if not any(task.starts for task in mission.tasks) and mission.cost is None:
             raise
         return None
 
 
-def plainly_timed(scenario: Mission, made: MissionPlan) -> Times:
+def plainly_timed(mission: Mission, made: MissionPlan) -> Times:
     """Return the times of a plan's routes by a second evaluator."""
     routes = [[stop.task for stop in route.stops] for route in made.routes]
-    times = times_of(scenario, routes, Ways(scenario))
+    times = times_of(mission, routes, Ways(mission))
     assert times is not None, "robots wait for one another for ever"
     return times
 
 
 @fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)
 def test_a_plan_takes_as_long_as_it_says(mission: Any, method: str) -> None:
-    scenario = mission_from_tree(mission)
-    made = planned(scenario, method)
+    source = mission_from_tree(mission)
+    made = planned(source, method)
     if made is None:
         return
-    times = plainly_timed(scenario, made)
+    times = plainly_timed(source, made)
     for route in made.routes:
         for stop in route.stops:
             assert stop.start == pytest.approx(times.start[stop.task], abs=NEAR)
@@ -77,7 +77,7 @@ def test_a_plan_takes_as_long_as_it_says(mission: Any, method: str) -> None:
         assert route.back == pytest.approx(times.back[route.robot], abs=NEAR)
     assert made.makespan == pytest.approx(times.makespan, abs=NEAR)
     assert made.late == pytest.approx(times.late, abs=NEAR)
-    if scenario.cost is None:
+    if source.cost is None:
         assert made.cost is None
     else:
         assert made.cost == pytest.approx(times.cost, rel=NEAR, abs=NEAR)
@@ -85,13 +85,13 @@ def test_a_plan_takes_as_long_as_it_says(mission: Any, method: str) -> None:
 
 @fuzzed(15, PLAN, mission=continuous_missions(3, 3), method=METHODS)
 def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: str) -> None:
-    scenario = mission_from_tree(mission)
-    made = planned(scenario, method)
-    plans = list(all_plans(scenario, Ways(scenario)))
+    source = mission_from_tree(mission)
+    made = planned(source, method)
+    plans = list(all_plans(source, Ways(source)))
     if made is None:
         return
     assert plans, "a plan was made where there is none"
-    if scenario.cost is not None:
+    if source.cost is not None:
         assert made.cost is not None
         best = min(times.cost for times in plans if times.cost is not None)
         assert made.cost >= best - NEAR * max(1.0, best)
@@ -105,26 +105,26 @@ def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: 
 
 @fuzzed(6, "plan FILE --method central", mission=continuous_missions())
 def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
-    scenario = mission_from_tree(mission)
-    plan, best = (planned(scenario, method) for method in ("plan", "central"))
+    source = mission_from_tree(mission)
+    plan, best = (planned(source, method) for method in ("plan", "central"))
     if plan is None:
         return
     assert best is not None, "central finds no plan where there is one"
-    judged = [pose_mission(scenario).worth_of(one) for one in (plan, best)]
+    judged = [pose_mission(source).worth_of(one) for one in (plan, best)]
     assert judged[1] <= judged[0] + NEAR
 
 
 @fuzzed(15, "plan FILE --from PLAN --time-limit 0", mission=continuous_missions(), method=METHODS)
 def test_what_begins_with_a_plan_is_never_worse(mission: Any, method: str, folder: Path) -> None:
     """Whoever made that plan: it is written, read, judged as any other, and given back if best."""
-    scenario = mission_from_tree(mission)
-    made = planned(scenario, method)
+    source = mission_from_tree(mission)
+    made = planned(source, method)
     if made is None:
         return
     file = folder / "plan.json"
-    file.write_text(json.dumps(PlannedMission(**vars(made), mission=scenario).row))
-    posed = pose_mission(scenario)
-    again = plan_continuous(posed, "central", 0.0, read_start_plan(file, scenario))
+    file.write_text(json.dumps(PlannedMission(**vars(made), mission=source).row))
+    posed = pose_mission(source)
+    again = plan_continuous(posed, "central", 0.0, read_start_plan(file, source))
     assert again is not None
     worst = posed.worth_of(made)
     assert posed.worth_of(again) <= worst + NEAR * max(1.0, worst)
@@ -132,30 +132,30 @@ def test_what_begins_with_a_plan_is_never_worse(mission: Any, method: str, folde
 
 @fuzzed(10, PLAN, mission=continuous_missions(), method=st.just("plan"))
 def test_the_default_cost_written_out_makes_the_same_plan(mission: Any, method: str) -> None:
-    scenario = replace(mission_from_tree(mission), cost=None)
-    if not any(task.between for task in scenario.tasks):
+    source = replace(mission_from_tree(mission), cost=None)
+    if not any(task.between for task in source.tasks):
         return
-    written = replace(scenario, cost={"makespan": 1, "tardiness": 2})
-    plans = [planned(one, method) for one in (scenario, written)]
+    written = replace(source, cost={"makespan": 1, "tardiness": 2})
+    plans = [planned(one, method) for one in (source, written)]
     assert len({plan if plan is None else plan.routes for plan in plans}) == 1
 
 
 @fuzzed(6, "plan FILE --method central", mission=continuous_missions(ROBOTS, TASKS))
 def test_no_tiny_mission_has_a_better_plan(mission: Any) -> None:
     """Orders, and coalitions with robots to spare or without."""
-    scenario = mission_from_tree(mission)
-    if count_plans(scenario) <= MOST_PLANS_IN_STEPS:
-        assert gap_in_continuous_time(scenario, "central", 10 * SECONDS) == 0.0
+    source = mission_from_tree(mission)
+    if count_plans(source) <= MOST_PLANS_IN_STEPS:
+        assert gap_in_continuous_time(source, "central", 10 * SECONDS) == 0.0
 
 
 @fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)
 def test_the_critical_path_adds_up(mission: Any, method: str) -> None:
     """It goes forward, but where a start that is linked with a later one waits for that."""
-    scenario = mission_from_tree(mission)
-    made = planned(scenario, method)
+    source = mission_from_tree(mission)
+    made = planned(source, method)
     if made is None or not made.makespan:
         return
-    path = path_of_plan(scenario, made)
+    path = path_of_plan(source, made)
     ends = [stretch.end for stretch in path]
     assert [stretch.begin for stretch in path] == [0, *ends[:-1]]
     assert ends[-1] == made.makespan

@@ -39,48 +39,48 @@ def play_centrally(mission: Any, seed: int, seconds: float) -> PlayedTrial:
     return run_trial(mission_from_tree(mission), central, seed)
 
 
-def worth(replay: Record) -> float:
+def worth(record: Record) -> float:
     """Return what a mission that was completed is judged by: its makespan, or what it costs."""
-    weights, makespan = judged_by(replay.mission), replay.end.makespan
+    weights, makespan = judged_by(record.true_mission), record.end.makespan
     assert makespan is not None
     if weights is None:
         return makespan
-    return weighed(replay.mission, weights, done_steps(replay), makespan)
+    return weighed(record.true_mission, weights, done_steps(record), makespan)
 
 
 @fuzzed(6, RUN, mission=missions(has_cancelled=False), seed=SEEDS, seconds=SECONDS)
 def test_central_is_never_worse_than_the_default(mission: Any, seed: int, seconds: float) -> None:
-    played = play(mission_from_tree(mission), DEFAULT, seed).replay
+    played = play(mission_from_tree(mission), DEFAULT, seed).record
     usual = played.end
     trial = play_centrally(mission, seed, seconds)
-    best = trial.replay.end
-    assert not judge(trial.replay).findings
+    best = trial.record.end
+    assert not judge(trial.record).findings
     assert best.illegal_decisions == 0
     if usual.makespan is None:
         assert best.tasks_done >= usual.tasks_done or best.status == "infeasible"
         return
     assert best.status == "completed"
     assert best.makespan is not None
-    assert worth(trial.replay) <= worth(played)
-    bound = trial.replay.lower_bound
+    assert worth(trial.record) <= worth(played)
+    bound = trial.record.lower_bound
     assert bound is None or bound <= best.makespan
 
 
 @fuzzed(4, "plan FILE --from PLAN", mission=missions(has_cancelled=False), seconds=SECONDS)
 def test_what_begins_with_a_plan_is_never_worse(mission: Any, seconds: float, folder: Path) -> None:
     """What is handed in is what `plan` printed: its routes are read, and played by the mission."""
-    scenario = mission_from_tree(mission)
-    if list(rules_not_planned(scenario)):
+    source = mission_from_tree(mission)
+    if list(rules_not_planned(source)):
         return
     try:
-        made = plan_mission(scenario, "central", seconds)
+        made = plan_mission(source, "central", seconds)
     except UndoableError:
         return
     if made is None:
         return
     file = folder / "plan.json"
     file.write_text(json.dumps(made.row))
-    again = plan_mission(scenario, "central", 0.0, read_start_plan(file, scenario))
+    again = plan_mission(source, "central", 0.0, read_start_plan(file, source))
     assert again is not None
     assert worth_of(again) <= worth_of(made)
 
@@ -98,10 +98,10 @@ def worth_of(made: PlannedMission) -> float:
 def test_nothing_is_faster_than_every_play_of_a_tiny_mission(
     mission: Any, seed: int, seconds: float
 ) -> None:
-    scenario = mission_from_tree(mission)
-    fewest = fewest_steps(scenario)
+    source = mission_from_tree(mission)
+    fewest = fewest_steps(source)
     if fewest is None:
         return
-    assert lower_bound(scenario) <= fewest
-    end = play_centrally(mission, seed, seconds).replay.end
+    assert lower_bound(source) <= fewest
+    end = play_centrally(mission, seed, seconds).record.end
     assert end.makespan is None or end.makespan >= fewest

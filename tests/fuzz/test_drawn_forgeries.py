@@ -18,11 +18,11 @@ from teamformer.record.writing import record_to_tree
 from test_forged_fields import FORGERIES as FIELDS
 from watching import fuzzed, noted
 
-RUN = "run FILE --method {method} --seed {seed} --out O; then forge O/replay.json as below"
+RUN = "run FILE --method {method} --seed {seed} --out O; then forge O/record.json as below"
 
 
 def record_of(mission: Any, method: str, seed: int) -> Any:
-    return record_to_tree(play(mission_from_tree(mission), method, seed).replay)
+    return record_to_tree(play(mission_from_tree(mission), method, seed).record)
 
 
 def findings_in(record: Any) -> list[str]:
@@ -63,7 +63,7 @@ def test_a_forgery_is_found(
 def test_a_forged_field_is_found(
     mission: Any, method: str, seed: int, field: str, data: st.DataObject
 ) -> None:
-    forged = list(FIELDS[field](play(mission_from_tree(mission), method, seed).replay))
+    forged = list(FIELDS[field](play(mission_from_tree(mission), method, seed).record))
     if forged:
         noted["forged"] = one = pick(data.draw, forged)
         assert judge(one).findings, f"{field} is not found"

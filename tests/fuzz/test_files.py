@@ -52,33 +52,33 @@ def is_told(read: Callable[[], Mission], source: str) -> Mission | None:
 
 @fuzzed(50, "run FILE --seed {seed}", mission=edited_trees(), seed=SEEDS)
 def test_an_edited_file_is_refused_or_can_be_done(mission: Any, seed: int) -> None:
-    scenario = is_told(lambda: mission_from_tree(mission), "scenario: ")
-    if scenario is None or not is_small(scenario):
+    source = is_told(lambda: mission_from_tree(mission), "mission: ")
+    if source is None or not is_small(source):
         return
-    scenario = replace(scenario, step_limit=min(scenario.step_limit, 40))
-    if scenario.time == "steps" and not list(rules_not_played(scenario)):
-        assert not judge(play(scenario, DEFAULT, seed).replay).findings
-    elif scenario.time == "continuous":
-        can_be_done(scenario)
+    source = replace(source, step_limit=min(source.step_limit, 40))
+    if source.time == "steps" and not list(rules_not_played(source)):
+        assert not judge(play(source, DEFAULT, seed).record).findings
+    elif source.time == "continuous":
+        can_be_done(source)
 
 
-def is_small(scenario: Mission) -> bool:
+def is_small(mission: Mission) -> bool:
     """Say whether an edited mission can be done in a moment."""
-    world, arrivals = scenario.world, scenario.arrivals
-    tasks = len(scenario.tasks) + (arrivals.until if arrivals else 0)
-    looks = max(task.within for task in scenario.tasks) / getattr(world, "unit", 1)
+    world, arrivals = mission.world, mission.arrivals
+    tasks = len(mission.tasks) + (arrivals.until if arrivals else 0)
+    looks = max(task.within for task in mission.tasks) / getattr(world, "unit", 1)
     cells = 0 if hasattr(world, "step") else world.width * world.height
-    return len(scenario.robots) * tasks <= MOST and cells <= MOST and looks <= 10
+    return len(mission.robots) * tasks <= MOST and cells <= MOST and looks <= 10
 
 
-def can_be_done(scenario: Mission) -> None:
+def can_be_done(mission: Mission) -> None:
     """Plan a mission in continuous time, unless a person is told why that cannot be."""
     try:
-        made = plan_continuous(pose_mission(scenario), "plan", 0.0)
+        made = plan_continuous(pose_mission(mission), "plan", 0.0)
     except TeamformerError:
         return
     assert made is not None
-    times = times_of(scenario, [[s.task for s in r.stops] for r in made.routes], Ways(scenario))
+    times = times_of(mission, [[s.task for s in r.stops] for r in made.routes], Ways(mission))
     assert times is not None
     assert math.isfinite(times.makespan)
 
@@ -92,12 +92,12 @@ def test_a_damaged_file_is_refused_or_read(damaged: bytes, folder: Path) -> None
 
 @fuzzed(20, "run FILE", mission=ALL)
 def test_what_is_written_is_read_back(mission: Any, folder: Path) -> None:
-    scenario = mission_from_tree(mission)
+    source = mission_from_tree(mission)
     (folder / "unnamed.yaml").write_text(text_of(mission), encoding="utf-8")
-    assert read_mission(folder / "unnamed.yaml") == scenario
+    assert read_mission(folder / "unnamed.yaml") == source
     for name in ("written.yaml", "written.json"):
-        write_mission(scenario, folder / name)
-        assert read_mission(folder / name) == scenario
+        write_mission(source, folder / name)
+        assert read_mission(folder / name) == source
 
 
 @fuzzed(20, "run FILE", mission=ALL)
@@ -114,15 +114,15 @@ def turned(tree: Any) -> Any:
 
 @fuzzed(20, "run FILE", mission=missions())
 def test_a_map_in_another_file_is_the_map_in_this_one(mission: Any, folder: Path) -> None:
-    scenario = mission_from_tree(mission)
-    if not scenario.world.rows:
+    source = mission_from_tree(mission)
+    if not source.world.rows:
         return
-    rows = scenario.world.rows
+    rows = source.world.rows
     header = f"type octile\nheight {len(rows)}\nwidth {len(rows[0])}\nmap\n"
     (folder / "cells.map").write_text(header + "\n".join(rows) + "\n")
     (folder / "unnamed.yaml").write_text(text_of(mission | {"world": {"map": "cells.map"}}))
-    same = replace(scenario.world, y_axis="down", frame=None)
-    assert read_mission(folder / "unnamed.yaml") == replace(scenario, world=same)
+    same = replace(source.world, y_axis="down", frame=None)
+    assert read_mission(folder / "unnamed.yaml") == replace(source, world=same)
     pixels = "\n".join(" ".join("255" if c == "." else "0" for c in row) for row in rows[::-1])
     (folder / "cells.pgm").write_text(f"P2\n{len(rows[0])} {len(rows)}\n255\n{pixels}\n")
     told = "image: cells.pgm\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n"

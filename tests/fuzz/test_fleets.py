@@ -32,8 +32,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     data=st.data(),
 )
 def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) -> None:
-    scenario = mission_from_tree(mission)
-    fleet = FleetMission(scenario, scenario.seconds_a_step)
+    source = mission_from_tree(mission)
+    fleet = FleetMission(source, source.seconds_a_step)
     stage = set_stage(fleet)
     assert stage.undisturbed.status != "blocked"
     noted["faults"] = faults = data.draw(schedules(fleet))
@@ -45,5 +45,5 @@ def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) 
         assert outcome.status != "blocked", outcome.blocked_tasks
     assert traces[0].events == traces[1].events
     record = record_of(rehearsal, outcome, traces[1].events, faults.seed)
-    save_record(record, folder / "replay.json")
-    assert read_record(folder / "replay.json") == record
+    save_record(record, folder / "record.json")
+    assert read_record(folder / "record.json") == record

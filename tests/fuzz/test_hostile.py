@@ -38,7 +38,7 @@ def opened(browser: Any) -> Any:
 
 @fuzzed(
     8,
-    "run FILE --method {method} --seed {seed} --out O; then change O/replay.json as below",
+    "run FILE --method {method} --seed {seed} --out O; then change O/record.json as below",
     mission=missions(),
     method=METHODS,
     seed=SEEDS,
@@ -53,7 +53,7 @@ def test_whatever_a_record_holds_the_drawing_goes_on(
     data: st.DataObject,
 ) -> None:
     """Teams, loads and all else may be where they cannot be; a record only has to be readable."""
-    record = record_to_tree(play(mission_from_tree(mission), method, seed).replay)
+    record = record_to_tree(play(mission_from_tree(mission), method, seed).record)
     noted["changed"] = changed = data.draw(edited_records(copy.deepcopy(record)))
     try:
         record_from_tree(changed, "record")

@@ -19,18 +19,18 @@ RUN = "run FILE --method {method} --seed {seed}"
 
 @fuzzed(45, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_a_record_is_legal(mission: Any, method: str, seed: int) -> None:
-    scenario = mission_from_tree(mission)
-    replay = play(scenario, method, seed).replay
-    findings = judge(replay).findings
+    source = mission_from_tree(mission)
+    record = play(source, method, seed).record
+    findings = judge(record).findings
     assert not findings, findings[0].message
-    assert replay.end.illegal_decisions == 0
+    assert record.end.illegal_decisions == 0
 
 
 @fuzzed(25, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_nothing_is_faster_than_its_bound(mission: Any, method: str, seed: int) -> None:
-    scenario = mission_from_tree(mission)
-    end = play(scenario, method, seed).replay.end
-    bound = lower_bound(draw_truth(scenario, seed))
+    source = mission_from_tree(mission)
+    end = play(source, method, seed).record.end
+    bound = lower_bound(draw_truth(source, seed))
     if end.makespan is not None:
         assert bound is not None
         assert bound <= end.makespan
@@ -38,12 +38,12 @@ def test_nothing_is_faster_than_its_bound(mission: Any, method: str, seed: int) 
 
 @fuzzed(25, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_the_critical_path_adds_up(mission: Any, method: str, seed: int) -> None:
-    replay = play(mission_from_tree(mission), method, seed).replay
-    path = path_of_record(replay)
-    if replay.end.makespan is None or not replay.steps[-1].done:  # the last task was called off
+    record = play(mission_from_tree(mission), method, seed).record
+    path = path_of_record(record)
+    if record.end.makespan is None or not record.steps[-1].done:  # the last task was called off
         assert path == ()
         return
     ends = [stretch.end for stretch in path]
     assert [stretch.begin for stretch in path] == [0, *ends[:-1]]
-    assert ends[-1] == replay.end.makespan
-    assert len(why_so_late(replay.mission, path)) > 1
+    assert ends[-1] == record.end.makespan
+    assert len(why_so_late(record.true_mission, path)) > 1

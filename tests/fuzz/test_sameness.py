@@ -31,7 +31,7 @@ WITHOUT_NETWORKS = st.sampled_from([DEFAULT, DEFAULT, *SCRIPTED])
 
 
 def record_of(mission: Any, method: str, seed: int) -> dict[str, Any]:
-    return record_to_tree(play(mission_from_tree(mission), method, seed).replay)
+    return record_to_tree(play(mission_from_tree(mission), method, seed).record)
 
 
 @pytest.fixture(scope="module")
@@ -64,11 +64,11 @@ def test_the_same_seed_gives_the_same_record(
     seed=SEEDS,
 )
 def test_in_a_batch_all_end_as_alone(mission: Any, method: str, seed: int) -> None:
-    scenarios = [mission_from_tree(one) for one in mission]
-    replays = [play(scenario, method, seed).replay for scenario in scenarios]
-    alone = [{**vars(it.end), "cost": cost_of_record(it)} for it in replays]
+    sources = [mission_from_tree(one) for one in mission]
+    records = [play(source, method, seed).record for source in sources]
+    alone = [{**vars(it.end), "cost": cost_of_record(it)} for it in records]
     for threads in (1, 2):
-        tallies = run_trials(scenarios, method_of(method), seed, threads)
+        tallies = run_trials(sources, method_of(method), seed, threads)
         for end, tally in zip(alone, tallies, strict=True):
             for key, value in vars(tally).items():
                 assert end[key] == value, (key, threads)
@@ -76,21 +76,21 @@ def test_in_a_batch_all_end_as_alone(mission: Any, method: str, seed: int) -> No
 
 @fuzzed(15, RUN, mission=missions(), method=METHODS, seed=SEEDS)
 def test_names_mean_nothing(mission: Any, method: str, seed: int) -> None:
-    scenario = mission_from_tree(mission)
-    one, other = (play(which, method, seed).replay for which in (scenario, renamed(scenario)))
+    source = mission_from_tree(mission)
+    one, other = (play(which, method, seed).record for which in (source, renamed(source)))
     assert what_happens(one) == what_happens(other)
 
 
-def renamed(scenario: Mission) -> Mission:
+def renamed(mission: Mission) -> Mission:
     """Return a mission in which robots, tasks and capabilities have plain names."""
-    caps = {name: f"c{number}" for number, name in enumerate(scenario.capabilities)}
-    tasks = {task.name: f"t{number}" for number, task in enumerate(scenario.tasks)}
+    caps = {name: f"c{number}" for number, name in enumerate(mission.capabilities)}
+    tasks = {task.name: f"t{number}" for number, task in enumerate(mission.tasks)}
     return replace(
-        scenario,
+        mission,
         capabilities=tuple(caps.values()),
         robots=tuple(
             replace(robot, name=f"r{number}", can={caps[c]: n for c, n in robot.can.items()})
-            for number, robot in enumerate(scenario.robots)
+            for number, robot in enumerate(mission.robots)
         ),
         tasks=tuple(
             replace(
@@ -100,7 +100,7 @@ def renamed(scenario: Mission) -> Mission:
                 may_need={caps[c]: n for c, n in task.may_need.items()},
                 after=tuple(tasks[name] for name in task.after),
             )
-            for task in scenario.tasks
+            for task in mission.tasks
         ),
     )
 
@@ -112,41 +112,41 @@ def test_what_nobody_needs_means_nothing(mission: Any, method: str, seed: int) -
     No walls where robots fly: in a map with walls these are of another kind, and searches go on
     otherwise.
     """
-    scenario = replace(mission_from_tree(mission), arrivals=None)
-    one, other = (play(which, method, seed).replay for which in (scenario, padded(scenario)))
+    source = replace(mission_from_tree(mission), arrivals=None)
+    one, other = (play(which, method, seed).record for which in (source, padded(source)))
     assert what_happens(one) == what_happens(other)
 
 
 @fuzzed(15, RUN, mission=missions(), method=WITHOUT_NETWORKS, seed=SEEDS)
 def test_the_order_of_capabilities_means_nothing(mission: Any, method: str, seed: int) -> None:
     """But for tasks that appear, whose needs are drawn in that order."""
-    scenario = replace(mission_from_tree(mission), arrivals=None)
-    turned = replace(scenario, capabilities=scenario.capabilities[::-1])
-    one, other = (play(which, method, seed).replay for which in (scenario, turned))
+    source = replace(mission_from_tree(mission), arrivals=None)
+    turned = replace(source, capabilities=source.capabilities[::-1])
+    one, other = (play(which, method, seed).record for which in (source, turned))
     assert what_happens(one) == what_happens(other)
-    truths = [draw_truth(which, seed) for which in (scenario, turned)]
+    truths = [draw_truth(which, seed) for which in (source, turned)]
     assert lower_bound(truths[0]) == lower_bound(truths[1])
 
 
-def padded(scenario: Mission) -> Mission:
+def padded(mission: Mission) -> Mission:
     """Return a mission with a capability that nobody has, and walls at the edges of its map."""
-    caps = (*scenario.capabilities, "nobody has this")
-    world = scenario.world
-    if isinstance(world, Grid) and not any(robot.flies for robot in scenario.robots):
+    caps = (*mission.capabilities, "nobody has this")
+    world = mission.world
+    if isinstance(world, Grid) and not any(robot.flies for robot in mission.robots):
         rows = world.rows or (FREE * world.width,) * world.height
         walled = (*(row + BLOCKED * 2 for row in rows), BLOCKED * (world.width + 2))
         world = replace(world, width=world.width + 2, height=world.height + 1, rows=walled)
-    return replace(scenario, capabilities=caps, world=world)
+    return replace(mission, capabilities=caps, world=world)
 
 
-def what_happens(replay: Record) -> Any:
+def what_happens(record: Record) -> Any:
     """Return a record without its names."""
-    end = replace(replay.end, blocked_tasks=())
+    end = replace(record.end, blocked_tasks=())
     return (
-        replay.orders,
-        replay.start,
-        replay.steps,
+        record.orders,
+        record.start,
+        record.steps,
         end,
-        replay.plans,
-        replay.scouts,
+        record.plans,
+        record.scouts,
     )

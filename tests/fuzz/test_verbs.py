@@ -48,7 +48,7 @@ def typed(*words: object) -> int:
 def test_a_good_file_is_run_checked_and_shown(
     mission: Any, method: str, seed: int, folder: Path
 ) -> None:
-    file, record = folder / "mission.yaml", folder / "out" / "replay.json"
+    file, record = folder / "mission.yaml", folder / "out" / "record.json"
     file.write_text(text_of(mission), encoding="utf-8")
     words = ("run", file, "--method", method, "--seed", seed)
     robot = mission["robots"][0].get("name", "r1")
@@ -57,7 +57,7 @@ def test_a_good_file_is_run_checked_and_shown(
     assert typed("check", record) == DONE
     (folder / "a.yaml").unlink(missing_ok=True)  # a mission is not written over
     assert typed("export", record, folder / "csv", folder / "a.yaml") == DONE
-    assert typed("check", record, "--scenario", folder / "a.yaml") == DONE
+    assert typed("check", record, "--mission", folder / "a.yaml") == DONE
     assert typed("view", record, folder / "page.html") == DONE
 
 

@@ -42,40 +42,40 @@ NEAR = 1e-5
 """Times are told in whole ticks, of which there are a million and more in all."""
 
 
-def count_plans(scenario: Mission) -> int:
+def count_plans(mission: Mission) -> int:
     """Return how many orders with coalitions a mission has."""
-    able = (len(able_crews(scenario, task)) for task in range(len(scenario.tasks)))
-    return math.factorial(len(scenario.tasks)) * math.prod(able)
+    able = (len(able_crews(mission, task)) for task in range(len(mission.tasks)))
+    return math.factorial(len(mission.tasks)) * math.prod(able)
 
 
-def worth_of(scenario: Mission, made: MissionPlan | Times) -> float:
+def worth_of(mission: Mission, made: MissionPlan | Times) -> float:
     """Return what a plan is judged by: its cost, or the makespan and twice how late tasks are."""
     if made.cost is not None:
         return made.cost
     return made.makespan + 2 * sum(
-        scenario.tasks[task].weight * by for task, by in made.late.items()
+        mission.tasks[task].weight * by for task, by in made.late.items()
     )
 
 
-def gap_in_continuous_time(scenario: Mission, method: str, seconds: float) -> float:
+def gap_in_continuous_time(mission: Mission, method: str, seconds: float) -> float:
     """Return by which share of the best plan a method's is worse; 0 where it finds none."""
     try:
-        made = plan_continuous(pose_mission(scenario), method, seconds)
+        made = plan_continuous(pose_mission(mission), method, seconds)
     except TeamformerError:
         return 0.0
     if made is None:
         return 0.0
-    best = min(worth_of(scenario, plan) for plan in all_plans(scenario, Ways(scenario)))
-    gap = worth_of(scenario, made) - best
+    best = min(worth_of(mission, plan) for plan in all_plans(mission, Ways(mission)))
+    gap = worth_of(mission, made) - best
     return gap / max(best, NEAR) if gap > NEAR * max(1.0, best) else 0.0
 
 
-def gap_in_steps(scenario: Mission, seconds: float) -> float:
+def gap_in_steps(mission: Mission, seconds: float) -> float:
     """Return by which share of the least cost that of the search for `central` is worse.
 
     Every plan is timed as plans in steps are.
     """
-    situation = situation_in_hindsight(scenario)
+    situation = situation_in_hindsight(mission)
     first = first_plan(situation)
     if first is None:
         return 0.0
@@ -83,13 +83,13 @@ def gap_in_steps(scenario: Mission, seconds: float) -> float:
     race = begin_race(first, now, now + seconds)
     starts = from_coalitions(situation.problem, race, seed=0)
     race.run([partial(improve, race, situation, starts, seed=0)], 1)
-    best = min(_costs_in_steps(scenario, situation))
+    best = min(_costs_in_steps(mission, situation))
     return max(0.0, (race.plan.cost - best) / best)
 
 
-def _costs_in_steps(scenario: Mission, situation: Situation) -> Iterator[int]:
-    tasks = range(len(scenario.tasks))
-    for crews in itertools.product(*(able_crews(scenario, task) for task in tasks)):
+def _costs_in_steps(mission: Mission, situation: Situation) -> Iterator[int]:
+    tasks = range(len(mission.tasks))
+    for crews in itertools.product(*(able_crews(mission, task) for task in tasks)):
         for order in itertools.permutations(tasks):
             yield time_team_plan(situation, plan_teams(order, crews)).cost
 
@@ -101,15 +101,15 @@ def main(kind: str, count: int, seconds: float) -> int:
     most = MOST_PLANS if is_continuous else MOST_PLANS_IN_STEPS
 
     def check(mission: Any) -> None:
-        scenario, text = mission_from_tree(mission), text_of(mission)
-        if text in tried or not 1 < count_plans(scenario) <= most:
+        source, text = mission_from_tree(mission), text_of(mission)
+        if text in tried or not 1 < count_plans(source) <= most:
             return
         tried.add(text)
         if is_continuous:
-            warm_up(is_linked(scenario))
-            gap = gap_in_continuous_time(scenario, "central" if seconds else "plan", seconds)
+            warm_up(is_linked(source))
+            gap = gap_in_continuous_time(source, "central" if seconds else "plan", seconds)
         else:
-            gap = gap_in_steps(scenario, seconds)
+            gap = gap_in_steps(source, seconds)
         if gap > 0:
             worse.append(gap)
             print(f"# {gap:.2%} worse, number {len(tried)}\n{text}", flush=True)

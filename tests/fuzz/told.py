@@ -37,8 +37,8 @@ class Bar(NamedTuple):
 
 def told_by_record(tree: Tree) -> list[Line]:
     """Go through a record, given as its JSON."""
-    names = [robot["name"] for robot in tree["scenario"]["robots"]]
-    tasks = [*tree["scenario"]["tasks"], *(tree.get("truth") or {}).get("arrivals", ())]
+    names = [robot["name"] for robot in tree["mission"]["robots"]]
+    tasks = [*tree["mission"]["tasks"], *(tree.get("truth") or {}).get("arrivals", ())]
     members = {slot: set(robots) for slot, robots, *_ in tree["start"]}
     lines, ends = [], dict[str, int]()
     for number, step in enumerate(tree["steps"], start=1):
@@ -123,7 +123,7 @@ def needs_told_by_record(tree: Tree) -> dict[str, str]:
     """Return what tasks really needed, in words."""
     truth = tree.get("truth") or {}
     needs = {}
-    for task in [*tree["scenario"]["tasks"], *truth.get("arrivals", ())]:
+    for task in [*tree["mission"]["tasks"], *truth.get("arrivals", ())]:
         known = truth.get("tasks", {}).get(task["name"], {}).get("needs", task["needs"])
         counts = known if isinstance(known, dict) else Counter(known)
         parts = [cap if n == 1 else f"{n} x {cap}" for cap, n in counts.items()]
@@ -233,7 +233,7 @@ def table_of(lines: Iterable[Line], needs: Mapping[str, str]) -> list[str]:
 
 def losses_of(tree: Tree) -> str:
     """Return what the terminal is to say of robots that were lost."""
-    names = [robot["name"] for robot in tree["scenario"]["robots"]]
+    names = [robot["name"] for robot in tree["mission"]["robots"]]
     lost: list[str] = []
     latest = {}
     for number, step in enumerate(tree["steps"], start=1):
@@ -253,7 +253,7 @@ def embedded(page: Path) -> Any:
     return json.loads(text[begin : text.index("</script>", begin)])
 
 
-HOLDS = '<script type="application/json" id="replay">'
+HOLDS = '<script type="application/json" id="record">'
 
 
 def captions_agree(path: Path, tree: Tree, lines: Sequence[Line]) -> bool:
@@ -265,7 +265,7 @@ def captions_agree(path: Path, tree: Tree, lines: Sequence[Line]) -> bool:
     """
     from PIL import Image, ImageChops, ImageSequence, ImageStat
 
-    tasks = len(tree["scenario"]["tasks"]) + len((tree.get("truth") or {}).get("arrivals", ()))
+    tasks = len(tree["mission"]["tasks"]) + len((tree.get("truth") or {}).get("arrivals", ()))
     with Image.open(path) as gif:
         frames = [frame.convert("L") for frame in ImageSequence.Iterator(gif)]
     last = len(tree["steps"])
@@ -301,12 +301,12 @@ def _strip(
     """Return a picture of a caption."""
     from PIL import Image, ImageDraw, ImageFont
 
-    plane = tree["scenario"]["world"].get("plane")
+    plane = tree["mission"]["world"].get("plane")
     when = f"step {step}"
     if plane:
-        when = f"{step * tree['scenario']['world'].get('step', 1):g} s"
+        when = f"{step * tree['mission']['world'].get('step', 1):g} s"
     robots = f", {lost} robot{'s' if lost != 1 else ''} lost" if lost else ""
-    name = (tree["scenario"].get("name") or "unnamed scenario")[:40]
+    name = (tree["mission"].get("name") or "unnamed mission")[:40]
     picture = Image.new("L", size, 255)
     pen = ImageDraw.Draw(picture)
     called_off = f", {gone} called off" if gone else ""
@@ -316,7 +316,7 @@ def _strip(
 
 
 PAGE_SCRIPTS = (
-    *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
+    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
     *("record/reasons", "record/over_time", "views/columns", "look"),
 )
@@ -324,31 +324,31 @@ PAGE_SCRIPTS = (
 
 TOLD_BY_PAGE = """(tree) => {
   const history = frames(tree);
-  const { scenario, events, end } = history;
+  const { mission, events, end } = history;
   const lines = toldOf(history);
-  const bars = scenario.robots.flatMap(({ name }, robot) =>
+  const bars = mission.robots.flatMap(({ name }, robot) =>
     phaseRuns(history, robot).map(({ phase, task, from, to }) => [
-      name, PHASE_NAMES[PHASES[phase]], task < 0 ? "" : scenario.tasks[task].name, from, to,
+      name, PHASE_NAMES[PHASES[phase]], task < 0 ? "" : mission.tasks[task].name, from, to,
     ]),
   );
-  const stories = scenario.robots.map((_, robot) =>
+  const stories = mission.robots.map((_, robot) =>
     robotStory(history, robot).filter(({ kind }) => kind === "done")
-      .map(({ step, task }) => [step, scenario.tasks[task].name]).sort());
+      .map(({ step, task }) => [step, mission.tasks[task].name]).sort());
   const marks = deedsOfRobots(history).map((deeds) =>
-    deeds.map(({ step, task }) => [step, scenario.tasks[task].name]).sort());
+    deeds.map(({ step, task }) => [step, mission.tasks[task].name]).sort());
   const said = events.filter(({ kind }) => kind === "done")
     .map((event) => describeEvent(history, event));
-  const needs = scenario.tasks.map((task) => [task.name, describeCounts(scenario, task.needs)]);
+  const needs = mission.tasks.map((task) => [task.name, describeCounts(mission, task.needs)]);
   const done = countDone(history, history.last);
   const half = Math.floor(history.last / 2);
   const app = { history, player: { step: half }, scene: () => sceneAt(history, half) };
   const moment = momentOf(app);
-  const tasks = scenario.tasks.map(({ name }, task) =>
+  const tasks = mission.tasks.map(({ name }, task) =>
     [name, endOfTask(moment, task)?.at ?? 0, stateOfTask(moment, task) === "done"]);
-  for (const robot of scenario.robots.keys()) for (const { of } of ROBOT_COLUMNS) of(moment, robot);
-  for (const task of scenario.tasks.keys()) for (const { of } of TASK_COLUMNS) of(moment, task);
+  for (const robot of mission.robots.keys()) for (const { of } of ROBOT_COLUMNS) of(moment, robot);
+  for (const task of mission.tasks.keys()) for (const { of } of TASK_COLUMNS) of(moment, task);
   const idle = [...idleStepsUpTo(history, half)].map((steps, robot) =>
-    [scenario.robots[robot].name, steps]);
+    [mission.robots[robot].name, steps]);
   const halfway = { step: half, tasks, idle };
   const curves = curvesOf(history);
   return { lines, bars, stories, marks, said, needs, halfway, curves,

@@ -279,4 +279,4 @@ def test_a_server_that_is_killed_and_started_again_goes_on(tmp_path: Path) -> No
     assert third.hear("mission", {"do": "undo"})["record"]["steps"]
     third.end(signal.SIGTERM)
     assert read_autosave(Path(told[1])).is_ended
-    assert (out / "replay.json").exists()
+    assert (out / "record.json").exists()

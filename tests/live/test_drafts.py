@@ -1,4 +1,4 @@
-"""Drafts of scenarios, good and bad, as pages send them."""
+"""Drafts of missions, good and bad, as pages send them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ GOOD = EMPTY | {
 }
 
 
-def test_a_good_draft_is_a_scenario() -> None:
+def test_a_good_draft_is_a_mission() -> None:
     assert problems_of(GOOD) == []
     assert read_draft(GOOD).tasks[0].at == (2, 2)
 
@@ -74,7 +74,7 @@ def test_a_map_without_its_image_is_told() -> None:
         open_draft("floor.yaml", ABOUT)
 
 
-def test_a_scenario_comes_with_the_map_that_it_names() -> None:
+def test_a_mission_comes_with_the_map_that_it_names() -> None:
     text = (
         "teamformer: 1\nworld: {map: yard.map}\ncapabilities: [lift]\n"
         "robots:\n  - {at: [0, 0], can: [lift]}\ntasks:\n  - {at: [2, 0], needs: [lift]}\n"

@@ -1,4 +1,4 @@
-"""Missions to which things happen: what comes out must be what `run` makes of their scenario."""
+"""Missions to which things happen: what comes out must be what `run` makes of their mission."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def mission(example: str = "late-tasks", method: str = "join-fitting") -> RunningMission:
-    scenario = read_mission(EXAMPLES / f"{example}.yaml")
-    return RunningMission(scenario, lambda: load_method(method), seed=0)
+    mission = read_mission(EXAMPLES / f"{example}.yaml")
+    return RunningMission(mission, lambda: load_method(method), seed=0)
 
 
 def play(run: RunningMission, incidents: dict[int, Incident]) -> None:
@@ -69,27 +69,27 @@ def test_a_mission_with_loads_is_as_it_was_after_it_was_played_ahead(carried: Mi
     run = RunningMission(carried, lambda: load_method("plan"), seed=0)
     assert forecast(run.past()) == forecast(run.past())
     play(run, {})
-    assert run.record().steps == run_trial(carried, load_method("plan")).replay.steps
+    assert run.record().steps == run_trial(carried, load_method("plan")).record.steps
 
 
 @pytest.mark.parametrize("method", ["join-fitting", "heuristic", "teamformer", "crews", "plan"])
 def test_incidents_leave_a_record_that_run_makes_too(method: str) -> None:
     run = mission(method=method)
-    play(run, {4: NewTask((0, 0), {"lift": 1}, "extra"), 9: LostRobot(run.scenario.robots[0].name)})
+    play(run, {4: NewTask((0, 0), {"lift": 1}, "extra"), 9: LostRobot(run.source.robots[0].name)})
     record = run.record()
     assert judge(record).findings == ()
-    again = run_trial(run.scenario, load_method(method))
-    assert again.replay.steps == record.steps
-    assert again.replay.end == record.end
-    assert run.scenario.tasks[-1].appears == 4
-    assert run.scenario.robots[0].absences == (Absence(10),)
+    again = run_trial(run.source, load_method(method))
+    assert again.record.steps == record.steps
+    assert again.record.end == record.end
+    assert run.source.tasks[-1].appears == 4
+    assert run.source.robots[0].absences == (Absence(10),)
 
 
 def test_a_forecast_is_what_then_comes() -> None:
     run = mission()
     for _ in range(5):
         run.step()
-    lose = LostRobot(run.scenario.robots[0].name)
+    lose = LostRobot(run.source.robots[0].name)
     undisturbed, disturbed = forecast(run.past()), forecast(run.past_with(lose))
     assert run.steps == 5
     play(run, {})
@@ -104,7 +104,7 @@ def test_a_forecast_is_what_then_comes() -> None:
 def ends_of_tasks(run: RunningMission) -> tuple[int | None, ...]:
     """Return by task the step in which the record has it done."""
     ends = {task: n for n, it in enumerate(run.record().steps, 1) for task, _ in it.done}
-    return tuple(ends.get(task) for task in range(len(run.scenario.tasks)))
+    return tuple(ends.get(task) for task in range(len(run.source.tasks)))
 
 
 @pytest.mark.parametrize("method", ["plan", "join-fitting", "crews"])
@@ -116,7 +116,7 @@ def test_an_incident_that_is_undone_has_not_happened(method: str) -> None:
             one.step()
         one.happen(NewTask((2, 2), {"lift": 1}, "late"))
         one.step()
-    run.happen(LostRobot(run.scenario.robots[0].name))
+    run.happen(LostRobot(run.source.robots[0].name))
     run.step()
     assert isinstance(run.undo(), LostRobot)
     assert (run.steps, [it for _, it in run.incidents]) == (4, [it for _, it in plain.incidents])
@@ -124,7 +124,7 @@ def test_an_incident_that_is_undone_has_not_happened(method: str) -> None:
         play(one, {})
     assert run.record() == plain.record()
     run.undo()
-    assert (run.steps, run.scenario) == (3, mission(method=method).scenario)
+    assert (run.steps, run.source) == (3, mission(method=method).source)
     play(run, {})
     assert run.record().steps == run_to_its_end(mission(method=method)).record().steps
     with pytest.raises(TeamformerError, match="nothing has happened"):
@@ -134,10 +134,10 @@ def test_an_incident_that_is_undone_has_not_happened(method: str) -> None:
 def test_a_mission_anew_is_as_it_was_drawn() -> None:
     run = mission()
     run.step()
-    run.happen(LostRobot(run.scenario.robots[0].name))
+    run.happen(LostRobot(run.source.robots[0].name))
     run.step()
     again = run.anew()
-    assert (again.steps, again.incidents, again.scenario) == (0, [], mission().scenario)
+    assert (again.steps, again.incidents, again.source) == (0, [], mission().source)
     assert run_to_its_end(again).record() == run_to_its_end(mission()).record()
 
 
@@ -173,16 +173,16 @@ def test_what_cannot_happen_is_refused_and_changes_nothing(
 ) -> None:
     run = mission()
     run.step()
-    before = run.scenario
+    before = run.source
     with pytest.raises(TeamformerError, match=message):
         run.happen(incident)
-    assert run.scenario is before
+    assert run.source is before
     assert run.incidents == []
 
 
 def test_who_is_lost_is_not_lost_again() -> None:
     run = mission()
-    name = run.scenario.robots[0].name
+    name = run.source.robots[0].name
     run.happen(LostRobot(name))
     run.step()
     with pytest.raises(TeamformerError, match="was lost in step 1 already"):
@@ -191,7 +191,7 @@ def test_who_is_lost_is_not_lost_again() -> None:
 
 def test_a_lost_robot_is_brought_back_and_lost_again() -> None:
     run = mission()
-    name = run.scenario.robots[0].name
+    name = run.source.robots[0].name
     with pytest.raises(TeamformerError, match=f"robot '{name}' is not lost"):
         run.happen(RobotBack(name))
     run.happen(LostRobot(name))
@@ -206,22 +206,22 @@ def test_a_lost_robot_is_brought_back_and_lost_again() -> None:
     assert run.tally().status == "infeasible"
     run.happen(RobotBack(name))
     play(run, {})
-    assert run.scenario.robots[0].absences == (Absence(1, 2), Absence(3, 4))
+    assert run.source.robots[0].absences == (Absence(1, 2), Absence(3, 4))
     assert run.tally().status == "completed"
     record = run.record()
     assert judge(record).findings == ()
-    again = run_trial(run.scenario, load_method("join-fitting"))
-    assert (again.replay.steps, again.replay.end) == (record.steps, record.end)
+    again = run_trial(run.source, load_method("join-fitting"))
+    assert (again.record.steps, again.record.end) == (record.steps, record.end)
 
 
 def test_who_is_not_back_after_all_stays_lost() -> None:
     run = mission()
-    name = run.scenario.robots[0].name
+    name = run.source.robots[0].name
     run.happen(LostRobot(name))
     run.step()
     run.happen(RobotBack(name))
     run.happen(LostRobot(name))
-    assert run.scenario.robots[0].absences == (Absence(1),)
+    assert run.source.robots[0].absences == (Absence(1),)
     with pytest.raises(TeamformerError, match="was lost in step 1 already"):
         run.happen(LostRobot(name))
 
@@ -240,14 +240,14 @@ def test_what_appears_at_random_appears_whatever_else_happens(method: str) -> No
     run = called(method)
     extra = NewTask((0, 0), {"scan": 1}, "extra")
     play(run, {10: extra, 14: CancelledTask("call-2"), 20: LostRobot("kite")})
-    assert [it.name for it in run.scenario.tasks[6:]] == ["call-1", "extra", "call-2"]
-    assert run.scenario.arrivals == replace(STORM.arrivals, since=20)
+    assert [it.name for it in run.source.tasks[6:]] == ["call-1", "extra", "call-2"]
+    assert run.source.arrivals == replace(STORM.arrivals, since=20)
     record = run.record()
     assert judge(record).findings == ()
-    told = [(it.name, it.appears) for it in record.mission.tasks[6:]]
+    told = [(it.name, it.appears) for it in record.true_mission.tasks[6:]]
     assert told == [("call-1", 3), ("extra", 10), ("call-2", 14), ("call-3", 38)]
-    again = run_trial(run.scenario, load_method(method), run.seed)
-    assert again.replay.steps == record.steps
+    again = run_trial(run.source, load_method(method), run.seed)
+    assert again.record.steps == record.steps
 
 
 def test_what_appears_at_random_is_forecast_by_what_is_known(
@@ -259,7 +259,7 @@ def test_what_appears_at_random_is_forecast_by_what_is_known(
     for _ in range(9):
         run.step()
     known, now = run.past().env.truths[0], run.past()
-    futures = [possible_truth(now.scenario, now.env, seed) for seed in range(30)]
+    futures = [possible_truth(now.mission, now.env, seed) for seed in range(30)]
     for future in futures:
         calls = [it for it in future.tasks if it.has_arrived]
         assert [it for it in calls if it.appears <= 12] == [
@@ -270,7 +270,7 @@ def test_what_appears_at_random_is_forecast_by_what_is_known(
     monkeypatch.setattr(forecasts, "SAMPLES", 10)
     told = forecast(now, seconds=600)
     assert 1 < told.futures <= 10
-    assert len(told.done_at) == len(now.env.scenarios[0].tasks)
+    assert len(told.done_at) == len(now.env.missions[0].tasks)
 
 
 def test_who_plans_with_everything_is_not_surprised() -> None:
@@ -278,7 +278,7 @@ def test_who_plans_with_everything_is_not_surprised() -> None:
         needs_everything = True
 
     run = RunningMission(
-        mission().scenario, lambda: Method("knows", policy=KnowsEverything()), seed=0
+        mission().source, lambda: Method("knows", policy=KnowsEverything()), seed=0
     )
     with pytest.raises(TeamformerError, match="run it by another method"):
         run.happen(NewTask((0, 0), {"lift": 1}, "late"))
@@ -300,8 +300,8 @@ def planned(policy: str = "plan") -> RunningMission:
     """Return a mission of two lifters and five tasks whose robots go by a shared plan."""
     robots = [robot("a", 0), robot("a", 9)]
     tasks = [task("a", x, duration=2) for x in (1, 3, 5, 7, 8)]
-    scenario = make(robots, tasks)
-    return RunningMission(scenario, lambda: load_method(policy), seed=0)
+    mission = make(robots, tasks)
+    return RunningMission(mission, lambda: load_method(policy), seed=0)
 
 
 def swapped(run: RunningMission) -> Plan:
@@ -337,7 +337,7 @@ def test_what_happens_after_a_plan_was_taken_over_leaves_the_past_as_it_was() ->
     run.happen(PlanTakenOver(swapped(run), Forecast(1, (9,)), Forecast(1, (9,))))
     run.happen(NewTask((2, 0), {"a": 1}, "extra"))  # at the same moment
     run.step()
-    run.happen(LostRobot(run.scenario.robots[0].name))
+    run.happen(LostRobot(run.source.robots[0].name))
     play(run, {})
     record = run.record()
     assert judge(record).findings == ()
@@ -374,8 +374,8 @@ def uncertain() -> RunningMission:
     """Return a mission of one robot with four tasks in its place, of one to nine steps each."""
     tasks = [replace(task("a", 0), name=f"t{n}", lasts=(1, 9)) for n in range(2)]
     tasks += [task("a", 1)]
-    scenario = make([robot("a", 0)], tasks)
-    return RunningMission(scenario, lambda: load_method("plan"), seed=4)
+    mission = make([robot("a", 0)], tasks)
+    return RunningMission(mission, lambda: load_method("plan"), seed=4)
 
 
 def test_an_uncertain_mission_is_forecast_as_a_band_that_narrows() -> None:
@@ -400,7 +400,7 @@ def test_futures_agree_with_what_has_been_seen() -> None:
     past = run.past()
     real, seen = past.env.truths[0], past.env.worlds.tasks[0]
     for seed in range(30):
-        truth = possible_truth(past.scenario, past.env, seed)
+        truth = possible_truth(past.mission, past.env, seed)
         for drawn, true, state in zip(truth.tasks, real.tasks, seen, strict=True):
             if state["done_at"] >= 0:
                 assert drawn.duration == true.duration
@@ -411,13 +411,13 @@ def test_futures_agree_with_what_has_been_seen() -> None:
 def test_in_futures_a_task_is_where_nobody_has_looked_yet() -> None:
     """It is within 4 of 10 in a corridor; the robot comes from 0 and sees a cell ahead."""
     hidden = replace(task("a", 10), within=4)
-    scenario = make([robot("a", 0)], [hidden])
-    run = RunningMission(scenario, lambda: load_method("plan"), seed=1)
-    (real,) = draw_truth(scenario, 1).tasks
+    mission = make([robot("a", 0)], [hidden])
+    run = RunningMission(mission, lambda: load_method("plan"), seed=1)
+    (real,) = draw_truth(mission, 1).tasks
     before: set[float] = set(range(6, 15))
     while run.is_running:
         past = run.past()
-        found = {possible_truth(scenario, past.env, seed).tasks[0].at[0] for seed in range(60)}
+        found = {possible_truth(mission, past.env, seed).tasks[0].at[0] for seed in range(60)}
         assert real.at[0] in found
         assert found <= before
         before = found
@@ -428,14 +428,14 @@ def test_in_futures_a_task_is_where_nobody_has_looked_yet() -> None:
 @pytest.mark.parametrize("steps", [2, 20, 40])
 def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
     lame = replace(robot("a", 0), breaks=Breakdown(0.05, (5, 30)))
-    scenario = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
-    run = RunningMission(scenario, lambda: load_method("join-fitting"), seed=3)
-    real = draw_truth(scenario, 3).robots[0].absences
+    mission = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
+    run = RunningMission(mission, lambda: load_method("join-fitting"), seed=3)
+    real = draw_truth(mission, 3).robots[0].absences
     while run.steps < steps:
         run.step()
     been = [away for away in real if away.lost <= steps]
     for seed in range(30):
-        drawn = possible_truth(scenario, run.past().env, seed).robots[0].absences
+        drawn = possible_truth(mission, run.past().env, seed).robots[0].absences
         seen, later = drawn[: len(been)], drawn[len(been) :]
         assert [away.lost for away in seen] == [away.lost for away in been]
         for one, other in zip(seen, been, strict=True):
@@ -448,19 +448,19 @@ def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
 def test_in_futures_nobody_breaks_down_after_the_trial() -> None:
     """A robot that is repaired for a billion steps is sound again when no step is left."""
     lame = replace(robot("a", 0), breaks=Breakdown(1.0, (10**9, 10**9)))
-    scenario = make([lame, robot("a", 0)], [task("a", 15)], step_limit=10**9)
-    run = RunningMission(scenario, lambda: load_method("join-fitting"), seed=3)
+    mission = make([lame, robot("a", 0)], [task("a", 15)], step_limit=10**9)
+    run = RunningMission(mission, lambda: load_method("join-fitting"), seed=3)
     for _ in range(3):
         run.step()
     for seed in range(3):
-        drawn = possible_truth(scenario, run.past().env, seed).robots[0].absences
+        drawn = possible_truth(mission, run.past().env, seed).robots[0].absences
         assert drawn == (Absence(1, 10**9 + 1),)
 
 
 def test_nobody_foresees_when_a_robot_stands_still() -> None:
     slow = replace(robot("a", 0), delays=Delays(0.5))
-    scenario = make([slow], [task("a", 15)])
-    run = RunningMission(scenario, lambda: load_method("plan"), seed=3)
+    mission = make([slow], [task("a", 15)])
+    run = RunningMission(mission, lambda: load_method("plan"), seed=3)
     for _ in range(3):
         run.step()
     early = forecast(run.past())
@@ -472,11 +472,11 @@ def test_nobody_foresees_when_a_robot_stands_still() -> None:
 
 def test_incidents_make_sure_what_was_not() -> None:
     lame = replace(robot("a", 0), breaks=Breakdown(0.05, (5, 30)))
-    scenario = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
-    run = RunningMission(scenario, lambda: load_method("join-fitting"), seed=3)
+    mission = make([lame, robot("a", 0)], [task("a", 60)], Grid(70, 1))
+    run = RunningMission(mission, lambda: load_method("join-fitting"), seed=3)
     play(run, {2: LostRobot("r0"), 4: RobotBack("r0")})
-    assert run.scenario.robots[0].breaks is None
-    assert run.scenario.robots[0].absences == (Absence(3, 5),)
+    assert run.source.robots[0].breaks is None
+    assert run.source.robots[0].absences == (Absence(3, 5),)
     assert judge(run.record()).findings == ()
 
 
@@ -501,32 +501,32 @@ def test_a_task_that_is_called_off_is_in_the_record_that_run_makes_too(method: s
     run = mission(method=method)
     for _ in range(3):
         run.step()
-    undone = next(k for k in range(len(run.scenario.tasks)) if k not in run.ends())
-    called_off = CancelledTask(run.scenario.tasks[undone].name)
+    undone = next(k for k in range(len(run.source.tasks)) if k not in run.ends())
+    called_off = CancelledTask(run.source.tasks[undone].name)
     foreseen = forecast(run.past_with(called_off))
     run.happen(called_off)
     run_to_its_end(run)
     record = run.record()
     assert judge(record).findings == ()
     assert foreseen.ends == (record.end.makespan,)
-    assert record.end.tasks_done == len(run.scenario.tasks) - 1
-    assert run.scenario.tasks[undone].cancelled == 4
-    again = run_trial(run.scenario, load_method(method))
-    assert again.replay.steps == record.steps
-    assert again.replay.end == record.end
+    assert record.end.tasks_done == len(run.source.tasks) - 1
+    assert run.source.tasks[undone].cancelled == 4
+    again = run_trial(run.source, load_method(method))
+    assert again.record.steps == record.steps
+    assert again.record.end == record.end
     if method == "plan":
         assert "task cancelled" in dict(record.plans)[4].reasons
 
 
 def test_calling_off_what_can_never_be_done_lets_the_mission_end() -> None:
     """One of two tasks needs `b`, who is lost in step 2, so that the mission is given up."""
-    scenario = make([robot("a", 0), robot("b", 1)], [task("b", 9), task("a", 5)])
-    run = RunningMission(scenario, lambda: load_method("plan"), seed=0)
+    mission = make([robot("a", 0), robot("b", 1)], [task("b", 9), task("a", 5)])
+    run = RunningMission(mission, lambda: load_method("plan"), seed=0)
     run.step()
-    run.happen(LostRobot(scenario.robots[1].name))
+    run.happen(LostRobot(mission.robots[1].name))
     run.step()
     assert run.tally().status == "infeasible"
-    run.happen(CancelledTask(scenario.tasks[0].name))
+    run.happen(CancelledTask(mission.tasks[0].name))
     assert run.is_running
     run_to_its_end(run)
     assert (run.tally().status, run.tally().steps, run.tally().tasks_done) == ("completed", 5, 1)
@@ -535,8 +535,8 @@ def test_calling_off_what_can_never_be_done_lets_the_mission_end() -> None:
 
 def test_a_weight_that_is_raised_makes_another_plan() -> None:
     """From 5 the heavy one first; two steps to it, the other becomes heavier: 7 to it, 10 back."""
-    scenario = late_pair((3.0, 1.0), cost={"tardiness": 1})
-    run = RunningMission(scenario, lambda: load_method("plan"), seed=0)
+    mission = late_pair((3.0, 1.0), cost={"tardiness": 1})
+    run = RunningMission(mission, lambda: load_method("plan"), seed=0)
     for _ in range(2):
         run.step()
     run.happen(NewWeight("right", 99.0))
@@ -545,7 +545,7 @@ def test_a_weight_that_is_raised_makes_another_plan() -> None:
     run_to_its_end(run)
     record = run.record()
     assert judge(record).findings == ()
-    assert {run.scenario.tasks[k].name: step for k, step in run.ends().items()} == {
+    assert {run.source.tasks[k].name: step for k, step in run.ends().items()} == {
         "between": 5,
         "right": 9,
         "left": 19,
@@ -563,7 +563,7 @@ def test_a_weight_counts_for_crews_also_where_tasks_come_after_others(later: int
         Task("far", (20, 0), {"a": 1}, between=(0, 15)),
         Task("last", (0, 0), {"a": 1}, after=("near",)),
     )
-    scenario = Mission(
+    mission = Mission(
         "order",
         Grid(30, 1),
         ("a",),
@@ -571,7 +571,7 @@ def test_a_weight_counts_for_crews_also_where_tasks_come_after_others(later: int
         tasks,
         cost={"makespan": 1.0, "tardiness": 0.1},
     )
-    run = RunningMission(scenario, lambda: load_method("crews"), seed=0)
+    run = RunningMission(mission, lambda: load_method("crews"), seed=0)
     for _ in range(3 + later):  # in the third step `near` is done: crews deal `last` out
         run.step()
     run.happen(NewWeight("far", 1000.0))
@@ -598,8 +598,8 @@ def test_what_cannot_happen_to_a_task_is_refused(incident: Incident, why: str) -
         Task("far", (9, 0), {"a": 1}),
         Task("gone", (8, 0), {"a": 1}, cancelled=3),
     )
-    scenario = replace(late_pair(), tasks=tasks)
-    run = RunningMission(scenario, lambda: load_method("plan"), seed=0)
+    mission = replace(late_pair(), tasks=tasks)
+    run = RunningMission(mission, lambda: load_method("plan"), seed=0)
     for _ in range(3):
         run.step()
     with pytest.raises(TeamformerError, match=why):
@@ -608,7 +608,7 @@ def test_what_cannot_happen_to_a_task_is_refused(incident: Incident, why: str) -
 
 
 def test_a_weight_counts_only_where_there_is_a_plan() -> None:
-    scenario = late_pair(cost={"tardiness": 1})
-    run = RunningMission(scenario, lambda: load_method("join-all"), seed=0)
+    mission = late_pair(cost={"tardiness": 1})
+    run = RunningMission(mission, lambda: load_method("join-all"), seed=0)
     with pytest.raises(TeamformerError, match="by this method robots go by no plan"):
         run.happen(NewWeight("left", 2.0))

@@ -263,7 +263,7 @@ def test_the_lower_bound_is_that_of_a_run(served: Served) -> None:
         page.ask(do="happen", task={"at": [0, 2], "needs": {"scan": 1}, "duration": 40})
         assert page.hear("incident")["record"]["lower_bound"] is None
         told = page.hear("bound")["lower_bound"]
-        assert told == lower_bound(served.session.mission.scenario) > bound
+        assert told == lower_bound(served.session.mission.source) > bound
         page.ask(do="save")
         record = Path(page.hear("saved")["paths"][0])
         assert read_record(record).lower_bound == told
@@ -285,7 +285,7 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
         assert guess["without"] == {"status": "completed", "steps": 13}
         assert guess["text"] == "robot r2 lost"
         page.ask(do="happen", lost="r2")
-        assert page.hear("incident")["record"]["scenario"]["robots"][1]["lost"] == 5
+        assert page.hear("incident")["record"]["mission"]["robots"][1]["lost"] == 5
         page.ask(do="happen", task={"at": [3, 1], "needs": ["lift"], "name": "extra"})
         page.hear("incident")
         page.ask(do="play")
@@ -296,7 +296,7 @@ def test_incidents_happen_and_the_saved_record_is_legal(served: Served) -> None:
     assert judge(record).findings == ()
     assert record.end.status == "completed"
     assert guess["steps"] <= record.end.steps
-    assert [task.name for task in record.scenario.tasks] == ["a", "b", "c", "extra"]
+    assert [task.name for task in record.mission.tasks] == ["a", "b", "c", "extra"]
 
 
 class Long:
@@ -447,7 +447,7 @@ def test_a_plan_is_searched_for_offered_and_taken_over(tmp_path: Path) -> None:
         assert "the mission has gone on since then" in page.hear("refused")["text"]
         page.ask(do="save")
         saved = page.hear("saved")
-        assert "a scenario holds no plans" in saved["note"]
+        assert "a mission holds no plans" in saved["note"]
     assert judge(read_record(Path(saved["paths"][0]))).findings == ()
 
 
@@ -537,7 +537,7 @@ def test_ending_the_server_saves_what_was_done(tmp_path: Path) -> None:
     with serving(small_mission(), tmp_path / "out") as server, Page(server) as page:
         page.ask(do="step")
         page.hear("step")
-    record = read_record(tmp_path / "out" / "replay.json")
+    record = read_record(tmp_path / "out" / "record.json")
     assert (record.end.status, len(record.steps)) == ("interrupted", 1)
 
 
@@ -595,7 +595,7 @@ def test_an_incident_is_undone_and_the_mission_restarted(served: Served) -> None
         page.ask(do="undo")
         told = other.hear("mission")
         assert (len(told["record"]["steps"]), told["incidents"]) == (1, [])
-        assert "lost" not in told["record"]["scenario"]["robots"][0]
+        assert "lost" not in told["record"]["mission"]["robots"][0]
         other.ask(do="play")
         while "end" not in (step := page.hear("step")):
             pass
@@ -616,7 +616,7 @@ def test_downloads_are_what_the_command_line_writes(served: Served, tmp_path: Pa
         while "end" not in page.hear("step"):
             pass
         page.ask(do="save")
-        saved, scenario = map(Path, page.hear("saved")["paths"])
+        saved, mission = map(Path, page.hear("saved")["paths"])
     record = read_record(saved)
 
     def content(name: str) -> bytes:
@@ -624,19 +624,19 @@ def test_downloads_are_what_the_command_line_writes(served: Served, tmp_path: Pa
         assert status == 200, came
         return came
 
-    assert content("replay.json") == saved.read_bytes()
-    assert content("mission.yaml") == scenario.read_bytes()
+    assert content("record.json") == saved.read_bytes()
+    assert content("mission.yaml") == mission.read_bytes()
     write_page(record_to_tree(record), tmp_path / "page.html")
-    assert content("replay.html") == (tmp_path / "page.html").read_bytes()
+    assert content("record.html") == (tmp_path / "page.html").read_bytes()
     with zipfile.ZipFile(io.BytesIO(content("tables.zip"))) as tables:
         for path in write_tables(record, tmp_path):
             assert tables.read(path.name) == path.read_bytes()
     write_mcap(record, tmp_path / "it.mcap")
-    (tmp_path / "came.mcap").write_bytes(content("replay.mcap"))
+    (tmp_path / "came.mcap").write_bytes(content("record.mcap"))
     told = messages_of(tmp_path / "came.mcap")
     assert told == messages_of(tmp_path / "it.mcap")
     assert len(told) > 13
-    assert fetch(served, "evil.example", "/download/replay.json")[0] == 403
+    assert fetch(served, "evil.example", "/download/record.json")[0] == 403
     assert fetch(served, served.address, "/download/secrets")[0] == 404
 
 
@@ -655,12 +655,12 @@ class Slow:
         self.may_start = threading.Event()
         self.has_ended = False
 
-    def __call__(self, scenario: Mission) -> RunningMission:
+    def __call__(self, mission: Mission) -> RunningMission:
         self.may_start.wait(20)
         self.has_ended = True
-        if len(scenario.robots) == 1:
+        if len(mission.robots) == 1:
             raise TeamformerError("one robot is too few for this method")
-        return RunningMission(scenario, lambda: load_method("join-fitting"), 0)
+        return RunningMission(mission, lambda: load_method("join-fitting"), 0)
 
 
 def test_pages_are_served_before_the_first_plan_is_made(tmp_path: Path) -> None:
@@ -669,8 +669,8 @@ def test_pages_are_served_before_the_first_plan_is_made(tmp_path: Path) -> None:
     shop = Workshop(start, tmp_path, 20.0, Draft(tree, "small.yaml"), small_mission(), said.append)
     with serving_session(shop) as server:
         with Page(server) as page:
-            assert page.hear("starting")["scenario"]["name"] == "small"
-            assert fetch(server, server.address, "/download/replay.json")[0] == 404
+            assert page.hear("starting")["mission"]["name"] == "small"
+            assert fetch(server, server.address, "/download/record.json")[0] == 404
             while not said:
                 time.sleep(0.01)
             start.may_start.set()
@@ -685,13 +685,13 @@ def test_pages_are_served_before_the_first_plan_is_made(tmp_path: Path) -> None:
             page.hear("begun")
         with Page(server) as page:  # the drawing is as it was
             draft = page.hear("editor")
-            assert (draft["scenario"], draft["file"]) == (tree, "small.yaml")
+            assert (draft["mission"], draft["file"]) == (tree, "small.yaml")
             alone = tree | {"robots": tree["robots"][2:]}
-            page.ask(do="run", scenario=alone)
+            page.ask(do="run", mission=alone)
             assert page.hear("refused")["text"] == "one robot is too few for this method"
         with Page(server) as page:
-            assert len(page.hear("editor")["scenario"]["robots"]) == 1
-            page.ask(do="run", scenario=tree)
+            assert len(page.hear("editor")["mission"]["robots"]) == 1
+            page.ask(do="run", mission=tree)
             page.hear("begun")
         with Page(server) as page:
             assert page.hear("mission")["record"]["steps"] == []
@@ -705,16 +705,16 @@ def editor(tmp_path: Path) -> Iterator[Served]:
 
 def test_what_one_page_draws_all_pages_show(editor: Served) -> None:
     with Page(editor) as one, Page(editor) as other:
-        tree, first = one.hear("editor")["scenario"], other.hear("editor")["id"]
+        tree, first = one.hear("editor")["mission"], other.hear("editor")["id"]
         drawn = tree | {"name": "drawn"}
-        one.ask(do="check", scenario=drawn, id="a1", after=first)
+        one.ask(do="check", mission=drawn, id="a1", after=first)
         assert one.hear("checked") == {"kind": "checked", "problems": [], "id": "a1"}
         told = other.hear("editor")
-        assert (told["scenario"], told["id"]) == (drawn, "a1")
-        other.ask(do="check", scenario=tree, id="b1", after="a1")
-        assert one.hear("editor")["scenario"] == tree
+        assert (told["mission"], told["id"]) == (drawn, "a1")
+        other.ask(do="check", mission=tree, id="b1", after="a1")
+        assert one.hear("editor")["mission"] == tree
         one.ask(do="new")
-        assert other.hear("editor")["scenario"]["robots"] == []
+        assert other.hear("editor")["mission"]["robots"] == []
 
 
 @pytest.mark.parametrize("command", ["check", "save", "run"])
@@ -723,16 +723,16 @@ def test_no_page_draws_over_what_it_has_not_seen(
 ) -> None:
     """Whoever is late is shown the drawing of the other; what follows its own is late too."""
     with Page(editor) as one, Page(editor) as other:
-        tree, first = one.hear("editor")["scenario"], other.hear("editor")["id"]
+        tree, first = one.hear("editor")["mission"], other.hear("editor")["id"]
         mine, yours = tree | {"name": "mine"}, tree | {"name": "yours"}
-        one.ask(do="check", scenario=mine, id="a1", after=first)
+        one.ask(do="check", mission=mine, id="a1", after=first)
         one.hear("checked")
         for own, after in (("b1", first), ("b2", "b1")):
-            other.ask(do=command, scenario=yours, id=own, after=after, name="it.yaml")
-            assert other.hear("editor")["scenario"] == mine
+            other.ask(do=command, mission=yours, id=own, after=after, name="it.yaml")
+            assert other.hear("editor")["mission"] == mine
             assert "another page has drawn meanwhile" in other.hear("refused")["text"]
-        other.ask(do="check", scenario=yours, id="b3", after="a1")
-        assert one.hear("editor")["scenario"] == yours
+        other.ask(do="check", mission=yours, id="b3", after="a1")
+        assert one.hear("editor")["mission"] == yours
     assert list(tmp_path.rglob("*.yaml")) == []
 
 

@@ -39,8 +39,8 @@ def far_and_near() -> Mission:
     return make([robot("a", 0), robot("a", 7)], [task("a", 9)])
 
 
-def mission(scenario: Mission, coordinator: Coordinator) -> RunningMission:
-    return RunningMission(scenario, lambda: Method("own", coordinator=coordinator), 0)
+def mission(mission: Mission, coordinator: Coordinator) -> RunningMission:
+    return RunningMission(mission, lambda: Method("own", coordinator=coordinator), 0)
 
 
 def test_a_loss_that_helps_is_luck_and_the_search_tells_how_much() -> None:
@@ -83,8 +83,8 @@ def test_only_luck_moves_an_end_the_wrong_way(incident: Incident, more: int, is_
 @pytest.mark.parametrize("method", ["plan", "crews"])
 def test_in_other_orders_the_same_mission_is_planned(method: str) -> None:
     """Teams, services under way and loads are there; whatever is planned can be done."""
-    scenario = read_mission(EXAMPLES / "warehouse.yaml")
-    run = RunningMission(scenario, lambda: load_method(method), 0)
+    mission = read_mission(EXAMPLES / "warehouse.yaml")
+    run = RunningMission(mission, lambda: load_method(method), 0)
     for _ in range(12):
         run.step()
     sooner = forecast(run.past())

@@ -163,9 +163,7 @@ def test_trials_end_with_a_folder_s_policy(exported: tuple[Teamformer, Path]) ->
 def test_more_capabilities_than_it_knows_are_refused(exported: tuple[Teamformer, Path]) -> None:
     policy = spelled_in(exported[1])
     env = TeamFormation([generate(Spec(5, 2, 5), np.random.default_rng(0))])
-    with pytest.raises(
-        TeamformerError, match="knows 4 capabilities, the scenario has 5"
-    ) as refused:
+    with pytest.raises(TeamformerError, match="knows 4 capabilities, the mission has 5") as refused:
         policy.decide(env.view())
     assert "teamformer" in refused.value.hint
 

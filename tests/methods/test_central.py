@@ -58,9 +58,9 @@ def test_like_robots_exchange_their_routes() -> None:
     """Robots 1 and 3 are alike; the plan sends 3 away alone, but the rules let robot 1 stay."""
     robots = [robot("r1", 10, "a"), robot("r2", 10, "b"), robot("r3", 10, "a")]
     tasks = [task("here", 10, "a", "b"), task("left", 4, "a", "b"), task("right", 16, "a")]
-    scenario = corridor(robots, tasks)
-    player = PlanPlayer(scenario, [[0, 2], [0, 1], [0, 1]])
-    env = TeamFormation([scenario])
+    mission = corridor(robots, tasks)
+    player = PlanPlayer(mission, [[0, 2], [0, 1], [0, 1]])
+    env = TeamFormation([mission])
     while env.is_running[0]:
         env.view()
         env.step(player.decide_in(env))
@@ -74,12 +74,12 @@ def test_like_robots_exchange_their_routes() -> None:
 @pytest.mark.thorough
 def test_never_slower_than_joining_all_and_never_faster_than_its_bound(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    scenarios = [generate(Spec(), rng) for _ in range(5)]
-    scenarios += [random_world(rng, with_losses=False) for _ in range(10)]
-    scenarios += [random_world(rng, with_losses=False, is_plane=True) for _ in range(5)]
+    missions = [generate(Spec(), rng) for _ in range(5)]
+    missions += [random_world(rng, with_losses=False) for _ in range(10)]
+    missions += [random_world(rng, with_losses=False, is_plane=True) for _ in range(5)]
     central = Central(time_limit=0.6)  # what is played is cut short when time is up
-    tallies = run_trials(scenarios, central, seed=seed)
-    join_all = run_trials(scenarios, JoinAll())
+    tallies = run_trials(missions, central, seed=seed)
+    join_all = run_trials(missions, JoinAll())
     for tally, other, plan in zip(tallies, join_all, central.plans, strict=True):
         assert tally.status == "completed"
         assert tally.illegal_decisions == 0
@@ -88,9 +88,9 @@ def test_never_slower_than_joining_all_and_never_faster_than_its_bound(seed: int
 
 def test_never_slower_than_the_shared_plan() -> None:
     rng = np.random.default_rng(3)
-    scenarios = [generate(Spec(robots=6, tasks=8, requirements=2), rng) for _ in range(3)]
-    tallies = run_trials(scenarios, Central(time_limit=0.0))
-    shared = run_trials(scenarios, SharedPlan())
+    missions = [generate(Spec(robots=6, tasks=8, requirements=2), rng) for _ in range(3)]
+    tallies = run_trials(missions, Central(time_limit=0.0))
+    shared = run_trials(missions, SharedPlan())
     for tally, other in zip(tallies, shared, strict=True):
         assert tally.status == "completed"
         assert tally.steps <= other.steps
@@ -104,19 +104,19 @@ def test_worlds_that_lose_robots_end_all_the_same() -> None:
 
 
 def test_no_time_gives_the_first_plan_and_says_so() -> None:
-    scenario = generate(Spec(tasks=20), np.random.default_rng(1))
+    mission = generate(Spec(tasks=20), np.random.default_rng(1))
     first, later = Central(time_limit=0.0), Central(time_limit=1.0)
-    [tally] = run_trials([scenario], first)
-    [better] = run_trials([scenario], later)
+    [tally] = run_trials([mission], first)
+    [better] = run_trials([mission], later)
     assert tally.status == better.status == "completed"
     assert (first.plans[0].is_first, later.plans[0].is_first) == (True, False)
     assert better.steps <= tally.steps == first.plans[0].makespan
 
 
 def test_the_curve_falls_to_what_is_played() -> None:
-    scenario = generate(Spec(8, 20, 8), np.random.default_rng(1))
+    mission = generate(Spec(8, 20, 8), np.random.default_rng(1))
     central = Central(time_limit=1.0)
-    [tally] = run_trials([scenario], central)
+    [tally] = run_trials([mission], central)
     seconds, makespans = zip(*central.plans[0].curve, strict=True)
     assert list(seconds) == sorted(seconds)
     assert list(makespans) == sorted(set(makespans), reverse=True)
@@ -124,11 +124,11 @@ def test_the_curve_falls_to_what_is_played() -> None:
 
 
 def test_the_time_limit_is_kept() -> None:
-    scenario = generate(Spec(20, 40, 8, world=Grid(20, 20)), np.random.default_rng(2))
+    mission = generate(Spec(20, 40, 8, world=Grid(20, 20)), np.random.default_rng(2))
     central = Central(time_limit=1.0)
     run_trials([generate(Spec(), np.random.default_rng(0))], central)  # compiles
     begun = time.process_time()  # of two threads; a busy machine makes it less, not more
-    central.begin([scenario], np.random.default_rng(0))
+    central.begin([mission], np.random.default_rng(0))
     assert time.process_time() - begun < 2 * 1.25
     assert central.plans[0].makespan is not None
 
@@ -136,10 +136,10 @@ def test_the_time_limit_is_kept() -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_a_plan_takes_no_longer_than_the_search_promised(seed: int) -> None:
     """It may be done sooner: who has nothing left to do goes where its next task is."""
-    scenario = generate(Spec(6, 8, 3), np.random.default_rng(seed))
-    found = TeamArcs(situation_in_hindsight(scenario), seed).plan_anew(3000)
+    mission = generate(Spec(6, 8, 3), np.random.default_rng(seed))
+    found = TeamArcs(situation_in_hindsight(mission), seed).plan_anew(3000)
     assert found is not None
-    assert found.makespan - 1 <= play(scenario, found.plan) <= found.makespan
+    assert found.makespan - 1 <= play(mission, found.plan) <= found.makespan
 
 
 def test_robots_that_the_rules_cannot_part_go_on_together() -> None:
@@ -151,9 +151,9 @@ def test_robots_that_the_rules_cannot_part_go_on_together() -> None:
     robots = [robot("r1", 10, "a"), robot("r2", 10, "b")]
     robots += [Robot(f"r{n}", (10, 0), {"a": 1, "b": 1}) for n in (3, 4)]
     tasks = [Task("left", (5, 0), {"a": 2, "b": 1}), Task("right", (15, 0), {"a": 1, "b": 2})]
-    scenario = replace(corridor(robots, tasks), teams=((0, 1, 2, 3),))
-    player = PlanPlayer(scenario, [[0], [1], [0], [1]])
-    env = TeamFormation([scenario])
+    mission = replace(corridor(robots, tasks), teams=((0, 1, 2, 3),))
+    player = PlanPlayer(mission, [[0], [1], [0], [1]])
+    env = TeamFormation([mission])
     while env.is_running[0]:
         env.view()
         env.step(player.decide_in(env))
@@ -166,19 +166,19 @@ def test_a_play_becomes_a_plan(is_plane: bool) -> None:
     """Also on planes, where who does a task stands anywhere within the arrival radius of it."""
     rng = np.random.default_rng(3)
     worlds = [random_world(rng, False, False, is_plane) for _ in range(25)]
-    for scenario in worlds:
-        problem = relax(scenario)
-        plan = plan_from_play(scenario, JoinAll())
+    for mission in worlds:
+        problem = relax(mission)
+        plan = plan_from_play(mission, JoinAll())
         assert plan is not None
         for task, size in enumerate(plan.size.tolist()):
             has = problem.counts[plan.coalition[task, :size]].sum(axis=0)
             assert (has >= problem.needs[task]).all()
-        assert play(scenario, plan) > 0
+        assert play(mission, plan) > 0
 
 
-def play(scenario: Mission, plan: TeamPlan) -> int:
-    player = PlanPlayer(scenario, routes_of(plan, len(scenario.robots)), plan.order.tolist())
-    env = TeamFormation([scenario])
+def play(mission: Mission, plan: TeamPlan) -> int:
+    player = PlanPlayer(mission, routes_of(plan, len(mission.robots)), plan.order.tolist())
+    env = TeamFormation([mission])
     while env.is_running[0]:
         env.view()
         env.step(player.decide_in(env))
@@ -187,6 +187,6 @@ def play(scenario: Mission, plan: TeamPlan) -> int:
     return env.tally().steps
 
 
-def test_it_has_to_be_given_the_scenarios() -> None:
-    with pytest.raises(ValueError, match="scenarios"):
+def test_it_has_to_be_given_the_missions() -> None:
+    with pytest.raises(ValueError, match="missions"):
         Central().begin(None, np.random.default_rng(0))

@@ -59,27 +59,27 @@ def sure(_: Path) -> tuple[Mission, int]:
 def test_what_the_default_does_better_is_played(
     mission: Callable[[Path], tuple[Mission, int]], tmp_path: Path
 ) -> None:
-    scenario, seed = mission(tmp_path)
-    trial = run_trial(scenario, Central(time_limit=0.25), seed)
-    usual = run_trial(scenario, SharedPlan(), seed).replay
+    source, seed = mission(tmp_path)
+    trial = run_trial(source, Central(time_limit=0.25), seed)
+    usual = run_trial(source, SharedPlan(), seed).record
     assert usual.end.status == "completed"
     assert trial.plan is not None
     assert (trial.plan.makespan, trial.plan.played_by) == (usual.end.makespan, "plan")
-    assert trial.plan.mission.has_surprises == scenario.has_surprises
-    assert (trial.replay.truth is not None) == scenario.has_surprises
-    assert trial.replay.steps == usual.steps
-    assert judge(trial.replay).findings == ()
+    assert trial.plan.mission.has_surprises == source.has_surprises
+    assert (trial.record.truth is not None) == source.has_surprises
+    assert trial.record.steps == usual.steps
+    assert judge(trial.record).findings == ()
 
 
 @pytest.mark.thorough
 def test_many_missions_at_once_are_played_each_as_is_best(tmp_path: Path) -> None:
     """As they are or as they are seen; also where somebody stands between with a clock."""
     pairs = [mission(tmp_path) for mission in (beliefs, as_seen, sure)]
-    scenarios, seeds = zip(*pairs, strict=True)
-    usual = [run_trial(scenario, SharedPlan(), seed).replay.end.steps for scenario, seed in pairs]
-    clock = Stopwatch(Method("central", policy=Central(time_limit=0.25)), len(scenarios))
+    missions, seeds = zip(*pairs, strict=True)
+    usual = [run_trial(source, SharedPlan(), seed).record.end.steps for source, seed in pairs]
+    clock = Stopwatch(Method("central", policy=Central(time_limit=0.25)), len(missions))
     for player in (Central(time_limit=0.25), clock.timed()):
-        tallies = run_trials(scenarios, player, truth_seeds=seeds)
+        tallies = run_trials(missions, player, truth_seeds=seeds)
         assert all(tally.status == "completed" for tally in tallies)
         assert all(tally.steps <= best for tally, best in zip(tallies, usual, strict=True))
     assert clock.seconds.sum() > 0
@@ -105,8 +105,8 @@ def test_where_nobody_is_done_in_time_what_does_most_is_played() -> None:
     tasks = [task("b", 0), task("b", 0), task("b", 0), task("ab", 1)]
     mission = make([slow, robot("b", 3)], tasks, step_limit=7)
     for seconds in (0.0, 0.2):
-        end = run_trial(mission, Central(time_limit=seconds)).replay.end
-        usual = run_trial(mission, SharedPlan()).replay.end
+        end = run_trial(mission, Central(time_limit=seconds)).record.end
+        usual = run_trial(mission, SharedPlan()).record.end
         assert (end.status, usual.status) == ("step limit", "step limit")
         assert end.tasks_done >= usual.tasks_done > 0
 

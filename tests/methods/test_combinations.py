@@ -73,7 +73,7 @@ def test_whatever_is_legal_is_carried_out() -> None:
 
 def test_more_capabilities_than_the_network_has_are_refused() -> None:
     view = TeamFormation([generate(Spec(8, 2, 8), np.random.default_rng(0))]).view()
-    with pytest.raises(TeamformerError, match="knows 4 capabilities, the scenario has 8"):
+    with pytest.raises(TeamformerError, match="knows 4 capabilities, the mission has 8"):
         CombinationCodec(4).encode(view)
     with pytest.raises(TeamformerError, match="2097152 actions"):
         CombinationCodec(20)

@@ -60,16 +60,16 @@ def test_a_policy_keeps_what_all_keep(name: str) -> None:
 @pytest.mark.thorough
 def test_company_changes_nothing(name: str) -> None:
     """A world beside larger ones, with padding in its views, goes as it does alone."""
-    scenarios = worlds(6, 12)
-    together = run_trials(scenarios, load(name), seed=0)
-    assert together == [run_trials([scenario], load(name), seed=0)[0] for scenario in scenarios]
+    missions = worlds(6, 12)
+    together = run_trials(missions, load(name), seed=0)
+    assert together == [run_trials([mission], load(name), seed=0)[0] for mission in missions]
 
 
 @pytest.mark.parametrize("name", LISTED)
 def test_every_possible_world_is_finished(name: str) -> None:
     rng = np.random.default_rng(7)
-    scenarios = [random_world(rng, with_losses=False) for _ in range(30)]
-    assert {tally.status for tally in run_trials(scenarios, load(name))} == {"completed"}
+    missions = [random_world(rng, with_losses=False) for _ in range(30)]
+    assert {tally.status for tally in run_trials(missions, load(name))} == {"completed"}
 
 
 @pytest.mark.parametrize("name", [name for name in LISTED if not load(name).needs_everything])

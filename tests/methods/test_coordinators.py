@@ -48,7 +48,7 @@ def two_sides() -> Mission:
 
 def test_a_coordinator_is_told_what_happened_and_what_everybody_knows() -> None:
     told = Told()
-    replay = run_trial(two_sides(), told).replay
+    record = run_trial(two_sides(), told).record
     assert [(known.step, known.news) for known in told.known[:3]] == [
         (0, ("start",)),
         (1, ("task appeared",)),
@@ -60,7 +60,7 @@ def test_a_coordinator_is_told_what_happened_and_what_everybody_knows() -> None:
     assert told.known[2].robots == (0,)
     assert told.known[2].teams == ((0,),)
     done = [known.step for known in told.known if "task done" in known.news]
-    ended = [n for n, step in enumerate(replay.steps, 1) if step.done]
+    ended = [n for n, step in enumerate(record.steps, 1) if step.done]
     assert done == ended[:-1]  # after the last there is nothing to plan
 
 
@@ -76,12 +76,12 @@ def chain() -> Mission:
 
 def test_a_coordinator_is_told_what_tasks_come_after_that_is_not_over() -> None:
     told = Told()
-    replay = run_trial(chain(), told).replay
+    record = run_trial(chain(), told).record
     assert [known.step for known in told.known] == [0, 3, 5]
     assert told.known[0].open_tasks == told.known[0].possible_tasks == (0, 1, 2)
     assert [known.mission.tasks[2].after for known in told.known] == [("t1",), ("t1",), ()]
     assert [known.mission.tasks[1].after for known in told.known] == [("t0",), (), ()]
-    assert replay.end.makespan == 6  # 1 to T, 2 there, 2 to U; the other waits at V by then
+    assert record.end.makespan == 6  # 1 to T, 2 there, 2 to U; the other waits at V by then
 
 
 def test_what_comes_after_others_is_possible_if_these_are_or_are_under_way() -> None:
@@ -110,18 +110,18 @@ class InThisOrder:
 
 
 def test_tasks_are_moved_behind_those_that_they_come_after() -> None:
-    replay = run_trial(chain(), InThisOrder((2, 1, 0))).replay
-    assert [order for _, order in replay.orders] == [(0, 1, 2)]
-    assert replay.end.status == "completed"
-    assert judge(replay).findings == ()
+    record = run_trial(chain(), InThisOrder((2, 1, 0))).record
+    assert [order for _, order in record.orders] == [(0, 1, 2)]
+    assert record.end.status == "completed"
+    assert judge(record).findings == ()
 
 
 def test_so_they_are_where_a_task_between_them_is_left_out() -> None:
     """V comes after T by way of U, which is for nobody until V could begin otherwise."""
-    replay = run_trial(chain(), InThisOrder((2, 0))).replay
-    assert replay.orders[0] == (0, (0, 2, 1))
-    assert replay.end.status == "completed"
-    assert judge(replay).findings == ()
+    record = run_trial(chain(), InThisOrder((2, 0))).record
+    assert record.orders[0] == (0, (0, 2, 1))
+    assert record.end.status == "completed"
+    assert judge(record).findings == ()
 
 
 def test_crews_keep_what_may_not_begin_yet_for_nobody() -> None:
@@ -135,15 +135,15 @@ def test_crews_keep_what_may_not_begin_yet_for_nobody() -> None:
 
 def test_it_is_news_when_a_task_may_begin_that_the_plan_leaves_out() -> None:
     """V may begin when U is done, and nobody is to do it."""
-    replay = run_trial(chain(), InThisOrder((1, 0))).replay
-    done = {task: n for n, step in enumerate(replay.steps, 1) for task, _ in step.done}
-    assert [(steps, plan.reasons) for steps, plan in replay.plans] == [
+    record = run_trial(chain(), InThisOrder((1, 0))).record
+    done = {task: n for n, step in enumerate(record.steps, 1) for task, _ in step.done}
+    assert [(steps, plan.reasons) for steps, plan in record.plans] == [
         (0, ("start",)),
         (done[1], ("task appeared",)),
     ]
-    assert [order for _, order in replay.orders] == [(0, 1, 2), (2,)]
-    assert judge(replay).findings == ()
-    forged = replace(replay, plans=replay.plans[:1], orders=replay.orders[:1])
+    assert [order for _, order in record.orders] == [(0, 1, 2), (2,)]
+    assert judge(record).findings == ()
+    forged = replace(record, plans=record.plans[:1], orders=record.orders[:1])
     assert f"there is no plan from after {done[1]} steps" in str(judge(forged).findings)
 
 
@@ -219,6 +219,6 @@ def test_plans_that_robots_cannot_go_by_are_refused(plan: Plan, complaint: str) 
         def update(self, known: Known, old: Plan | None) -> Plan:
             return plan
 
-    scenario = make([robot("a", 0), robot("b", 0)], [task("a", 2), task("b", 4)])
+    mission = make([robot("a", 0), robot("b", 0)], [task("a", 2), task("b", 4)])
     with pytest.raises(TeamformerError, match=complaint):
-        TeamFormation([scenario], coordinator=Fixed())
+        TeamFormation([mission], coordinator=Fixed())

@@ -35,7 +35,7 @@ def test_any_two_sets_of_tasks_differ_and_their_order_does_not_count() -> None:
 
 
 @pytest.mark.parametrize(
-    ("scenario", "patience"),
+    ("mission", "patience"),
     [
         (make([robot("a", 0)], [task("a", 2), task("a", 5)]), 30 + 3 * 5),
         (make([robot("a", 0, speed=0.5)], [task("a", 5)]), 30 + 3 * 10),
@@ -47,9 +47,9 @@ def test_any_two_sets_of_tasks_differ_and_their_order_does_not_count() -> None:
     ids=["right", "slow", "fast", "both sides", "down", "up"],
 )
 def test_a_team_is_overdue_after_thirty_steps_and_three_walks_across_what_it_sees(
-    scenario: Mission, patience: int
+    mission: Mission, patience: int
 ) -> None:
-    guard, view = DeadlockGuard(), TeamFormation([scenario]).view()
+    guard, view = DeadlockGuard(), TeamFormation([mission]).view()
     told = [guard.is_overdue(view).tolist() for _ in range(patience + 3)]
     assert told == [[False]] * (patience + 1) + [[True]] * 2  # the first look is at step 0
 

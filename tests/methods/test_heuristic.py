@@ -140,8 +140,8 @@ def test_forming_is_bounded_between_completions() -> None:
             labels = rng.integers(0, count, size=count)
             teams = tuple(tuple(np.flatnonzero(labels == x).tolist()) for x in set(labels.tolist()))
             robots = [robot("a", 0) for _ in range(count)]
-            scenario: Mission = make(robots, [task("a" * count, 3)], teams=teams)
-            [tally] = run_trials([scenario], HEURISTIC)
+            mission: Mission = make(robots, [task("a" * count, 3)], teams=teams)
+            [tally] = run_trials([mission], HEURISTIC)
             assert tally.status == "completed"
             assert tally.splits == count - len(teams)
             assert tally.joins == count - 1

@@ -28,8 +28,8 @@ def side_by_side(cans: list[dict[str, int]], tasks: list[tuple[int, dict[str, in
     )
 
 
-def wanted(scenario: Mission) -> list[list[int]]:
-    counts: list[list[int]] = JoinFitting().decide(TeamFormation([scenario]).view()).wanted.tolist()
+def wanted(mission: Mission) -> list[list[int]]:
+    counts: list[list[int]] = JoinFitting().decide(TeamFormation([mission]).view()).wanted.tolist()
     return counts
 
 
@@ -49,15 +49,15 @@ def test_one_of_what_no_task_in_view_needs_is_taken_along_and_two_are_not() -> N
 
 def test_at_the_task_what_is_missing_is_joined_even_if_some_is_wasted() -> None:
     """Robots {a, b} and {a, c} fit nobody elsewhere; where both must work they join."""
-    scenario = Mission(
+    mission = Mission(
         "overlap",
         Grid(4, 1),
         ("a", "b", "c"),
         (Robot("r0", (0, 0), {"a": 1, "b": 1}), Robot("r1", (0, 0), {"a": 1, "c": 1})),
         (Task("t0", (2, 0), {"a": 1, "b": 1, "c": 1}),),
     )
-    assert wanted(scenario) == [[1, 1, 0], [1, 0, 1]]
-    [tally] = run_trials([scenario], JoinFitting())
+    assert wanted(mission) == [[1, 1, 0], [1, 0, 1]]
+    [tally] = run_trials([mission], JoinFitting())
     assert (tally.status, tally.steps) == ("completed", 3)  # two steps there, one to join
 
 

@@ -128,14 +128,14 @@ def test_the_deadlock_guard_by_hand() -> None:
 
 
 def test_progress_and_arrivals_reset_patience() -> None:
-    scenario = Mission(
+    mission = Mission(
         "late",
         Grid(4, 1),
         ("a", "b"),
         (Robot("r0", (3, 0), {"a": 1}), Robot("r1", (3, 0), {"b": 1})),
         (Task("t0", (3, 0), {"a": 1, "b": 1}), Task("t1", (3, 0), {"a": 1}, appears=20)),
     )
-    env = TeamFormation([scenario])
+    env = TeamFormation([mission])
     guard, first = DeadlockGuard(), None
     for step in range(60):
         view = env.view()

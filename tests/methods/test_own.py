@@ -71,7 +71,7 @@ def test_a_live_mission_goes_by_it_and_leaves_a_legal_record() -> None:
         if step == 4:
             run.happen(NewTask((1, 1), {"scan": 1}, "extra"))
         if step == 9:
-            run.happen(LostRobot(run.scenario.robots[1].name))
+            run.happen(LostRobot(run.source.robots[1].name))
         run.step()
     record = run.record()
     assert judge(record).findings == ()
@@ -88,9 +88,9 @@ def test_a_live_mission_goes_by_it_and_leaves_a_legal_record() -> None:
     "setting", ["4N9T-C4", "sparse", "real", "warehouse-lost", "sparse-needs", "real-places"]
 )
 def test_it_ends_what_families_of_missions_bring(setting: str) -> None:
-    replay = run_trial(world_of(setting, 0), load_method(NAME)).replay
-    assert replay.end.status == "completed"
-    assert judge(replay).findings == ()
+    record = run_trial(world_of(setting, 0), load_method(NAME)).record
+    assert record.end.status == "completed"
+    assert judge(record).findings == ()
 
 
 @pytest.mark.parametrize(

@@ -145,11 +145,11 @@ def test_following_is_the_script_and_nothing_else_is() -> None:
     assert joins > 20
 
 
-def relabelled(scenario: Mission, rng: np.random.Generator, padding: int = 3) -> Mission:
+def relabelled(mission: Mission, rng: np.random.Generator, padding: int = 3) -> Mission:
     """Return the same world with its capabilities in another order, among others nobody has."""
-    names = [*scenario.capabilities, *(f"unused{i}" for i in range(padding))]
+    names = [*mission.capabilities, *(f"unused{i}" for i in range(padding))]
     order = [names[i] for i in rng.permutation(len(names))]
-    return replace(scenario, capabilities=tuple(order))
+    return replace(mission, capabilities=tuple(order))
 
 
 def test_names_and_number_of_capabilities_mean_nothing() -> None:

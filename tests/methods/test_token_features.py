@@ -31,8 +31,8 @@ def on_a_line(cells: int = 30, service: int = 0) -> Mission:
     )
 
 
-def seen_in(scenario: Mission, capabilities: int = 3) -> tuple[View, Spelled]:
-    env = TeamFormation([scenario])
+def seen_in(mission: Mission, capabilities: int = 3) -> tuple[View, Spelled]:
+    env = TeamFormation([mission])
     view = env.view()
     return view, SpellingCodec(capabilities).encode(view)
 
@@ -92,8 +92,8 @@ def test_who_serves_has_no_choice() -> None:
 
 
 def test_who_is_alone_and_sees_nobody_has_no_choice() -> None:
-    scenario = on_a_line()
-    view, tokens = seen_in(scenario)
+    mission = on_a_line()
+    view, tokens = seen_in(mission)
     assert SpellingCodec(3).has_choice(view, tokens).tolist() == [True, True]
     alone = Mission(
         "alone",

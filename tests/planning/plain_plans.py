@@ -15,11 +15,11 @@ from teamformer.planning.relaxation.schedule import RelaxedSchedule
 
 
 class PlainWorld:
-    """A scenario with its distances, found by walking."""
+    """A mission with its distances, found by walking."""
 
-    def __init__(self, scenario: Mission) -> None:
-        self.robots, self.tasks = scenario.robots, scenario.tasks
-        self._grid = scenario.world
+    def __init__(self, mission: Mission) -> None:
+        self.robots, self.tasks = mission.robots, mission.tasks
+        self._grid = mission.world
         self._fields: dict[Place, dict[Place, int]] = {}
 
     def steps(self, robot: Robot, here: Place, there: Place) -> float:
@@ -71,9 +71,9 @@ class Stay:
         return Stay(task.at, arrives, arrives)
 
 
-def fastest_makespan(scenario: Mission) -> int | None:
+def fastest_makespan(mission: Mission) -> int | None:
     """Return the least makespan of all orders and crews, None if none is in time."""
-    world = PlainWorld(scenario)
+    world = PlainWorld(mission)
     crews = [list(world.crews(task)) for task in world.tasks]
     best = math.inf
 
@@ -108,9 +108,9 @@ def serve(world: PlainWorld, task: Task, crew: tuple[int, ...], stays: list[Stay
     return end
 
 
-def find_faults(scenario: Mission, schedule: RelaxedSchedule) -> list[str]:
+def find_faults(mission: Mission, schedule: RelaxedSchedule) -> list[str]:
     """Return everything that is wrong with a schedule."""
-    world, faults = PlainWorld(scenario), []
+    world, faults = PlainWorld(mission), []
     for k, task in enumerate(world.tasks):
         start, end = schedule.start[k], schedule.end[k]
         if not world.covers(schedule.coalitions[k], task):

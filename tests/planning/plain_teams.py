@@ -7,12 +7,12 @@ from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.problem.team_plan import TeamPlan
 
 
-def slow_ends(scenario: Mission, problem: Relaxed, plan: TeamPlan) -> list[int]:
+def slow_ends(mission: Mission, problem: Relaxed, plan: TeamPlan) -> list[int]:
     """Time a plan with sets: each group is its robots, where they are, and since when."""
-    tasks, names = len(scenario.tasks), [task.name for task in scenario.tasks]
+    tasks, names = len(mission.tasks), [task.name for task in mission.tasks]
     together = [
         {"robots": set(team), "at": tasks + min(team), "free": 0, "splits": 0}
-        for team in scenario.starting_teams
+        for team in mission.starting_teams
     ]
     end = [0] * tasks
     for position in plan.order.tolist():
@@ -26,7 +26,7 @@ def slow_ends(scenario: Mission, problem: Relaxed, plan: TeamPlan) -> list[int]:
             group["splits"] += bool(group["robots"])
             pace = min(problem.pace[robot] for robot in ours)
             way = int(problem.steps[pace, problem.cells[position, group["at"]]])
-            arrivals.append(group["free"] + group["splits"] * scenario.forming_steps + way)
+            arrivals.append(group["free"] + group["splits"] * mission.forming_steps + way)
         step, teams = 0, 0
         while teams != 1 or any(arrival > step for arrival in arrivals):
             if teams > 1:
@@ -36,7 +36,7 @@ def slow_ends(scenario: Mission, problem: Relaxed, plan: TeamPlan) -> list[int]:
             come = [a for a in arrivals if a <= step]
             teams += len(come)
             arrivals = [a for a in arrivals if a > step]
-        before = [end[names.index(name)] for name in scenario.tasks[position].after]
+        before = [end[names.index(name)] for name in mission.tasks[position].after]
         end[position] = max([step, int(problem.appears[position]) + 1, *(n + 1 for n in before)])
         end[position] += int(problem.duration[position])
         together.append({"robots": crew, "at": position, "free": end[position], "splits": 0})

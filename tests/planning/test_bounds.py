@@ -20,9 +20,9 @@ from teamformer.planning.relaxation.solve import solve
 from teamformer.trials.trial import run_trial, run_trials
 
 
-def walking_bound(scenario: Mission) -> int:
+def walking_bound(mission: Mission) -> int:
     """Return the bound that holds if forming is free, too."""
-    return bound_makespan(relax(scenario))
+    return bound_makespan(relax(mission))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -31,10 +31,10 @@ def test_no_schedule_is_faster(seed: int) -> None:
     rng = np.random.default_rng(seed)
     gaps = []
     for _ in range(400):
-        scenario = tiny_world(rng)
-        fastest = fastest_makespan(scenario)
+        mission = tiny_world(rng)
+        fastest = fastest_makespan(mission)
         assert fastest is not None
-        gaps.append(fastest - walking_bound(scenario))
+        gaps.append(fastest - walking_bound(mission))
     assert min(gaps) == 0
     assert np.mean(gaps) < 0.5
 
@@ -44,11 +44,11 @@ def test_no_schedule_is_faster(seed: int) -> None:
 def test_no_trial_is_faster(policy: Policy) -> None:
     """At uneven speeds too, where a team does tasks in passing, and with robots that are lost."""
     rng = np.random.default_rng(0)
-    scenarios = [random_world(rng) for _ in range(400)]
-    tallies = run_trials(scenarios, policy)
+    missions = [random_world(rng) for _ in range(400)]
+    tallies = run_trials(missions, policy)
     completed = [
-        (lower_bound(scenario), tally.steps)
-        for scenario, tally in zip(scenarios, tallies, strict=True)
+        (lower_bound(mission), tally.steps)
+        for mission, tally in zip(missions, tallies, strict=True)
         if tally.status == "completed"
     ]
     assert len(completed) > 300
@@ -90,8 +90,8 @@ def test_slow_robots_do_tasks_in_passing() -> None:
 
 
 def test_a_task_beyond_all_robots_bounds_nothing() -> None:
-    scenario = make([robot("a", 0, lost=3), robot("b", 0)], [task("a", 9), task("b", 4)])
-    assert walking_bound(scenario) == 4
+    mission = make([robot("a", 0, lost=3), robot("b", 0)], [task("a", 9), task("b", 4)])
+    assert walking_bound(mission) == 4
 
 
 def test_a_load_that_is_set_down_is_brought_by_several_teams_and_bounded_all_the_same() -> None:
@@ -106,9 +106,9 @@ def test_a_load_that_is_set_down_is_brought_by_several_teams_and_bounded_all_the
         Robot("c", (10, 0), {"lift": 1}),
     )
     crate = Task("crate", (1, 0), {"lift": 2}, to=(11, 0))
-    scenario = Mission("relay", Grid(12, 1), ("lift",), robots, (crate,))
-    makespan = run_trial(scenario, load_method("plan"), 0).replay.end.makespan
+    mission = Mission("relay", Grid(12, 1), ("lift",), robots, (crate,))
+    makespan = run_trial(mission, load_method("plan"), 0).record.end.makespan
     assert makespan is not None
-    assert lower_bound(scenario) <= makespan < 9 + 1 + 10
-    assert lower_bound(scenario) == 2 + 10  # one step to join, one to walk, and ten with the crate
-    assert solve(scenario, 0.5).bound <= makespan
+    assert lower_bound(mission) <= makespan < 9 + 1 + 10
+    assert lower_bound(mission) == 2 + 10  # one step to join, one to walk, and ten with the crate
+    assert solve(mission, 0.5).bound <= makespan

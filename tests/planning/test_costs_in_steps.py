@@ -32,11 +32,11 @@ def task(x: int, due: float | None = None, weight: float = 1.0, duration: int = 
     return Task(f"t{x}", (x, 0), {"a": 1}, duration, between=between, weight=weight)
 
 
-def played(scenario: Mission, method: str) -> PlayedTrial:
-    trial = run_trial(scenario, load_method(method, time_limit=0.3), 0)
-    verdict = judge(trial.replay)
+def played(mission: Mission, method: str) -> PlayedTrial:
+    trial = run_trial(mission, load_method(method, time_limit=0.3), 0)
+    verdict = judge(trial.record)
     assert verdict.findings == ()
-    told = cost_of_record(trial.replay)
+    told = cost_of_record(trial.record)
     assert verdict.cost == (told if told is None else pytest.approx(told))
     return trial
 
@@ -45,14 +45,14 @@ def played(scenario: Mission, method: str) -> PlayedTrial:
 def test_what_is_due_comes_first(method: str) -> None:
     """From 5: to 8 and to 0 takes 3 + 8 = 11 steps; to 0, due at 5, and to 8 takes 13."""
     near, due = task(8), task(0, due=5)
-    assert played(corridor(5, [near, replace(due, between=None)]), method).replay.end.makespan == 11
+    assert played(corridor(5, [near, replace(due, between=None)]), method).record.end.makespan == 11
     late = {"cost": {"makespan": 1, "tardiness": 1}}
     trial = played(corridor(5, [near, due], **late), method)
-    assert trial.replay.end.makespan == 13
-    assert cost_of_record(trial.replay) == 13 / 2
+    assert trial.record.end.makespan == 13
+    assert cost_of_record(trial.record) == 13 / 2
     without_cost = played(corridor(5, [near, due]), method)
-    assert without_cost.replay.end.makespan == 13
-    assert cost_of_record(without_cost.replay) is None
+    assert without_cost.record.end.makespan == 13
+    assert cost_of_record(without_cost.record) is None
 
 
 @pytest.mark.parametrize("method", PLANNERS)
@@ -62,7 +62,7 @@ def test_a_shorter_plan_is_not_lost_for_one_in_which_most_is_done_soon(method: s
     All ten are done at 31 then, which they are at 11 the other way round.
     """
     left = [replace(task(9), name=f"left {n}") for n in range(10)]
-    assert played(corridor(20, [*left, task(30)]), method).replay.end.makespan == 31
+    assert played(corridor(20, [*left, task(30)]), method).record.end.makespan == 31
 
 
 @pytest.mark.parametrize("method", ["plan", "crews"])
@@ -72,7 +72,7 @@ def test_the_default_written_out_is_played_alike(method: str) -> None:
     written = replace(default, cost={"makespan": 1, "tardiness": 2})
     assert len({task.weight for task in default.tasks}) == 3
     one, other = (run_trial(mission, load_method(method), 0) for mission in (default, written))
-    assert done_steps(one.replay) == done_steps(other.replay)
+    assert done_steps(one.record) == done_steps(other.record)
 
 
 @pytest.mark.parametrize("method", ["plan", "central"])
@@ -82,7 +82,7 @@ def test_what_weighs_more_is_less_late(
 ) -> None:
     """From 5 to 2 (3 steps) or 7 (2), and 5 from one to the other; alike, the near one first."""
     tasks = [task(2, 1, weights[0]), task(7, 1, weights[1])]
-    done = done_steps(played(corridor(5, tasks, cost={"tardiness": 1}), method).replay)
+    done = done_steps(played(corridor(5, tasks, cost={"tardiness": 1}), method).record)
     assert min(done, key=lambda k: done[k]) == [2, 7].index(first)
 
 
@@ -96,8 +96,8 @@ def test_a_cost_is_what_hand_arithmetic_says() -> None:
     assert cost_in_steps(mission, ends, 9) == parts / 10
     assert cost_in_steps(mission, {0: 3, 1: 5}, None) is None
     trial = played(mission, "plan")
-    assert done_steps(trial.replay) == ends
-    assert judge(trial.replay).cost == pytest.approx(parts / 10)
+    assert done_steps(trial.record) == ends
+    assert judge(trial.record).cost == pytest.approx(parts / 10)
 
 
 def test_no_order_of_one_robot_costs_less() -> None:
@@ -113,7 +113,7 @@ def test_no_order_of_one_robot_costs_less() -> None:
         mission = corridor(int(rng.integers(40)), tasks, cost=cost)
         best = min(time_by_hand(mission, order) for order in permutations(range(5)))
         for method in ("plan", "central"):
-            assert cost_of_record(played(mission, method).replay) == pytest.approx(best)
+            assert cost_of_record(played(mission, method).record) == pytest.approx(best)
 
 
 def time_by_hand(mission: Mission, order: tuple[int, ...]) -> float:
@@ -138,8 +138,8 @@ def test_the_family_is_cheaper_when_its_cost_is_planned_for() -> None:
     blind = replace(
         mission, cost=None, tasks=tuple(replace(task, between=None) for task in mission.tasks)
     )
-    ends = done_steps(run_trial(blind, load_method("plan"), 0).replay)
-    planned = cost_of_record(played(mission, "plan").replay)
+    ends = done_steps(run_trial(blind, load_method("plan"), 0).record)
+    planned = cost_of_record(played(mission, "plan").record)
     unplanned = cost_in_steps(mission, ends, max(ends.values()))
     assert planned is not None
     assert unplanned is not None

@@ -18,9 +18,9 @@ from teamformer.planning.relaxation.cp_sat import (
 from teamformer.planning.relaxation.schedule import RelaxedSchedule
 
 
-def solve_alone(scenario: Mission) -> tuple[int | None, list[RelaxedSchedule]]:
+def solve_alone(mission: Mission) -> tuple[int | None, list[RelaxedSchedule]]:
     """Return the least makespan and all schedules seen on the way."""
-    problem, seen = relax(scenario), []
+    problem, seen = relax(mission), []
     horizon = latest_makespan(problem)
     has_seen_all, bound = minimise(
         build_circuits(problem, 0, horizon), make_solver(seed=0), seen.append
@@ -34,10 +34,10 @@ def test_agrees_with_every_schedule_there_is(seed: int) -> None:
     rng = np.random.default_rng(seed)
     makespans = []
     for _ in range(50):
-        scenario = tiny_world(rng, speeds=(1.0, 0.5, 0.8, 2.0, 1.7), losses=0.3)
-        makespan, schedules = solve_alone(scenario)
-        assert makespan == fastest_makespan(scenario)
-        assert [find_faults(scenario, schedule) for schedule in schedules] == [[]] * len(schedules)
+        mission = tiny_world(rng, speeds=(1.0, 0.5, 0.8, 2.0, 1.7), losses=0.3)
+        makespan, schedules = solve_alone(mission)
+        assert makespan == fastest_makespan(mission)
+        assert [find_faults(mission, schedule) for schedule in schedules] == [[]] * len(schedules)
         if makespan is not None:
             assert schedules[-1].makespan == makespan
         makespans.append(makespan)

@@ -32,11 +32,11 @@ def table(counts: list[dict[str, int]], caps: tuple[str, ...]) -> np.ndarray:
     return np.array([[count.get(cap, 0) for cap in caps] for count in counts], dtype=np.int64)
 
 
-def shared_of(scenario: Mission, is_one_team: bool = False) -> Shared:
+def shared_of(mission: Mission, is_one_team: bool = False) -> Shared:
     """Return what is known at the start, each robot alone, or all together."""
-    robots, tasks, world = scenario.robots, scenario.tasks, scenario.world
+    robots, tasks, world = mission.robots, mission.tasks, mission.world
     places = [task.at for task in tasks] + [robot.at for robot in robots]
-    needs = table([dict(task.needs) for task in tasks], scenario.capabilities)
+    needs = table([dict(task.needs) for task in tasks], mission.capabilities)
     return Shared(
         now=np.int64(0),
         opens=np.zeros(len(tasks), dtype=np.int64),
@@ -44,7 +44,7 @@ def shared_of(scenario: Mission, is_one_team: bool = False) -> Shared:
         spots=np.zeros((0, 2), np.int32),
         goals=np.zeros((0, 2), np.int32),
         slowness=np.array([1 / robot.speed for robot in robots]),
-        counts=table([dict(robot.can) for robot in robots], scenario.capabilities),
+        counts=table([dict(robot.can) for robot in robots], mission.capabilities),
         needs=needs,
         wants=bits_of(needs),
         duration=np.array([task.duration for task in tasks], dtype=np.int64),
@@ -58,12 +58,12 @@ def shared_of(scenario: Mission, is_one_team: bool = False) -> Shared:
 
 
 def plan(
-    scenario: Mission, rounds: int = 5000, is_one_team: bool = False
+    mission: Mission, rounds: int = 5000, is_one_team: bool = False
 ) -> tuple[list[int], list[int], list[int]]:
     """Return each robot's crew, each task's, and all tasks in order."""
-    crew = np.full(len(scenario.robots), NOBODY)
-    task_crew = np.full(len(scenario.tasks), NOBODY)
-    sequence = deal_crews(shared_of(scenario, is_one_team), crew, task_crew, rounds)
+    crew = np.full(len(mission.robots), NOBODY)
+    task_crew = np.full(len(mission.tasks), NOBODY)
+    sequence = deal_crews(shared_of(mission, is_one_team), crew, task_crew, rounds)
     return crew.tolist(), task_crew.tolist(), sequence.tolist()
 
 
@@ -76,27 +76,27 @@ def _walk(shared, crew, number, tasks):  # type: ignore[no-untyped-def]
     return room.ends
 
 
-def ends_of(scenario: Mission, crew: list[int], number: int, tasks: list[int]) -> list[int]:
+def ends_of(mission: Mission, crew: list[int], number: int, tasks: list[int]) -> list[int]:
     listed = np.array(tasks, dtype=np.int32)
-    return _walk(shared_of(scenario), np.array(crew), number, listed)[: len(tasks)].tolist()
+    return _walk(shared_of(mission), np.array(crew), number, listed)[: len(tasks)].tolist()
 
 
 def plain_ends(
-    scenario: Mission, members: list[int], tasks: list[int], is_one_team: bool = False
+    mission: Mission, members: list[int], tasks: list[int], is_one_team: bool = False
 ) -> list[int]:
     """Play a list step by step: parties walk to their next task and pair off there."""
-    parties = [{"robots": {r}, "at": scenario.robots[r].at, "free": 0} for r in members]
+    parties = [{"robots": {r}, "at": mission.robots[r].at, "free": 0} for r in members]
     if is_one_team:
-        parties = [{"robots": set(members), "at": scenario.robots[members[0]].at, "free": 0}]
+        parties = [{"robots": set(members), "at": mission.robots[members[0]].at, "free": 0}]
     ends = []
     for task in tasks:
-        wanted = scenario.tasks[task]
-        can = [{c for r in p["robots"] for c in scenario.robots[r].can} for p in parties]
+        wanted = mission.tasks[task]
+        can = [{c for r in p["robots"] for c in mission.robots[r].can} for p in parties]
         helpers = [p for p, has in zip(parties, can, strict=True) if has & wanted.needs.keys()]
         arrivals = []
         for party in helpers:
             (x, y), (to_x, to_y) = party["at"], wanted.at
-            pace = min(scenario.robots[r].speed for r in party["robots"])
+            pace = min(mission.robots[r].speed for r in party["robots"])
             steps = int(np.ceil((abs(x - to_x) + abs(y - to_y)) / pace - 1e-9))
             arrivals.append(max(1, party["free"] + (max(1, steps) if len(helpers) > 1 else steps)))
         step, there = 0, 0

@@ -24,8 +24,8 @@ def corridor(places: list[int], kinds: str, tasks: list[Task], forming_steps: in
 
 @pytest.mark.parametrize(("robots", "joining"), [(1, 0), (2, 1), (3, 2), (4, 2), (5, 3)])
 def test_robots_from_one_place_pair_up(robots: int, joining: int) -> None:
-    scenario = corridor([0] * robots, "a" * robots, [Task("t", (4, 0), {"a": robots})])
-    assert lower_bound(scenario) == 4 + joining
+    mission = corridor([0] * robots, "a" * robots, [Task("t", (4, 0), {"a": robots})])
+    assert lower_bound(mission) == 4 + joining
 
 
 def test_who_has_far_to_walk_joins_once() -> None:
@@ -50,28 +50,28 @@ def test_no_play_by_the_rules_is_faster(seed: int) -> None:
             for k in range(2)
         ]
         tasks.append(Task("both", (int(rng.integers(LENGTH)), 0), {"a": 1, "b": 1}))
-        scenario = corridor(places, kinds[:3], tasks)
-        gaps.append(fastest_play(scenario) - lower_bound(scenario))
+        mission = corridor(places, kinds[:3], tasks)
+        gaps.append(fastest_play(mission) - lower_bound(mission))
     assert 0 <= min(gaps) <= 1
     assert np.mean(gaps) < 2
 
 
-def fastest_play(scenario: Mission) -> int:
+def fastest_play(mission: Mission) -> int:
     """Return the least makespan of all plays, breadth first: a team moves a cell, or forms."""
-    states = {(finish_start(scenario), frozenset())}
+    states = {(finish_start(mission), frozenset())}
     for step in itertools.count(1):
         states = {
-            (teams, done | done_by(scenario, teams))
+            (teams, done | done_by(mission, teams))
             for before, done in states
             for teams in next_teams(before)
         }
-        if any(len(done) == len(scenario.tasks) for _, done in states):
+        if any(len(done) == len(mission.tasks) for _, done in states):
             return step
     raise AssertionError
 
 
-def finish_start(scenario: Mission) -> frozenset[Team]:
-    return frozenset((int(robot.at[0]), (r,)) for r, robot in enumerate(scenario.robots))
+def finish_start(mission: Mission) -> frozenset[Team]:
+    return frozenset((int(robot.at[0]), (r,)) for r, robot in enumerate(mission.robots))
 
 
 def next_teams(teams: frozenset[Team]) -> set[frozenset[Team]]:
@@ -99,12 +99,12 @@ def _choose(left: list[Team], found: set[frozenset[Team]]) -> set[frozenset[Team
     return set().union(*(_choose(rest, {f | set(made) for f in found}) for made, rest in ways))
 
 
-def done_by(scenario: Mission, teams: frozenset[Team]) -> frozenset[int]:
+def done_by(mission: Mission, teams: frozenset[Team]) -> frozenset[int]:
     """Return the tasks that teams do where they stand."""
     done = set()
-    for k, task in enumerate(scenario.tasks):
+    for k, task in enumerate(mission.tasks):
         for place, robots in teams:
-            kinds = [next(iter(scenario.robots[r].can)) for r in robots]
+            kinds = [next(iter(mission.robots[r].can)) for r in robots]
             able = all(kinds.count(cap) >= count for cap, count in task.needs.items())
             if place == task.at[0] and able:
                 done.add(k)

@@ -24,26 +24,26 @@ from teamformer.trials.trial import run_trial
 
 
 def begin(
-    scenario: Mission, unseen_needs: Set[int] = frozenset(), unseen_places: Set[int] = frozenset()
+    mission: Mission, unseen_needs: Set[int] = frozenset(), unseen_places: Set[int] = frozenset()
 ) -> Known:
     """Return what everybody knows of a mission at its start."""
     return Known(
-        mission=expected_mission(scenario),
+        mission=expected_mission(mission),
         step=0,
-        open_tasks=tuple(range(len(scenario.tasks))),
-        places=tuple(robot.at for robot in scenario.robots),
-        teams=scenario.starting_teams,
-        free_at=(0,) * len(scenario.robots),
+        open_tasks=tuple(range(len(mission.tasks))),
+        places=tuple(robot.at for robot in mission.robots),
+        teams=mission.starting_teams,
+        free_at=(0,) * len(mission.robots),
         unseen_needs=frozenset(unseen_needs),
         unseen_places=frozenset(unseen_places),
     )
 
 
-def play_where(scenario: Mission, needs: str, foresight: str = "scouting") -> Record:
+def play_where(mission: Mission, needs: str, foresight: str = "scouting") -> Record:
     """Play a mission whose first task turns out to need each letter of `needs`."""
     for seed in range(100):
-        if draw_truth(scenario, seed).tasks[0].needs.keys() == set(needs):
-            return run_trial(scenario, method_of("plan", foresight), seed).replay
+        if draw_truth(mission, seed).tasks[0].needs.keys() == set(needs):
+            return run_trial(mission, method_of("plan", foresight), seed).record
     raise AssertionError("no seed below 100 draws that")
 
 
@@ -62,29 +62,29 @@ def play_where(scenario: Mission, needs: str, foresight: str = "scouting") -> Re
 )
 def test_a_scout_pays(foresight: str, needs: str, makespan: int) -> None:
     """b goes to T first: from V it would be there after 25 steps only. But c is near and idle."""
-    replay = play_where(far_from_what_may_be_needed(), needs, foresight)
-    assert replay.end.makespan == makespan
-    assert judge(replay).findings == ()
-    assert [(made, (2, 0) in scouts) for made, scouts in replay.scouts[:1]] == (
+    record = play_where(far_from_what_may_be_needed(), needs, foresight)
+    assert record.end.makespan == makespan
+    assert judge(record).findings == ()
+    assert [(made, (2, 0) in scouts) for made, scouts in record.scouts[:1]] == (
         [(0, True)] if foresight == "scouting" else []
     )
 
 
 def test_it_is_said_why_a_scout_goes() -> None:
-    replay = play_where(far_from_what_may_be_needed(), "a")
-    first = next(story_lines(replay, 2))
+    record = play_where(far_from_what_may_be_needed(), "a")
+    first = next(story_lines(record, 2))
     assert first == ("1-2", "walks to t0", "the plan has r2 look first what is to be known of it")
 
 
 def test_the_referee_says_who_scouts_in_vain() -> None:
-    replay = play_where(far_from_what_may_be_needed(), "a")
-    later = next(made for made, _ in replay.plans if made > 0)
+    record = play_where(far_from_what_may_be_needed(), "a")
+    later = next(made for made, _ in record.plans if made > 0)
     for scouts, complaint in (
         ([[0, [[2, 0], [2, 0]]]], "scout twice"),
         ([[0, [[2, 0]]], [later, [[2, 0]]]], "of which all is known"),
         ([[0, [[2, 0]]], [later + 1, [[2, 0]]]], "when no plan was made"),
     ):
-        tree = record_to_tree(replay) | {"scouts": scouts}
+        tree = record_to_tree(record) | {"scouts": scouts}
         found = judge(record_from_tree(tree, "forged")).findings
         assert any(complaint in str(finding) for finding in found)
 
@@ -96,9 +96,9 @@ def looks(start: int, hides_place: bool = False) -> tuple[tuple[int, int], ...]:
     0       4           10              18
     """
     tasks = [task("a", 4), task("ab", 10), task("b", 18)]
-    scenario = make([robot("a", 0), robot("b", 18)], tasks)
+    mission = make([robot("a", 0), robot("b", 18)], tasks)
     plan = Plan((2, 1, 0), ((1,), (0, 1), (0,)), (0, start, 40))
-    known = begin(scenario, set() if hides_place else {0}, {0} if hides_place else set())
+    known = begin(mission, set() if hides_place else {0}, {0} if hides_place else set())
     return with_free_looks(known, plan).scouts
 
 
@@ -121,10 +121,10 @@ def test_who_looks_is_in_time(
 def test_nobody_looks_where_others_begin_before() -> None:
     """c is idle and 4 cells from T, which begins in step 7 or in step 6: three steps after."""
     tasks = [replace(task("a", 4), may_need={"b": 0.5})]
-    scenario = make([robot("a", 9), robot("b", 10), robot("c", 0)], tasks)
+    mission = make([robot("a", 9), robot("b", 10), robot("c", 0)], tasks)
     for end, scouts in ((7, ((2, 0),)), (6, ())):
         plan = Plan((0,), ((0, 1),), (end,))
-        seen = with_free_looks(begin(scenario, {0}), plan)
+        seen = with_free_looks(begin(mission, {0}), plan)
         assert seen.scouts == scouts
 
 
@@ -138,16 +138,16 @@ def test_a_team_scouts_together() -> None:
     """Both c are idle and one team; with nothing to do it need not part."""
     tasks = [replace(task("a", 4), may_need={"b": 0.5})]
     robots = [robot("a", 9), robot("b", 10), robot("c", 0), robot("c", 0)]
-    scenario = make(robots, tasks, teams=((0,), (1,), (2, 3)))
+    mission = make(robots, tasks, teams=((0,), (1,), (2, 3)))
     plan = Plan((0,), ((0, 1),), (7,))
-    seen = with_free_looks(begin(scenario, {0}), plan)
+    seen = with_free_looks(begin(mission, {0}), plan)
     assert seen.scouts == ((2, 0), (3, 0))
 
 
 def test_a_task_is_looked_at_by_one_robot_and_a_robot_looks_at_one_task() -> None:
-    scenario = world_of("12N12T-C8-needs", 0)
-    hidden = frozenset(number for number, one in enumerate(scenario.tasks) if one.may_need)
-    known = begin(scenario, hidden)
+    mission = world_of("12N12T-C8-needs", 0)
+    hidden = frozenset(number for number, one in enumerate(mission.tasks) if one.may_need)
+    known = begin(mission, hidden)
     scouts = with_free_looks(known, plan_mission(known)).scouts
     assert len(scouts) == len(dict(scouts)) == len({scouted for _, scouted in scouts}) > 1
     assert {scouted for _, scouted in scouts} <= hidden

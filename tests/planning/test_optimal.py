@@ -34,11 +34,11 @@ def crowd(tasks: int = 100, seed: int = 0) -> Mission:
 def test_finds_and_proves_the_fastest_schedule(seed: int) -> None:
     rng = np.random.default_rng(seed)
     for _ in range(60):
-        scenario = tiny_world(rng)
-        solution = solve(scenario, time_limit=10.0)
+        mission = tiny_world(rng)
+        solution = solve(mission, time_limit=10.0)
         assert solution.schedule is not None
-        assert find_faults(scenario, solution.schedule) == []
-        assert solution.value == solution.schedule.makespan == fastest_makespan(scenario)
+        assert find_faults(mission, solution.schedule) == []
+        assert solution.value == solution.schedule.makespan == fastest_makespan(mission)
         assert (solution.status, solution.bound) == ("optimal", solution.value)
 
 
@@ -47,22 +47,22 @@ def test_says_when_robots_are_lost_too_early() -> None:
 
     U . . . . b . . . . T
     """
-    scenario = make([robot("b", 5, lost=6)], [task("b", 10), task("b", 0)])
-    solution = solve(scenario, time_limit=5.0)
+    mission = make([robot("b", 5, lost=6)], [task("b", 10), task("b", 0)])
+    solution = solve(mission, time_limit=5.0)
     assert (solution.status, solution.schedule, solution.value) == ("infeasible", None, None)
     impossible = make([robot("a", 0, lost=5)], [task("a", 5)])
     assert solve(impossible, time_limit=5.0).status == "infeasible"
-    assert solve(scenario, time_limit=0.0).status == "unknown"
+    assert solve(mission, time_limit=0.0).status == "unknown"
 
 
 @pytest.mark.parametrize("seed", range(2))
 def test_nothing_beats_its_bound_by_the_rules(seed: int) -> None:
     """Also where robots are slow and do tasks in passing."""
     rng = np.random.default_rng(seed)
-    scenarios = [random_world(rng) for _ in range(60)]
-    solutions = [solve(scenario, time_limit=1.0) for scenario in scenarios]
+    missions = [random_world(rng) for _ in range(60)]
+    solutions = [solve(mission, time_limit=1.0) for mission in missions]
     for policy in (JoinAll(), Heuristic()):
-        for solution, tally in zip(solutions, run_trials(scenarios, policy), strict=True):
+        for solution, tally in zip(solutions, run_trials(missions, policy), strict=True):
             if tally.status == "completed":
                 assert solution.bound <= tally.steps
                 assert solution.status != "infeasible"
@@ -85,45 +85,45 @@ def test_keeps_to_its_time_limit(limit: float) -> None:
 
 
 def test_reports_each_improvement() -> None:
-    scenario = crowd(tasks=40)
-    solution = solve(scenario, 1.0)
+    mission = crowd(tasks=40)
+    solution = solve(mission, 1.0)
     seconds, values = zip(*solution.curve, strict=True)
     assert list(seconds) == sorted(seconds)
     assert list(values) == sorted(set(values), reverse=True)
     assert len(values) > 3
     assert values[-1] == solution.value
-    assert bound_makespan(relax(scenario)) <= solution.bound <= values[-1]
+    assert bound_makespan(relax(mission)) <= solution.bound <= values[-1]
 
 
 def test_no_time_gives_the_first_plan() -> None:
-    scenario = crowd()
-    solution = solve(scenario, 0.0)
+    mission = crowd()
+    solution = solve(mission, 0.0)
     assert solution.schedule is not None
-    assert find_faults(scenario, solution.schedule) == []
+    assert find_faults(mission, solution.schedule) == []
     assert len(solution.curve) == 1
     assert solution.seconds < 0.5
 
 
 def test_is_never_worse_than_its_hint() -> None:
-    scenario = crowd()
-    good = solve(scenario, 1.5)
-    again = solve(scenario, 0.0, seed=7, hint=good.schedule)
+    mission = crowd()
+    good = solve(mission, 1.5)
+    again = solve(mission, 0.0, seed=7, hint=good.schedule)
     assert good.value is not None
-    assert solve(scenario, 0.0, seed=7).value > good.value
+    assert solve(mission, 0.0, seed=7).value > good.value
     assert again.value == good.value
 
 
 def test_the_same_seed_gives_the_same_schedule_where_it_is_proven() -> None:
     for seed in range(5):
-        scenario = generate(Spec(robots=4, tasks=8), np.random.default_rng(seed))
-        one, other = (solve(scenario, 20.0, seed=3) for _ in range(2))
+        mission = generate(Spec(robots=4, tasks=8), np.random.default_rng(seed))
+        one, other = (solve(mission, 20.0, seed=3) for _ in range(2))
         assert one.status == "optimal"
         assert one.schedule == other.schedule
 
 
 def test_one_thread_proves_too() -> None:
-    scenario = generate(Spec(robots=4, tasks=10), np.random.default_rng(1))
-    assert solve(scenario, 20.0, workers=1).status == "optimal"
+    mission = generate(Spec(robots=4, tasks=10), np.random.default_rng(1))
+    assert solve(mission, 20.0, workers=1).status == "optimal"
 
 
 @pytest.mark.parametrize(
@@ -148,6 +148,6 @@ def test_an_interrupt_ends_all_threads(spec: Spec) -> None:
 
 
 def test_joining_costs_are_no_part_of_the_relaxed_problem() -> None:
-    scenario = generate(Spec(), np.random.default_rng(0))
-    values = {solve(replace(scenario, forming_steps=n), 5.0).value for n in (0, 1)}
+    mission = generate(Spec(), np.random.default_rng(0))
+    values = {solve(replace(mission, forming_steps=n), 5.0).value for n in (0, 1)}
     assert len(values) == 1

@@ -27,9 +27,9 @@ from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.trials.trial import run_trials
 
 
-def bound_by_routes(scenario: Mission, above: int = 0) -> int:
+def bound_by_routes(mission: Mission, above: int = 0) -> int:
     """Return all that routes prove, from a bound on."""
-    return raise_by_routes(scenario, relax(scenario), above, lambda _: None, lambda: False)
+    return raise_by_routes(mission, relax(mission), above, lambda _: None, lambda: False)
 
 
 def random_stops(rng: np.random.Generator, memory: int) -> tuple[Stops, np.ndarray]:
@@ -82,10 +82,10 @@ def test_collects_no_less_than_any_route(memory: int) -> None:
 def test_no_schedule_is_faster(losses: float) -> None:
     rng, gaps = np.random.default_rng(0), []
     for _ in range(100):
-        scenario = tiny_world(rng, losses=losses)
-        fastest = fastest_makespan(scenario)
+        mission = tiny_world(rng, losses=losses)
+        fastest = fastest_makespan(mission)
         if fastest is not None:
-            gaps.append(fastest - bound_by_routes(scenario))
+            gaps.append(fastest - bound_by_routes(mission))
     assert len(gaps) > 50
     assert min(gaps) == 0
     assert np.mean(gaps) < 1
@@ -97,11 +97,11 @@ def test_no_schedule_is_faster(losses: float) -> None:
 def test_no_trial_is_faster(policy: Policy, is_plane: bool) -> None:
     """At uneven speeds, with walls, losses and late tasks."""
     rng = np.random.default_rng(1)
-    scenarios = [random_world(rng, is_plane=is_plane) for _ in range(60)]
-    tallies = run_trials(scenarios, policy)
+    missions = [random_world(rng, is_plane=is_plane) for _ in range(60)]
+    tallies = run_trials(missions, policy)
     gaps = [
-        tally.steps - bound_by_routes(scenario)
-        for scenario, tally in zip(scenarios, tallies, strict=True)
+        tally.steps - bound_by_routes(mission)
+        for mission, tally in zip(missions, tallies, strict=True)
         if tally.status == "completed"
     ]
     assert len(gaps) > 40
@@ -113,9 +113,9 @@ def test_two_capabilities_share_the_time_of_a_robot() -> None:
 
     U . . . x . . . T        x is at 4; T at 8 needs a, U at 0 needs b: 4 + 8
     """
-    scenario = make([robot("ab", 4)], [task("a", 8), task("b", 0)])
-    assert lower_bound(scenario) == 4
-    assert bound_by_routes(scenario) == 12
+    mission = make([robot("ab", 4)], [task("a", 8), task("b", 0)])
+    assert lower_bound(mission) == 4
+    assert bound_by_routes(mission) == 12
 
 
 def test_a_slow_robot_takes_its_own_time() -> None:
@@ -123,9 +123,9 @@ def test_a_slow_robot_takes_its_own_time() -> None:
 
     Or the fast one does both in 4 + 8.
     """
-    scenario = make([robot("a", 4), robot("a", 4, speed=0.5)], [task("a", 8), task("a", 0)])
-    assert lower_bound(scenario) == 4
-    assert bound_by_routes(scenario) == 8
+    mission = make([robot("a", 4), robot("a", 4, speed=0.5)], [task("a", 8), task("a", 0)])
+    assert lower_bound(mission) == 4
+    assert bound_by_routes(mission) == 8
 
 
 def test_tasks_in_one_place_are_served_at_once() -> None:
@@ -142,7 +142,7 @@ def test_who_starts_alone_joins_before_the_first_task() -> None:
 
 
 def test_offers_what_it_proves_and_stops_when_told() -> None:
-    scenario, offers = make([robot("ab", 4)], [task("a", 8), task("b", 0)]), [4]
-    assert raise_by_routes(scenario, relax(scenario), 4, offers.append, lambda: True) < 12
-    assert raise_by_routes(scenario, relax(scenario), 4, offers.append, lambda: False) == 12
+    mission, offers = make([robot("ab", 4)], [task("a", 8), task("b", 0)]), [4]
+    assert raise_by_routes(mission, relax(mission), 4, offers.append, lambda: True) < 12
+    assert raise_by_routes(mission, relax(mission), 4, offers.append, lambda: False) == 12
     assert offers[-1] == 12

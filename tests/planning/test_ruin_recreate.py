@@ -25,11 +25,11 @@ def search_schedule(problem: Relaxed, seed: int, rounds: int) -> RelaxedSchedule
 def test_finds_the_fastest_schedule_of_tiny_worlds(seed: int) -> None:
     rng = np.random.default_rng(seed)
     for _ in range(100):
-        scenario = tiny_world(rng)
-        schedule = search_schedule(relax(scenario), seed, rounds=400)
+        mission = tiny_world(rng)
+        schedule = search_schedule(relax(mission), seed, rounds=400)
         assert schedule is not None
-        assert find_faults(scenario, schedule) == []
-        assert schedule.makespan == fastest_makespan(scenario)
+        assert find_faults(mission, schedule) == []
+        assert schedule.makespan == fastest_makespan(mission)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -37,10 +37,10 @@ def test_schedules_of_any_world_are_sound(seed: int) -> None:
     rng = np.random.default_rng(seed)
     missed = 0
     for _ in range(60):
-        scenario = random_world(rng)
-        schedule = search_schedule(relax(scenario), seed, rounds=100)
+        mission = random_world(rng)
+        schedule = search_schedule(relax(mission), seed, rounds=100)
         if schedule:
-            assert find_faults(scenario, schedule) == []
+            assert find_faults(mission, schedule) == []
         missed += schedule is None
     assert missed < 20  # robots are lost in many of these worlds
 

@@ -13,9 +13,9 @@ from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.planning.relaxation.schedule import schedule_tasks
 
 
-def list_schedule(scenario: Mission, ranking: list[int]) -> tuple[list[int], list[int]] | None:
+def list_schedule(mission: Mission, ranking: list[int]) -> tuple[list[int], list[int]] | None:
     """Return each task's start and the size of its crew; None if a task has nobody left."""
-    world = PlainWorld(scenario)
+    world = PlainWorld(mission)
     stays = [Stay(r.at) for r in world.robots]
     starts, sizes = [0] * len(ranking), [0] * len(ranking)
     for k in ranking:
@@ -53,16 +53,16 @@ def test_agrees_with_the_plain_one(seed: int) -> None:
     rng = np.random.default_rng(seed)
     missed = 0
     for _ in range(60):
-        scenario = random_world(rng)
-        ranking = rng.permutation(len(scenario.tasks)).tolist()
-        schedule = schedule_tasks(relax(scenario), ranking)
-        plain = list_schedule(scenario, ranking)
+        mission = random_world(rng)
+        ranking = rng.permutation(len(mission.tasks)).tolist()
+        schedule = schedule_tasks(relax(mission), ranking)
+        plain = list_schedule(mission, ranking)
         missed += plain is None
         if plain is None:
             assert schedule is None
         else:
             assert schedule is not None
-            assert find_faults(scenario, schedule) == []
+            assert find_faults(mission, schedule) == []
             assert (list(schedule.start), [len(crew) for crew in schedule.coalitions]) == plain
             assert schedule.order == tuple(ranking)
     assert missed < 30

@@ -33,15 +33,15 @@ from teamformer.planning.steps.starts import plan_from_crews
 from teamformer.planning.steps.timed_plan import time_team_plan
 
 
-def start_of(scenario: Mission) -> Known:
+def start_of(mission: Mission) -> Known:
     """Return what everybody knows before the first step."""
     return Known(
-        mission=scenario,
+        mission=mission,
         step=0,
-        open_tasks=tuple(k for k, task in enumerate(scenario.tasks) if task.appears == 0),
-        places=tuple(robot.at for robot in scenario.robots),
-        teams=scenario.starting_teams,
-        free_at=(0,) * len(scenario.robots),
+        open_tasks=tuple(k for k, task in enumerate(mission.tasks) if task.appears == 0),
+        places=tuple(robot.at for robot in mission.robots),
+        teams=mission.starting_teams,
+        free_at=(0,) * len(mission.robots),
     )
 
 
@@ -58,10 +58,10 @@ def task(x: int, count: int, duration: int = 0) -> Task:
 
 
 def settled(
-    scenario: Mission, order: list[int], crews: list[list[int]]
+    mission: Mission, order: list[int], crews: list[list[int]]
 ) -> tuple[list[int], list[list[int]]]:
     """Return the step in which each task of a plan is done, and by whom once it is settled."""
-    situation = situation_of(start_of(scenario))
+    situation = situation_of(start_of(mission))
     timed = time_team_plan(situation, plan_teams(order, crews))
     plan = timed.plan
     crew = [sorted(plan.coalition[k, : plan.size[k]].tolist()) for k in range(len(order))]
@@ -69,14 +69,14 @@ def settled(
 
 
 def test_who_has_nothing_left_to_do_is_left_behind_at_the_cost_of_a_split() -> None:
-    scenario = corridor([4, 4], [task(4, 2), task(8, 1)])
-    assert settled(scenario, [0, 1], [[0, 1], [0]])[0] == [1, 6]
-    assert settled(scenario, [0, 1], [[0, 1], [0, 1]])[0] == [1, 5]
+    mission = corridor([4, 4], [task(4, 2), task(8, 1)])
+    assert settled(mission, [0, 1], [[0, 1], [0]])[0] == [1, 6]
+    assert settled(mission, [0, 1], [[0, 1], [0, 1]])[0] == [1, 5]
 
 
 def test_who_passes_a_task_that_it_can_do_does_it() -> None:
-    scenario = corridor([0, 20], [task(10, 1), task(5, 1, duration=3)])
-    ends, crew = settled(scenario, [0, 1], [[0], [1]])
+    mission = corridor([0, 20], [task(10, 1), task(5, 1, duration=3)])
+    ends, crew = settled(mission, [0, 1], [[0], [1]])
     assert ends == [13, 8]  # five cells, three steps of service, five cells
     assert crew == [[0], [0]]
 
@@ -85,23 +85,23 @@ def test_who_comes_past_a_task_before_those_who_are_planned_for_it_does_it() -> 
     ann = Robot("ann", (0, 0), {"a": 1})
     bob = Robot("bob", (9, 0), {"a": 1, "b": 1})
     tasks = (Task("near-bob", (8, 0), {"a": 1}), Task("far", (2, 0), {"b": 1}))
-    scenario = Mission("corridor", Grid(30, 1), ("a", "b"), (ann, bob), tasks)
-    assert settled(scenario, [0, 1], [[0], [1]]) == ([1, 7], [[1], [1]])
+    mission = Mission("corridor", Grid(30, 1), ("a", "b"), (ann, bob), tasks)
+    assert settled(mission, [0, 1], [[0], [1]]) == ([1, 7], [[1], [1]])
 
 
 def test_a_team_does_all_that_it_can_where_it_is_at_once() -> None:
-    scenario = corridor([0, 0], [task(3, 2, duration=4), task(3, 1, duration=6)], ((0, 1),))
-    assert settled(scenario, [0, 1], [[0, 1], [0]])[0] == [7, 9]
+    mission = corridor([0, 0], [task(3, 2, duration=4), task(3, 1, duration=6)], ((0, 1),))
+    assert settled(mission, [0, 1], [[0, 1], [0]])[0] == [7, 9]
 
 
 def test_nobody_waits_for_robots_that_a_task_can_do_without() -> None:
-    scenario = corridor([0, 20], [task(3, 1)])
-    assert settled(scenario, [0], [[0, 1]]) == ([3], [[0]])
+    mission = corridor([0, 20], [task(3, 1)])
+    assert settled(mission, [0], [[0, 1]]) == ([3], [[0]])
 
 
 def test_robots_are_free_when_their_service_ends() -> None:
-    scenario = corridor([0, 9], [task(3, 1)])
-    known = replace(start_of(scenario), step=10, free_at=(14, 10))
+    mission = corridor([0, 9], [task(3, 1)])
+    known = replace(start_of(mission), step=10, free_at=(14, 10))
     assert plan_mission(known) == Plan((0,), ((1,),), (16,), made_from="crews")
 
 
@@ -110,13 +110,13 @@ def test_robots_are_free_when_their_service_ends() -> None:
 def test_every_coalition_can_do_its_task(seed: int) -> None:
     rng = np.random.default_rng(seed)
     for number in range(30):
-        scenario = random_world(rng, is_plane=number % 3 == 0)
-        known = start_of(scenario)
+        mission = random_world(rng, is_plane=number % 3 == 0)
+        known = start_of(mission)
         plan = plan_mission(known)
         assert sorted(plan.order) == sorted(known.open_tasks)
         for doing, coalition in zip(plan.order, plan.coalitions, strict=True):
             assert covers(
-                total(scenario.robots[r].can for r in coalition), scenario.tasks[doing].needs
+                total(mission.robots[r].can for r in coalition), mission.tasks[doing].needs
             )
 
 
@@ -124,20 +124,18 @@ def test_a_plan_is_no_worse_than_what_crews_do() -> None:
     """As it begins with their lists, some of them longer searched."""
     rng = np.random.default_rng(7)
     for _ in range(6):
-        scenario = generate(Spec(robots=8, tasks=12, capabilities=3), rng)
-        situation = situation_of(start_of(scenario))
+        mission = generate(Spec(robots=8, tasks=12, capabilities=3), rng)
+        situation = situation_of(start_of(mission))
         rounds = rounds_for(situation.problem, is_again=False)
         crews = plan_from_crews(situation.problem, situation.company, rounds.crews)
-        assert (
-            plan_mission(start_of(scenario)).makespan <= time_team_plan(situation, crews).makespan
-        )
+        assert plan_mission(start_of(mission)).makespan <= time_team_plan(situation, crews).makespan
 
 
 def test_rounds_become_fewer_as_missions_grow() -> None:
     def rounds(robots: int, tasks: int, capabilities: int) -> Rounds:
         rng = np.random.default_rng(0)
-        scenario = generate(Spec(robots, tasks, capabilities, world=Grid(40, 40)), rng)
-        return rounds_for(situation_of(start_of(scenario)).problem, is_again=False)
+        mission = generate(Spec(robots, tasks, capabilities, world=Grid(40, 40)), rng)
+        return rounds_for(situation_of(start_of(mission)).problem, is_again=False)
 
     assert (rounds(16, 60, 6).crews, rounds(16, 60, 6).arcs) == (90_000, 30_000)
     assert rounds(4, 4, 4).arcs == 300 * 16
@@ -151,17 +149,17 @@ def test_robots_that_are_best_apart_are_planned_from_coalitions() -> None:
     far = ((20, 0), (20, 40), (0, 20), (40, 20))
     tasks = tuple(Task(f"t{n}", at, {"a": 1}) for n, at in enumerate(far))
     both = Task("both", (20, 20), {"a": 4})
-    scenario = Mission("star", Grid(41, 41), ("a",), robots, (*tasks, both))
-    plan = plan_mission(start_of(scenario))
+    mission = Mission("star", Grid(41, 41), ("a",), robots, (*tasks, both))
+    plan = plan_mission(start_of(mission))
     assert plan.made_from == "coalitions"
     assert sorted(len(crew) for crew in plan.coalitions) == [1, 1, 1, 1, 4]
 
 
 def test_a_large_mission_is_planned_by_one_search_over_graphs_of_arcs() -> None:
-    scenario = generate(
+    mission = generate(
         Spec(20, 100, 6, requirements=2, world=Grid(30, 30)), np.random.default_rng(0)
     )
-    known = start_of(scenario)
+    known = start_of(mission)
     situation = situation_of(known)
     plan = plan_mission(known)
     assert plan.made_from == "arcs"
@@ -185,8 +183,8 @@ def test_only_vast_missions_are_too_large() -> None:
 def test_a_plan_made_again_is_never_worse_by_its_own_count() -> None:
     rng = np.random.default_rng(1)
     for _ in range(20):
-        scenario = random_world(rng, with_losses=False, with_arrivals=False)
-        known = start_of(scenario)
+        mission = random_world(rng, with_losses=False, with_arrivals=False)
+        known = start_of(mission)
         old = plan_mission(known)
         assert plan_mission(known, old).makespan <= old.makespan
         assert plan_mission(known, old, is_brief=True).makespan <= old.makespan

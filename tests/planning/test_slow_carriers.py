@@ -44,33 +44,33 @@ def test_the_one_who_has_it_there_first_carries_a_load(method: str) -> None:
 
 @pytest.mark.parametrize("method", ["plan", "central"])
 def test_so_it_is_where_plans_have_a_cost(method: str) -> None:
-    scenario = near_and_slow(time="continuous", cost={"completion": 1.0})
-    made = plan_continuous(pose_mission(scenario), method, 0.1)
+    mission = near_and_slow(time="continuous", cost={"completion": 1.0})
+    made = plan_continuous(pose_mission(mission), method, 0.1)
     assert made is not None
     assert made.cost == 21.0
 
 
 def test_so_it_is_where_starts_are_linked() -> None:
     """Two crates start at once: the fast ones carry both, and who is near carries none."""
-    scenario = near_and_slow(time="continuous")
+    mission = near_and_slow(time="continuous")
     other = Task("other", (0, 0), {"lift": 1}, to=(11, 0), starts={"crate": (0.0, 0.0)})
     more = Robot("fast too", (10, 0), {"lift": 1})
-    scenario = replace(scenario, robots=(*scenario.robots, more), tasks=(*scenario.tasks, other))
-    made = plan_continuous(pose_mission(scenario), "plan", 0.0)
+    mission = replace(mission, robots=(*mission.robots, more), tasks=(*mission.tasks, other))
+    made = plan_continuous(pose_mission(mission), "plan", 0.0)
     assert made is not None
     assert made.makespan == 21.0
 
 
 @pytest.mark.parametrize("method", ["plan", "crews", "central"])
 def test_so_it_is_in_steps(method: str) -> None:
-    end = run_trial(near_and_slow(), load_method(method, time_limit=0.3), 0).replay.end
+    end = run_trial(near_and_slow(), load_method(method, time_limit=0.3), 0).record.end
     assert end.makespan == 21
 
 
 def test_a_plan_is_over_when_it_says_whoever_carries() -> None:
     """Both lift a crate: it goes as fast as the slower one, in ticks as by the mission's rules."""
-    scenario = near_and_slow(time="continuous")
-    both = replace(scenario, tasks=(replace(scenario.tasks[0], needs={"lift": 2}),))
+    source = near_and_slow(time="continuous")
+    both = replace(source, tasks=(replace(source.tasks[0], needs={"lift": 2}),))
     mission = pose_mission(both)
     found = plan_together(mission.problem)
     assert found is not None
@@ -80,15 +80,15 @@ def test_a_plan_is_over_when_it_says_whoever_carries() -> None:
 
 @pytest.mark.parametrize("crew", [(0,), (1,), (0, 1)])
 def test_arcs_in_steps_have_the_times_of_the_plan(crew: tuple[int, ...]) -> None:
-    scenario = near_and_slow()
-    crate = replace(scenario.tasks[0], needs={"lift": len(crew)})
-    scenario = replace(scenario, tasks=(crate,))
+    mission = near_and_slow()
+    crate = replace(mission.tasks[0], needs={"lift": len(crew)})
+    mission = replace(mission, tasks=(crate,))
     known = Known(
-        mission=scenario,
+        mission=mission,
         step=0,
         open_tasks=(0,),
         places=((0, 0), (10, 0)),
-        teams=scenario.starting_teams,
+        teams=mission.starting_teams,
         free_at=(0, 0),
     )
     arcs = TeamArcs(situation_of(known))

@@ -18,20 +18,20 @@ from teamformer.planning.problem.relaxed_problem import relax
 from teamformer.trials.trial import run_trials
 
 
-def bound_by_windows(scenario: Mission, above: int = 0) -> int:
+def bound_by_windows(mission: Mission, above: int = 0) -> int:
     """Return all that windows prove, from a bound on."""
-    return raise_by_windows(scenario, relax(scenario), above, lambda _: None, lambda: False)
+    return raise_by_windows(mission, relax(mission), above, lambda _: None, lambda: False)
 
 
 @pytest.mark.parametrize("losses", [0.0, 0.3])
 def test_no_schedule_is_faster(losses: float) -> None:
     rng, gaps = np.random.default_rng(3), []
     for _ in range(150):
-        scenario = tiny_world(rng, losses=losses)
-        fastest = fastest_makespan(scenario)
+        mission = tiny_world(rng, losses=losses)
+        fastest = fastest_makespan(mission)
         if fastest is not None:
-            alone = bound_makespan(relax(scenario))
-            gaps.append(fastest - bound_by_windows(scenario, alone))
+            alone = bound_makespan(relax(mission))
+            gaps.append(fastest - bound_by_windows(mission, alone))
     assert len(gaps) > 50
     assert min(gaps) == 0
     assert np.mean(gaps) < 0.5
@@ -42,11 +42,11 @@ def test_no_schedule_is_faster(losses: float) -> None:
 def test_no_trial_is_faster(is_plane: bool) -> None:
     """At uneven speeds, with walls, losses and late tasks."""
     rng = np.random.default_rng(2)
-    scenarios = [random_world(rng, is_plane=is_plane) for _ in range(100)]
-    tallies = run_trials(scenarios, Heuristic())
+    missions = [random_world(rng, is_plane=is_plane) for _ in range(100)]
+    tallies = run_trials(missions, Heuristic())
     gaps = [
-        tally.steps - bound_by_windows(scenario, lower_bound(scenario))
-        for scenario, tally in zip(scenarios, tallies, strict=True)
+        tally.steps - bound_by_windows(mission, lower_bound(mission))
+        for mission, tally in zip(missions, tallies, strict=True)
         if tally.status == "completed"
     ]
     assert len(gaps) > 60
@@ -64,22 +64,22 @@ def test_both_capabilities_decide_when_a_task_starts() -> None:
     18 steps, the b at 20 after 10, and both are back at 6 after 24.
     """
     robots, both = [robot("a", 10), robot("b", 10)], [task("ab", 6), task("ab", 14)]
-    scenario = make(robots, [*both, task("a", 0), task("b", 19)], forming_steps=0)
-    problem = relax(scenario)
+    mission = make(robots, [*both, task("a", 0), task("b", 19)], forming_steps=0)
+    problem = relax(mission)
     assert bound_makespan(problem) == 18
-    start = earliest_in_order(scenario, problem)
+    start = earliest_in_order(mission, problem)
     refuter = refuter_in_steps(problem, start, MOST_TASKS_A_TOUR)
-    assert fastest_makespan(scenario) == refuter.raised(18, 100) == 24
+    assert fastest_makespan(mission) == refuter.raised(18, 100) == 24
 
 
 def test_slow_robots_may_do_tasks_in_passing() -> None:
     """So their tours are left out: nothing is proven of them here."""
-    scenario = make([robot("a", 4, speed=0.5)], [task("a", 8), task("a", 0)])
-    assert bound_by_windows(scenario) == 0
+    mission = make([robot("a", 4, speed=0.5)], [task("a", 8), task("a", 0)])
+    assert bound_by_windows(mission) == 0
     assert bound_by_windows(make([robot("a", 4)], [task("a", 8), task("a", 0)])) == 12
 
 
 def test_stops_when_told() -> None:
-    scenario = make([robot("a", 4)], [task("a", 8), task("a", 0)])
-    assert raise_by_windows(scenario, relax(scenario), 4, lambda _: None, lambda: True) == 4
-    assert raise_by_windows(scenario, relax(scenario), 4, lambda _: None, lambda: False) == 12
+    mission = make([robot("a", 4)], [task("a", 8), task("a", 0)])
+    assert raise_by_windows(mission, relax(mission), 4, lambda _: None, lambda: True) == 4
+    assert raise_by_windows(mission, relax(mission), 4, lambda _: None, lambda: False) == 12

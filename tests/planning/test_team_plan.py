@@ -39,18 +39,18 @@ def task(x: int, count: int, duration: int = 0) -> Task:
     return Task(f"t{x}", (x, 0), {"a": count}, duration=duration)
 
 
-def timed(scenario: Mission, order: list[int], crews: list[list[int]]) -> tuple[int, int, Groups]:
+def timed(mission: Mission, order: list[int], crews: list[list[int]]) -> tuple[int, int, Groups]:
     """Return cost, lead and what timing a plan left, nothing being done on the way."""
-    situation = situation_in_hindsight(scenario)
-    groups = empty_groups(situation.problem, situation.company, scenario.forming_steps)
+    situation = situation_in_hindsight(mission)
+    groups = empty_groups(situation.problem, situation.company, mission.forming_steps)
     plan = plan_teams(order, crews)
     cost, lead = time_plan(situation.problem, no_crossings(), plan, groups)
     return int(cost), int(lead), groups
 
 
-def ends(scenario: Mission, order: list[int], crews: list[list[int]]) -> list[int]:
+def ends(mission: Mission, order: list[int], crews: list[list[int]]) -> list[int]:
     """Return the step in which each task is done, by number."""
-    _, _, groups = timed(scenario, order, crews)
+    _, _, groups = timed(mission, order, crews)
     return groups.end[: len(order)].tolist()
 
 
@@ -60,8 +60,8 @@ def test_a_lone_robot_pays_nothing() -> None:
 
 @pytest.mark.parametrize(("robots", "steps"), [(2, 1), (3, 2), (4, 2), (5, 3), (8, 3), (9, 4)])
 def test_robots_that_meet_pair_up(robots: int, steps: int) -> None:
-    scenario = corridor([0] * robots, [task(4, robots)])
-    assert ends(scenario, [0], [list(range(robots))]) == [4 + steps]
+    mission = corridor([0] * robots, [task(4, robots)])
+    assert ends(mission, [0], [list(range(robots))]) == [4 + steps]
 
 
 def test_those_that_came_earlier_have_joined_already() -> None:
@@ -71,15 +71,15 @@ def test_those_that_came_earlier_have_joined_already() -> None:
 
 def test_going_on_together_is_free_and_parting_is_not() -> None:
     tasks = [task(4, 2), task(8, 1), task(1, 1)]
-    scenario = corridor([4, 4], tasks)
-    assert ends(scenario, [0, 1, 2], [[0, 1], [0, 1], [0, 1]]) == [1, 5, 12]
-    assert ends(scenario, [0, 1, 2], [[0, 1], [0], [1]]) == [1, 6, 5]
+    mission = corridor([4, 4], tasks)
+    assert ends(mission, [0, 1, 2], [[0, 1], [0, 1], [0, 1]]) == [1, 5, 12]
+    assert ends(mission, [0, 1, 2], [[0, 1], [0], [1]]) == [1, 6, 5]
     assert ends(corridor([4, 4], tasks, 0), [0, 1, 2], [[0, 1], [0], [1]]) == [1, 5, 4]
 
 
 def test_who_has_nothing_left_to_do_is_left_behind_at_the_cost_of_a_split() -> None:
-    scenario = corridor([4, 4], [task(4, 2), task(8, 1)])
-    assert ends(scenario, [0, 1], [[0, 1], [0]]) == [1, 6]
+    mission = corridor([4, 4], [task(4, 2), task(8, 1)])
+    assert ends(mission, [0, 1], [[0, 1], [0]]) == [1, 6]
 
 
 def test_the_cost_is_of_the_makespan_and_ends_and_steps_walked_only_lead_the_search() -> None:
@@ -90,9 +90,9 @@ def test_the_cost_is_of_the_makespan_and_ends_and_steps_walked_only_lead_the_sea
 
 @pytest.mark.parametrize(("lost", "late"), [(5, 1), (6, 0)])
 def test_robots_that_are_lost_before_they_are_done_cost_much(lost: int, late: int) -> None:
-    scenario = corridor([0], [task(5, 1)])
-    robot = replace(scenario.robots[0], absences=(Absence(lost),))
-    cost, _, _ = timed(replace(scenario, robots=(robot,)), [0], [[0]])
+    mission = corridor([0], [task(5, 1)])
+    robot = replace(mission.robots[0], absences=(Absence(lost),))
+    cost, _, _ = timed(replace(mission, robots=(robot,)), [0], [[0]])
     assert cost == STEP * (5 + LATE * late)
 
 
@@ -104,21 +104,21 @@ def test_three_ways_take_two_splits_the_last_two_at_once() -> None:
 
 
 def test_a_crew_stays_for_the_duration() -> None:
-    scenario = corridor([0], [task(3, 1, duration=4), task(5, 1)])
-    assert ends(scenario, [0, 1], [[0], [0]]) == [7, 9]
+    mission = corridor([0], [task(3, 1, duration=4), task(5, 1)])
+    assert ends(mission, [0, 1], [[0], [0]]) == [7, 9]
 
 
 def test_a_task_starts_in_the_step_after_those_before_it_are_done() -> None:
     """The first two steps to `t2` and three of service; the other is at `t4` long before."""
     after = replace(task(4, 1), after=("t2",))
-    scenario = corridor([0, 4], [after, task(2, 1, duration=3)])
-    assert ends(scenario, [1, 0], [[1], [0]]) == [6, 5]
+    mission = corridor([0, 4], [after, task(2, 1, duration=3)])
+    assert ends(mission, [1, 0], [[1], [0]]) == [6, 5]
 
 
 def test_what_comes_after_others_is_not_done_in_passing_before_these() -> None:
     """On its way to `t9` the robot passes `t4`, which comes after `t9`."""
-    scenario = corridor([0], [replace(task(4, 1), after=("t9",)), task(9, 1)])
-    timed_plan = time_team_plan(situation_in_hindsight(scenario), plan_teams([0, 1], [[0], [0]]))
+    mission = corridor([0], [replace(task(4, 1), after=("t9",)), task(9, 1)])
+    timed_plan = time_team_plan(situation_in_hindsight(mission), plan_teams([0, 1], [[0], [0]]))
     assert timed_plan.plan.order.tolist() == [1, 0]
     assert timed_plan.ends.tolist() == [14, 9]
     free = corridor([0], [task(4, 1), task(9, 1)])
@@ -133,14 +133,14 @@ def test_routes_follow_the_order() -> None:
 @pytest.mark.parametrize("seed", range(40))
 def test_times_are_those_of_a_slow_twin(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    scenario = random_world(rng, with_losses=False) if seed % 2 else generate(Spec(6, 9, 3), rng)
+    mission = random_world(rng, with_losses=False) if seed % 2 else generate(Spec(6, 9, 3), rng)
     if seed % 3 == 0:
-        scenario = with_precedence_and_windows(scenario, rng, windows=0)
-    problem = situation_in_hindsight(scenario).problem
-    robots, tasks = len(scenario.robots), len(scenario.tasks)
+        mission = with_precedence_and_windows(mission, rng, windows=0)
+    problem = situation_in_hindsight(mission).problem
+    robots, tasks = len(mission.robots), len(mission.tasks)
     crews = [rng.permutation(robots)[: rng.integers(1, robots + 1)].tolist() for _ in range(tasks)]
     order = keep_order(problem.before, rng.permutation(tasks).tolist())
-    cost, _, groups = timed(scenario, order, crews)
-    slow = slow_ends(scenario, problem, plan_teams(order, crews))
+    cost, _, groups = timed(mission, order, crews)
+    slow = slow_ends(mission, problem, plan_teams(order, crews))
     assert groups.end[:tasks].tolist() == slow
     assert cost == STEP * tasks * max(slow)

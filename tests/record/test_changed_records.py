@@ -24,61 +24,61 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_examples_are_played_legally(path: Path) -> None:
     for policy in (JoinAll(), Heuristic()):
-        assert judge(run_trial(read_mission(path), policy).replay).findings == ()
+        assert judge(run_trial(read_mission(path), policy).record).findings == ()
 
 
 Forge = Callable[[Record, np.random.Generator], Record | None]
 
 
-def change_step(replay: Record, key: str, rng: np.random.Generator, change: Any) -> Record | None:
+def change_step(record: Record, key: str, rng: np.random.Generator, change: Any) -> Record | None:
     """Let `change` replace one of the entries under a key of the steps; None if there is none."""
     spots = [
         (number, i)
-        for number, step in enumerate(replay.steps)
+        for number, step in enumerate(record.steps)
         for i in range(len(getattr(step, key)))
     ]
     if not spots:
         return None
     number, i = spots[int(rng.integers(len(spots)))]
-    entries = list(getattr(replay.steps[number], key))
+    entries = list(getattr(record.steps[number], key))
     entries[i : i + 1] = change(entries[i])
-    steps = list(replay.steps)
+    steps = list(record.steps)
     steps[number] = replace(steps[number], **{key: tuple(entries)})
-    return replace(replay, steps=tuple(steps))
+    return replace(record, steps=tuple(steps))
 
 
-def makespan(replay: Record, rng: np.random.Generator) -> Record | None:
-    if replay.end.makespan is None:
+def makespan(record: Record, rng: np.random.Generator) -> Record | None:
+    if record.end.makespan is None:
         return None
-    shifted = replay.end.makespan + int(rng.choice([-1, 1]))
-    return replace(replay, end=replace(replay.end, makespan=shifted))
+    shifted = record.end.makespan + int(rng.choice([-1, 1]))
+    return replace(record, end=replace(record.end, makespan=shifted))
 
 
-def jump(replay: Record, rng: np.random.Generator) -> Record | None:
-    return change_step(replay, "teams", rng, lambda team: [team._replace(x=team.x + 4)])
+def jump(record: Record, rng: np.random.Generator) -> Record | None:
+    return change_step(record, "teams", rng, lambda team: [team._replace(x=team.x + 4)])
 
 
 def leave_out(key: str) -> Forge:
-    return lambda replay, rng: change_step(replay, key, rng, lambda entry: [])
+    return lambda record, rng: change_step(record, key, rng, lambda entry: [])
 
 
 def twice(key: str) -> Forge:
-    return lambda replay, rng: change_step(replay, key, rng, lambda entry: [entry, entry])
+    return lambda record, rng: change_step(record, key, rng, lambda entry: [entry, entry])
 
 
-def other_doer(replay: Record, rng: np.random.Generator) -> Record | None:
-    robots = len(replay.scenario.robots)
+def other_doer(record: Record, rng: np.random.Generator) -> Record | None:
+    robots = len(record.mission.robots)
     if robots == 1:
         return None
-    return change_step(replay, "done", rng, lambda entry: [(entry[0], (entry[1] + 1) % robots)])
+    return change_step(record, "done", rng, lambda entry: [(entry[0], (entry[1] + 1) % robots)])
 
 
-def robot_in_two_teams(replay: Record, rng: np.random.Generator) -> Record | None:
-    if len(replay.start) == 1:
+def robot_in_two_teams(record: Record, rng: np.random.Generator) -> Record | None:
+    if len(record.start) == 1:
         return None
-    first, (slot, robots, x, y), *rest = replay.start
+    first, (slot, robots, x, y), *rest = record.start
     mixed = (slot, tuple(sorted((*robots, first[1][0]))), x, y)
-    return replace(replay, start=(first, mixed, *rest))
+    return replace(record, start=(first, mixed, *rest))
 
 
 FORGERIES: dict[str, Forge] = {
@@ -96,7 +96,7 @@ def real_records() -> list[Record]:
     rng = np.random.default_rng(12)
     worlds = [random_world(rng) for _ in range(100)]
     return [
-        run_trial(world, policy).replay for world in worlds for policy in (JoinAll(), Heuristic())
+        run_trial(world, policy).record for world in worlds for policy in (JoinAll(), Heuristic())
     ]
 
 
@@ -104,8 +104,8 @@ def real_records() -> list[Record]:
 @pytest.mark.thorough
 def test_every_such_change_of_a_real_record_is_found(name: str, real_records: list[Record]) -> None:
     rng = np.random.default_rng(13)
-    forged = [FORGERIES[name](replay, rng) for replay in real_records]
-    verdicts = [judge(replay) for replay in forged if replay is not None]
+    forged = [FORGERIES[name](record, rng) for record in real_records]
+    verdicts = [judge(record) for record in forged if record is not None]
     assert len(verdicts) >= 20
     assert all(verdict.findings for verdict in verdicts)
     assert max(len(verdict.findings) for verdict in verdicts) < 60  # not the same over and over
@@ -115,8 +115,8 @@ def test_shifts_by_a_cell_are_mostly_found(real_records: list[Record]) -> None:
     """Some are legal: a team may stand elsewhere when a trial ends, if nobody needs it there."""
     rng = np.random.default_rng(14)
     shifted = [
-        change_step(replay, "teams", rng, lambda team: [team._replace(x=team.x + 1)])
-        for replay in real_records
+        change_step(record, "teams", rng, lambda team: [team._replace(x=team.x + 1)])
+        for record in real_records
     ]
-    found = [bool(judge(replay).findings) for replay in shifted if replay is not None]
+    found = [bool(judge(record).findings) for record in shifted if record is not None]
     assert np.mean(found) > 0.85

@@ -29,7 +29,7 @@ from teamformer.world.rules.constants import NOBODY
 
 
 def played(mission: Mission, method: str = "plan", seed: int = 0) -> Record:
-    return run_trial(mission, load_method(method), seed).replay
+    return run_trial(mission, load_method(method), seed).record
 
 
 def planned(mission: Mission) -> MissionPlan:
@@ -122,10 +122,10 @@ def test_after_a_load_is_set_down_the_path_leads_over_who_carried_it() -> None:
     It lies at 7, where r0 was after 4 steps with it; r1 walks 12 there and 8 on to the goal.
     """
     mission = make([robot("a", 0, lost=8), robot("a", 19)], [load("a", 3, 15, 1, 0)])
-    replay = played(mission)
-    path = told(path_of_record(replay))
-    down = next(n for n, step in enumerate(replay.steps, start=1) if step.left)
-    at = replay.steps[down - 1].left[0].x
+    record = played(mission)
+    path = told(path_of_record(record))
+    down = next(n for n, step in enumerate(record.steps, start=1) if step.left)
+    at = record.steps[down - 1].left[0].x
     assert path[:3] == [
         (0, 3, "walking", 0, 0),
         (3, 4, "loading", 0, 0),
@@ -243,15 +243,15 @@ def test_the_stretches_add_up_and_tell_what_the_record_tells(method: str) -> Non
     """Held against `moments`, which goes through records in a way of its own."""
     completed = 0
     for seed in range(20):
-        replay = played(random_mission(seed), method, seed)
-        path = path_of_record(replay)
-        if replay.end.makespan is None:
+        record = played(random_mission(seed), method, seed)
+        path = path_of_record(record)
+        if record.end.makespan is None:
             assert path == ()
             continue
         completed += 1
-        assert sum(stretch.end - stretch.begin for stretch in path) == replay.end.makespan
-        assert [0, *(s.end for s in path)] == [*(s.begin for s in path), replay.end.makespan]
-        seen = list(moments(replay))
+        assert sum(stretch.end - stretch.begin for stretch in path) == record.end.makespan
+        assert [0, *(s.end for s in path)] == [*(s.begin for s in path), record.end.makespan]
+        seen = list(moments(record))
         for stretch in path:
             if stretch.robot == NOBODY:
                 assert stretch.begin == 0

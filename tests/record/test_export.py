@@ -36,7 +36,7 @@ def two_lifters() -> Record:
 
     a..B..b   steps: walk, walk, join, serve, serve, lost
     """
-    scenario = Mission(
+    mission = Mission(
         name="beam",
         world=Grid(5, 2, rows=(".....", "@@@@@")),
         capabilities=("lift",),
@@ -59,7 +59,7 @@ def two_lifters() -> Record:
     )
     end = Ending("interrupted", None, 6, 1, 1, 0, 0)
     start = ((0, (0,), 0, 0), (1, (1,), 3, 0))
-    return Record(scenario, "by hand", 0, ((0, (0,)),), start, steps, end)
+    return Record(mission, "by hand", 0, ((0, (0,)),), start, steps, end)
 
 
 def test_every_step_of_every_robot_has_its_phase() -> None:
@@ -78,27 +78,27 @@ def test_places_and_teams_are_those_of_the_record() -> None:
 
 
 def test_a_robot_says_what_it_did_and_why() -> None:
-    replay = replace(two_lifters(), orders=((0, (0,)), (5, ())))
-    assert list(story_lines(replay, 0)) == [
+    record = replace(two_lifters(), orders=((0, (0,)), (5, ())))
+    assert list(story_lines(record, 0)) == [
         ("1-2", "walks to beam", "number 1 in the order that everybody shares"),
         ("3-3", "forms with =b", ""),
         ("4-5", "serves beam, with =b", "its team brings all that the task needs"),
         ("6-6", "idle", "no task is open"),
     ]
-    assert list(story_lines(replay, 1))[1:2] == [
+    assert list(story_lines(record, 1))[1:2] == [
         ("2-2", "waits at beam", "lacks lift, which a brings"),
     ]
-    assert list(story_lines(replay, 1))[-1] == ("6-6", "lost", "")
+    assert list(story_lines(record, 1))[-1] == ("6-6", "lost", "")
 
 
 def test_a_shared_plan_says_who_does_what_and_who_took_whose_part() -> None:
     before = two_lifters()
     plans = ((0, SharedPlanMade(("start",), ((0,),))),)
     steps = (replace(before.steps[0], took=((0, 1),)), *before.steps[1:])
-    replay = replace(before, plans=plans, steps=steps)
-    told = [why for _, _, why in story_lines(replay, 0)]
+    record = replace(before, plans=plans, steps=steps)
+    told = [why for _, _, why in story_lines(record, 0)]
     assert told[0] == "the plan has a do it"
-    held, doing = PlansInForce(replay), []
+    held, doing = PlansInForce(record), []
     for number in range(1, 4):
         held.go_on(number)
         doing.append(held.coalition(0))
@@ -126,8 +126,8 @@ def much_happens(steps: int) -> Record:
     lame = replace(robot("a", 1), breaks=Breakdown(0.1, (2, 5)))
     away = replace(robot("b", 5), absences=(Absence(3, 900_000),))
     tasks = [task("a", 3), task("b", 8)]
-    scenario = make([lame] * 3 + [away], tasks, step_limit=steps)
-    return run_trial(scenario, SharedPlan()).replay
+    mission = make([lame] * 3 + [away], tasks, step_limit=steps)
+    return run_trial(mission, SharedPlan()).record
 
 
 @pytest.mark.parametrize("tells", ["story", "mcap"])
@@ -137,30 +137,30 @@ def test_a_record_is_gone_through_once_however_much_happens(tells: str, tmp_path
     if tells == "mcap":
         write = pytest.importorskip("teamformer.record.export.mcap_file").write_mcap
     for steps in (100, 800):
-        replay = much_happens(steps)
-        counted = CountedSteps(replay.steps)
-        replay = replace(replay, steps=counted)
+        record = much_happens(steps)
+        counted = CountedSteps(record.steps)
+        record = replace(record, steps=counted)
         if tells == "mcap":
-            write(replay, tmp_path / "record.mcap")
+            write(record, tmp_path / "record.mcap")
         else:
-            assert len(explain(replay, 0)) > steps / 10
+            assert len(explain(record, 0)) > steps / 10
         assert steps <= counted.handed_out <= 10 * steps
 
 
 def test_plans_made_anew_say_after_what() -> None:
     """The box appears after step 1 beside =b, who is the first to be sent there."""
     before = two_lifters()
-    tasks = (before.scenario.tasks[0], replace(before.scenario.tasks[1], appears=1))
+    tasks = (before.mission.tasks[0], replace(before.mission.tasks[1], appears=1))
     steps = (Step(), Step(teams=(TeamAt(1, 4, 0, 1),), done=((1, 1),)))
     end = Ending("interrupted", None, 2, 1, 0, 0, 0)
-    replay = replace(
+    record = replace(
         before,
-        scenario=replace(before.scenario, tasks=tasks),
+        mission=replace(before.mission, tasks=tasks),
         orders=((0, (0,)), (1, (1, 0))),
         steps=steps,
         end=end,
     )
-    assert list(story_lines(replay, 1)) == [
+    assert list(story_lines(record, 1)) == [
         ("1-1", "idle", "others are to do beam"),
         (
             "2-2",
@@ -199,11 +199,11 @@ def test_tables_hold_what_was_recorded(tmp_path: Path) -> None:
 
 
 def test_tables_have_notes_where_there_are_some(tmp_path: Path) -> None:
-    replay = two_lifters()
-    scenario = replay.scenario
-    robots = (replace(scenario.robots[0], note="leaks, =oil"), *scenario.robots[1:])
-    tasks = (scenario.tasks[0], replace(scenario.tasks[1], note="=dock 3"))
-    write_tables(replace(replay, scenario=replace(scenario, robots=robots, tasks=tasks)), tmp_path)
+    record = two_lifters()
+    mission = record.mission
+    robots = (replace(mission.robots[0], note="leaks, =oil"), *mission.robots[1:])
+    tasks = (mission.tasks[0], replace(mission.tasks[1], note="=dock 3"))
+    write_tables(replace(record, mission=replace(mission, robots=robots, tasks=tasks)), tmp_path)
     head, *robot_rows = rows_of(tmp_path / "robots.csv")
     assert head[-1] == "note"
     assert [row[-1] for row in robot_rows] == ["leaks, =oil", ""]
@@ -216,8 +216,8 @@ def test_the_table_of_tasks_has_windows_precedence_loads_and_lateness(tmp_path: 
     """By hand: sets out in 2, there in 3, loaded in 6, carried to 10, unloaded in 12; 1 back."""
     load = replace(task("a", 2, duration=3), to=(6, 0), unload=2, between=(1.0, 8.5))
     next_one = replace(task("a", 5), after=("t0",), between=(0.0, 20.0))
-    replay = run_trial(make([robot("a", 0)], [load, next_one]), load_method("join-all")).replay
-    write_tables(replay, tmp_path)
+    record = run_trial(make([robot("a", 0)], [load, next_one]), load_method("join-all")).record
+    write_tables(record, tmp_path)
     with (tmp_path / "tasks.csv").open(encoding="utf-8", newline="") as file:
         first, second = csv.DictReader(file)
     told = {
@@ -236,16 +236,16 @@ def carried() -> Record:
     """A robot that walks 2 to a load, takes 3 to load it, carries it 4 and unloads it for 2."""
     load = replace(task("a", 2, duration=3), to=(6, 0), unload=2)
     mission = make([robot("a", 0)], [load])
-    return run_trial(mission, load_method("join-all")).replay
+    return run_trial(mission, load_method("join-all")).record
 
 
 def test_loading_carrying_and_unloading_are_told_everywhere(tmp_path: Path) -> None:
-    replay = carried()
-    write_tables(replay, tmp_path)
+    record = carried()
+    write_tables(record, tmp_path)
     phases = [("walking", 2), ("loading", 3), ("carrying", 4), ("unloading", 2)]
     bars = rows_of(tmp_path / "gantt.csv")[1:]
     assert [(bar[1], int(bar[4]) - int(bar[3])) for bar in bars] == phases
-    assert [chapter.what for chapter in explain(replay, 0)] == [
+    assert [chapter.what for chapter in explain(record, 0)] == [
         "walks to t0",
         "loads t0",
         "carries t0",
@@ -254,7 +254,7 @@ def test_loading_carrying_and_unloading_are_told_everywhere(tmp_path: Path) -> N
     pytest.importorskip("foxglove")
     from teamformer.record.export.mcap_file import write_mcap
 
-    write_mcap(replay, tmp_path / "load.mcap")
+    write_mcap(record, tmp_path / "load.mcap")
     found = mcap_messages(tmp_path / "load.mcap")
     scenes = [data for topic, _, data, _ in found if topic == "/mission"]
     assert [
@@ -297,20 +297,20 @@ def test_the_mcap_file_holds_frames_scene_map_and_log(tmp_path: Path) -> None:
     assert b"2 x lift" in scene  # what the task needs
 
 
-def test_the_record_becomes_a_scenario_again(tmp_path: Path) -> None:
+def test_the_record_becomes_a_mission_again(tmp_path: Path) -> None:
     from teamformer.files.mission_files import read_mission
 
-    record = tmp_path / "replay.json"
+    record = tmp_path / "record.json"
     save_record(two_lifters(), record)
     assert export(record, [tmp_path / "again.yaml"]) == 0
-    assert read_mission(tmp_path / "again.yaml") == two_lifters().scenario
+    assert read_mission(tmp_path / "again.yaml") == two_lifters().mission
     with pytest.raises(TeamformerError, match=r"again\.yaml: there is such a file"):
         export(record, [tmp_path / "again.yaml", tmp_path / "tables"])
     assert not (tmp_path / "tables").exists()
 
 
 def test_export_says_what_it_wrote(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    record = tmp_path / "replay.json"
+    record = tmp_path / "record.json"
     save_record(replace(two_lifters(), seed=3), record)
     assert export(record, [tmp_path / "tables", tmp_path / "again.yaml"]) == 0
     files = [Path(line.removeprefix("file: ")) for line in capsys.readouterr().err.splitlines()]
@@ -324,7 +324,7 @@ def test_export_says_what_it_wrote(tmp_path: Path, capsys: pytest.CaptureFixture
 def test_a_record_that_cannot_be_read_leaves_nothing_behind(
     record: str | None, tmp_path: Path
 ) -> None:
-    path = tmp_path / "replay.json"
+    path = tmp_path / "record.json"
     if record is not None:
         path.write_text(record)
     before = set(tmp_path.iterdir())
@@ -335,10 +335,10 @@ def test_a_record_that_cannot_be_read_leaves_nothing_behind(
 
 @pytest.mark.parametrize(
     ("name", "told"),
-    [("x.csv", "what is to be in this file?"), ("replay.json", "this is the record itself")],
+    [("x.csv", "what is to be in this file?"), ("record.json", "this is the record itself")],
 )
 def test_what_cannot_be_exported_is_refused(name: str, told: str, tmp_path: Path) -> None:
-    record = tmp_path / "replay.json"
+    record = tmp_path / "record.json"
     save_record(two_lifters(), record)
     before = record.read_bytes()
     with pytest.raises(TeamformerError, match=re.escape(told)):
@@ -350,7 +350,7 @@ def test_what_cannot_be_exported_is_refused(name: str, told: str, tmp_path: Path
 def test_a_gif_shows_every_step(tmp_path: Path) -> None:
     """Cells are 40 pixels; robots 0 and 1 are grey, then walk to the beam in its colour."""
     image = pytest.importorskip("PIL.Image", reason="the extra `gif` is not installed")
-    record, path = tmp_path / "replay.json", tmp_path / "mission.gif"
+    record, path = tmp_path / "record.json", tmp_path / "mission.gif"
     save_record(two_lifters(), record)
     assert export(record, [path]) == 0
     with image.open(path) as film:
@@ -386,22 +386,22 @@ def news_each_step(coordination: str = "paper") -> Record:
     calls = [task("b", 19, appears=steps) for steps in range(1, 8)]
     robots = [robot("a", 0, speed=0.25), robot("b", 19)]
     mission = make(robots, [task("a", 2), *calls])
-    return run_trial(mission, method_of(coordination)).replay
+    return run_trial(mission, method_of(coordination)).record
 
 
 @pytest.mark.parametrize("coordination", COORDINATIONS)
 def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(
     coordination: str, tmp_path: Path
 ) -> None:
-    replay = news_each_step(coordination)
-    assert judge(replay).findings == ()
-    assert [dict(step.pursued).get(0) for step in replay.steps[:7]] == [0] * 7
-    seen = list(moments(replay))
+    record = news_each_step(coordination)
+    assert judge(record).findings == ()
+    assert [dict(step.pursued).get(0) for step in record.steps[:7]] == [0] * 7
+    seen = list(moments(record))
     assert [moment.phase[0] for moment in seen[1:9]] == ["walking"] * 8
     assert [moment.pursued[0] for moment in seen[1:9]] == [0] * 8
-    assert explain(replay, 0)[0].what == "walks to t0"
-    save_record(replay, tmp_path / "replay.json")
-    assert read_record(tmp_path / "replay.json") == replay
+    assert explain(record, 0)[0].what == "walks to t0"
+    save_record(record, tmp_path / "record.json")
+    assert read_record(tmp_path / "record.json") == record
 
 
 @pytest.mark.parametrize(
@@ -414,7 +414,7 @@ def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(
 def test_what_cannot_have_been_pursued_is_found(
     pursued: tuple[tuple[int, int], ...], told: str
 ) -> None:
-    replay = news_each_step()
-    steps = (replace(replay.steps[0], pursued=pursued), *replay.steps[1:])
-    findings = judge(replace(replay, steps=steps)).findings
+    record = news_each_step()
+    steps = (replace(record.steps[0], pursued=pursued), *record.steps[1:])
+    findings = judge(replace(record, steps=steps)).findings
     assert [told in str(finding) for finding in findings] == [True]

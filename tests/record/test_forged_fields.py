@@ -1,7 +1,7 @@
 """Records of every kind of mission are legal as they are, and not once a field of them is forged.
 
 What a forgery cannot be told from is a legal record of other decisions, or of another plan
-(docs/reference/replay.md, "What `check` guarantees"); such changes are left out, each where it
+(docs/reference/record.md, "What `check` guarantees"); such changes are left out, each where it
 says so.
 """
 
@@ -109,42 +109,42 @@ def play(seed: int, count: int) -> Iterator[list[Record]]:
     rng = np.random.default_rng(seed)
     for family in FAMILIES.values():
         missions = list(enumerate(mission_of(family, rng) for _ in range(count)))
-        played = [run_trial(mission, family.player, n).replay for n, mission in missions]
+        played = [run_trial(mission, family.player, n).record for n, mission in missions]
         yield [*played, *(wild_record(mission, family.player, n, rng) for n, mission in missions)]
 
 
 @pytest.fixture(scope="module")
 def records() -> list[Record]:
     """Return records of all families, one of each after the other."""
-    return [replay for replays in zip(*play(24, COUNT), strict=True) for replay in replays]
+    return [record for records in zip(*play(24, COUNT), strict=True) for record in records]
 
 
 @pytest.mark.thorough
 def test_honest_records_are_legal(records: list[Record]) -> None:
-    assert [judge(replay).findings for replay in records] == [()] * len(records)
+    assert [judge(record).findings for record in records] == [()] * len(records)
 
 
 Forge = Callable[[Record], Iterator[Record]]
 """Yields the forgeries of a record, one for each place where it can be forged so."""
 
 
-def in_step(replay: Record, number: int, **fields: Any) -> Record:
+def in_step(record: Record, number: int, **fields: Any) -> Record:
     """Return a record with other fields in the step of a number, from 1 on."""
-    steps = list(replay.steps)
+    steps = list(record.steps)
     steps[number - 1] = replace(steps[number - 1], **fields)
-    return replace(replay, steps=tuple(steps))
+    return replace(record, steps=tuple(steps))
 
 
-def steps_of(replay: Record) -> Iterator[tuple[int, Step, dict[int, TeamAt]]]:
+def steps_of(record: Record) -> Iterator[tuple[int, Step, dict[int, TeamAt]]]:
     """Yield each step with its number, and where all slots were before."""
-    at = {slot: TeamAt(slot, x, y, None) for slot, _, x, y in replay.start}
-    for number, step in enumerate(replay.steps, start=1):
+    at = {slot: TeamAt(slot, x, y, None) for slot, _, x, y in record.start}
+    for number, step in enumerate(record.steps, start=1):
         yield number, step, dict(at)
         at |= {team.slot: team for team in step.teams}
 
 
-def is_shared_out(replay: Record) -> bool:
-    return replay.is_coordinated
+def is_shared_out(record: Record) -> bool:
+    return record.is_coordinated
 
 
 def with_row(step: Step, key: str, old: Any, *new: Any) -> dict[str, Any]:
@@ -159,33 +159,33 @@ def has_walked(team: TeamAt, before: dict[int, TeamAt]) -> bool:
     return was is not None and was[1:3] != team[1:3]
 
 
-def a_free_team_walks(replay: Record) -> Iterator[Record]:
+def a_free_team_walks(record: Record) -> Iterator[Record]:
     """A team without a task stands a cell or a hand's width aside from there on, in the last step.
 
     Not where a team may be on its way to a partner.
     """
-    if replay.scenario.join_radius > 0 or not replay.steps:
+    if record.mission.join_radius > 0 or not record.steps:
         return
-    number, step, before = list(steps_of(replay))[-1]
+    number, step, before = list(steps_of(record))[-1]
     formed = {slot for pair in step.joins for slot in pair}
     formed |= {robot for pair in step.splits for part in pair for robot in part}
     for slot, was in before.items():
         team = next((team for team in step.teams if team.slot == slot), None)
         is_free = was.task is None and (team is None or team.task is None)
         untold = slot not in dict(step.pursued) and not {*step.lost, *step.back} and not formed
-        if is_free and untold and is_there(replay, slot):
-            aside = 0.1 if isinstance(replay.scenario.world, Plane) else 1
-            x = was.x + aside if replay.scenario.world.is_free((was.x + aside, was.y)) else None
+        if is_free and untold and is_there(record, slot):
+            aside = 0.1 if isinstance(record.mission.world, Plane) else 1
+            x = was.x + aside if record.mission.world.is_free((was.x + aside, was.y)) else None
             if x is not None:
                 others = [row for row in step.teams if row.slot != slot]
                 rows = tuple(sorted([*others, TeamAt(slot, x, was.y, None)]))
-                yield in_step(replay, number, teams=rows)
+                yield in_step(record, number, teams=rows)
 
 
-def is_there(replay: Record, slot: int) -> bool:
+def is_there(record: Record, slot: int) -> bool:
     """Say whether a slot is that of a team in the end."""
-    slots = {slot for slot, *_ in replay.start}
-    for step in replay.steps:
+    slots = {slot for slot, *_ in record.start}
+    for step in record.steps:
         slots -= {max(pair) for pair in step.joins}
         slots |= {min(part) for split in step.splits for part in split}
         slots |= {team.slot for team in step.teams}
@@ -193,101 +193,101 @@ def is_there(replay: Record, slot: int) -> bool:
     return slot in slots
 
 
-def ten_micrometres(replay: Record) -> Iterator[Record]:
+def ten_micrometres(record: Record) -> Iterator[Record]:
     """A team is elsewhere by ten micrometres, where it has not joined another on its way.
 
     Not where it may have walked to one that was lost whole, of which nobody knows where it was.
     """
-    if not isinstance(replay.scenario.world, Plane):
+    if not isinstance(record.mission.world, Plane):
         return
-    for number, step, _ in steps_of(replay):
-        is_unsure = step.joins or step.back or (step.lost and replay.scenario.join_radius > 0)
+    for number, step, _ in steps_of(record):
+        is_unsure = step.joins or step.back or (step.lost and record.mission.join_radius > 0)
         for team in step.teams if not is_unsure else ():
-            x = team.x + (1e-5 if team.x + 1e-5 <= replay.scenario.world.width else -1e-5)
-            yield in_step(replay, number, **with_row(step, "teams", team, team._replace(x=x)))
+            x = team.x + (1e-5 if team.x + 1e-5 <= record.mission.world.width else -1e-5)
+            yield in_step(record, number, **with_row(step, "teams", team, team._replace(x=x)))
 
 
-def pursued_left_out(replay: Record) -> Iterator[Record]:
+def pursued_left_out(record: Record) -> Iterator[Record]:
     """Told apart if crews or a plan say what it was, or it has walked and had no task before."""
-    for number, step, before in steps_of(replay):
+    for number, step, before in steps_of(record):
         entries = {team.slot: team for team in step.teams}
         for row in step.pursued if not step.joins and not step.splits else ():
             slot, _ = row
             was_free = slot in before and before[slot].task is None
-            is_sure = is_shared_out(replay) and not step.named
+            is_sure = is_shared_out(record) and not step.named
             is_seen = slot in entries and has_walked(entries[slot], before)
-            to_partner = replay.scenario.join_radius > 0
+            to_partner = record.mission.join_radius > 0
             if is_sure or (was_free and is_seen and not to_partner and not step.lost):
-                yield in_step(replay, number, **with_row(step, "pursued", row))
+                yield in_step(record, number, **with_row(step, "pursued", row))
 
 
-def pursued_changed(replay: Record) -> Iterator[Record]:
+def pursued_changed(record: Record) -> Iterator[Record]:
     """Told apart where crews or a plan say what it was."""
-    if is_shared_out(replay):
-        for number, step, _ in steps_of(replay):
+    if is_shared_out(record):
+        for number, step, _ in steps_of(record):
             for row in step.pursued if not step.named else ():
-                for task in range(len(replay.mission.tasks)):
+                for task in range(len(record.true_mission.tasks)):
                     if task != row[1]:
                         other = with_row(step, "pursued", row, (row[0], task))
-                        yield in_step(replay, number, **other)
+                        yield in_step(record, number, **other)
 
 
-def pursued_added(replay: Record) -> Iterator[Record]:
+def pursued_added(record: Record) -> Iterator[Record]:
     """Somebody who has a task is said to pursue it, or another, besides."""
-    for number, step, _ in steps_of(replay):
+    for number, step, _ in steps_of(record):
         for team in step.teams:
             if team.task is not None:
                 row = (team.slot, team.task)
-                yield in_step(replay, number, pursued=tuple(sorted([*step.pursued, row])))
+                yield in_step(record, number, pursued=tuple(sorted([*step.pursued, row])))
 
 
-def with_rows(replay: Record, key: str, rows: tuple[Any, ...]) -> Record:
+def with_rows(record: Record, key: str, rows: tuple[Any, ...]) -> Record:
     fields: dict[str, Any] = {key: rows}
-    return replace(replay, **fields)
+    return replace(record, **fields)
 
 
 def twice(key: str) -> Forge:
-    def forge(replay: Record) -> Iterator[Record]:
-        for number, step in enumerate(replay.steps, start=1):
+    def forge(record: Record) -> Iterator[Record]:
+        for number, step in enumerate(record.steps, start=1):
             for row in getattr(step, key):
-                yield in_step(replay, number, **with_row(step, key, row, row, row))
+                yield in_step(record, number, **with_row(step, key, row, row, row))
 
     return forge
 
 
 def turned(key: str) -> Forge:
-    def forge(replay: Record) -> Iterator[Record]:
-        for number, step in enumerate(replay.steps, start=1):
+    def forge(record: Record) -> Iterator[Record]:
+        for number, step in enumerate(record.steps, start=1):
             rows = getattr(step, key)
             if len(rows) > 1:
-                yield in_step(replay, number, **{key: rows[::-1]})
+                yield in_step(record, number, **{key: rows[::-1]})
 
     return forge
 
 
 def row_twice(key: str) -> Forge:
-    def forge(replay: Record) -> Iterator[Record]:
-        rows = getattr(replay, key)
+    def forge(record: Record) -> Iterator[Record]:
+        rows = getattr(record, key)
         for i in range(len(rows)):
-            yield with_rows(replay, key, (*rows[: i + 1], *rows[i:]))
+            yield with_rows(record, key, (*rows[: i + 1], *rows[i:]))
 
     return forge
 
 
 def rows_turned(key: str) -> Forge:
-    def forge(replay: Record) -> Iterator[Record]:
-        rows = getattr(replay, key)
+    def forge(record: Record) -> Iterator[Record]:
+        rows = getattr(record, key)
         for i in range(len(rows) - 1):
-            yield with_rows(replay, key, (*rows[:i], rows[i + 1], rows[i], *rows[i + 2 :]))
+            yield with_rows(record, key, (*rows[:i], rows[i + 1], rows[i], *rows[i + 2 :]))
 
     return forge
 
 
 def row_left_out(key: str) -> Forge:
-    def forge(replay: Record) -> Iterator[Record]:
-        rows = getattr(replay, key)
+    def forge(record: Record) -> Iterator[Record]:
+        rows = getattr(record, key)
         for i in range(len(rows)):
-            yield with_rows(replay, key, (*rows[:i], *rows[i + 1 :]))
+            yield with_rows(record, key, (*rows[:i], *rows[i + 1 :]))
 
     return forge
 
@@ -295,12 +295,12 @@ def row_left_out(key: str) -> Forge:
 def row_later(key: str) -> Forge:
     """What was made after some steps was made a step later, with the order that belongs to it."""
 
-    def forge(replay: Record) -> Iterator[Record]:
-        rows, orders = getattr(replay, key), dict(replay.orders)
-        taken = {steps for steps, _ in (*rows, *replay.orders)}
+    def forge(record: Record) -> Iterator[Record]:
+        rows, orders = getattr(record, key), dict(record.orders)
+        taken = {steps for steps, _ in (*rows, *record.orders)}
         for i, (steps, made) in enumerate(rows):
-            if steps + 1 not in taken and steps < len(replay.steps):
-                moved = with_rows(replay, key, (*rows[:i], (steps + 1, made), *rows[i + 1 :]))
+            if steps + 1 not in taken and steps < len(record.steps):
+                moved = with_rows(record, key, (*rows[:i], (steps + 1, made), *rows[i + 1 :]))
                 order = orders.pop(steps)
                 later = tuple(sorted({**orders, steps + 1: order}.items()))
                 yield moved if key == "orders" else replace(moved, orders=later)
@@ -309,39 +309,39 @@ def row_later(key: str) -> Forge:
     return forge
 
 
-def order_of_others(replay: Record) -> Iterator[Record]:
+def order_of_others(record: Record) -> Iterator[Record]:
     """An order lacks a task that is open."""
-    for i, (steps, order) in enumerate(replay.orders):
+    for i, (steps, order) in enumerate(record.orders):
         if order:
-            rows = (*replay.orders[:i], (steps, order[1:]), *replay.orders[i + 1 :])
-            yield replace(replay, orders=rows)
+            rows = (*record.orders[:i], (steps, order[1:]), *record.orders[i + 1 :])
+            yield replace(record, orders=rows)
 
 
-def with_plan(replay: Record, i: int, **fields: Any) -> Record:
-    steps, plan = replay.plans[i]
+def with_plan(record: Record, i: int, **fields: Any) -> Record:
+    steps, plan = record.plans[i]
     changed = plan._replace(**fields)
-    return replace(replay, plans=(*replay.plans[:i], (steps, changed), *replay.plans[i + 1 :]))
+    return replace(record, plans=(*record.plans[:i], (steps, changed), *record.plans[i + 1 :]))
 
 
-def reasons_changed(replay: Record) -> Iterator[Record]:
+def reasons_changed(record: Record) -> Iterator[Record]:
     """Told apart but for `taken over`, as nobody can know that no better plan was offered."""
-    for i, (_, plan) in enumerate(replay.plans):
+    for i, (_, plan) in enumerate(record.plans):
         for reason in ("start", "task appeared", "robot lost", "service overdue", "needs known"):
             others = tuple(word for word in plan.reasons if word != reason)
             if len(others) == len(plan.reasons):
-                yield with_plan(replay, i, reasons=(reason,))
-                yield with_plan(replay, i, reasons=(*plan.reasons, reason))
+                yield with_plan(record, i, reasons=(reason,))
+                yield with_plan(record, i, reasons=(*plan.reasons, reason))
             else:
-                yield with_plan(replay, i, reasons=others)
+                yield with_plan(record, i, reasons=others)
 
 
-def coalition_unable(replay: Record) -> Iterator[Record]:
+def coalition_unable(record: Record) -> Iterator[Record]:
     """A coalition has a robot twice."""
-    for i, (_, plan) in enumerate(replay.plans):
+    for i, (_, plan) in enumerate(record.plans):
         for k, robots in enumerate(plan.coalitions):
             if robots:
                 twice = (*robots, robots[-1])
-                yield with_plan(replay, i, coalitions=with_entry(plan, k, twice))
+                yield with_plan(record, i, coalitions=with_entry(plan, k, twice))
 
 
 def with_entry(
@@ -350,42 +350,42 @@ def with_entry(
     return (*plan.coalitions[:k], robots, *plan.coalitions[k + 1 :])
 
 
-def coalition_changed(replay: Record) -> Iterator[Record]:
+def coalition_changed(record: Record) -> Iterator[Record]:
     """A robot of a coalition that sets out at once is in it no more, or its place is another's.
 
     Told apart where a robot that is alone heads for the task in the next step, by the plan.
     """
-    orders, scouts = dict(replay.orders), dict(replay.scouts)
-    alone = dict(lone_robots(replay))
-    for i, (steps, plan) in enumerate(replay.plans):
-        if steps >= len(replay.steps):
+    orders, scouts = dict(record.orders), dict(record.scouts)
+    alone = dict(lone_robots(record))
+    for i, (steps, plan) in enumerate(record.plans):
+        if steps >= len(record.steps):
             continue
         busy = {robot for robot, _ in scouts.get(steps, ())}
-        following = replay.steps[steps]
+        following = record.steps[steps]
         formed = {robot for pair in following.joins for robot in pair} | set(following.lost)
         for robot in alone[steps] - busy - formed - set(following.named):
             firsts = [k for k, robots in enumerate(plan.coalitions) if robot in robots]
-            if firsts and is_on_its_way(replay, steps + 1, robot, orders[steps][firsts[0]]):
+            if firsts and is_on_its_way(record, steps + 1, robot, orders[steps][firsts[0]]):
                 k = firsts[0]
-                for other in range(len(replay.scenario.robots)):
+                for other in range(len(record.mission.robots)):
                     robots = {*plan.coalitions[k], other} - {robot}
                     yield with_plan(
-                        replay, i, coalitions=with_entry(plan, k, tuple(sorted(robots)))
+                        record, i, coalitions=with_entry(plan, k, tuple(sorted(robots)))
                     )
 
 
-def is_on_its_way(replay: Record, number: int, slot: int, task: int) -> bool:
+def is_on_its_way(record: Record, number: int, slot: int, task: int) -> bool:
     """Say whether the record has a team head for a task in a step, by an entry of its own."""
-    step = replay.steps[number - 1]
+    step = record.steps[number - 1]
     heads = {team.slot: team.task for team in step.teams}
     return heads.get(slot) == task or (slot, task) in step.pursued
 
 
-def lone_robots(replay: Record) -> Iterator[tuple[int, set[int]]]:
+def lone_robots(record: Record) -> Iterator[tuple[int, set[int]]]:
     """Yield after how many steps which robots are teams of their own."""
-    teams = {frozenset(robots) for _, robots, *_ in replay.start}
+    teams = {frozenset(robots) for _, robots, *_ in record.start}
     yield 0, {min(team) for team in teams if len(team) == 1}
-    for number, step in enumerate(replay.steps, start=1):
+    for number, step in enumerate(record.steps, start=1):
         for stay, leave in step.splits:
             teams -= {frozenset((*stay, *leave))}
             teams |= {frozenset(stay), frozenset(leave)}
@@ -397,94 +397,94 @@ def lone_robots(replay: Record) -> Iterator[tuple[int, set[int]]]:
         yield number, {min(team) for team in teams if len(team) == 1}
 
 
-def exchange_added(replay: Record) -> Iterator[Record]:
+def exchange_added(record: Record) -> Iterator[Record]:
     """Robots exchange their parts that are of two teams, or under no plan."""
-    alone = dict(lone_robots(replay))
-    for number, step in enumerate(replay.steps, start=1):
+    alone = dict(lone_robots(record))
+    for number, step in enumerate(record.steps, start=1):
         robots = sorted(alone[number])
         if len(robots) > 1:
             pair = (robots[0], robots[1])
             taken = {robot for other in step.took for robot in other}
             if not taken & set(pair):
-                yield in_step(replay, number, took=tuple(sorted([*step.took, pair])))
+                yield in_step(record, number, took=tuple(sorted([*step.took, pair])))
 
 
-def named_added(replay: Record) -> Iterator[Record]:
+def named_added(record: Record) -> Iterator[Record]:
     """A team names its task that is not there, or where no record says so."""
-    alone = dict(lone_robots(replay))
-    for number, step in enumerate(replay.steps, start=1):
-        gone = set(range(len(replay.scenario.robots))) - alone[number] - alone[number - 1]
+    alone = dict(lone_robots(record))
+    for number, step in enumerate(record.steps, start=1):
+        gone = set(range(len(record.mission.robots))) - alone[number] - alone[number - 1]
         gone -= {min(part) for split in step.splits for part in split}
         gone -= {min(pair) for pair in step.joins} | {team.slot for team in step.teams}
-        slots = gone - slots_before(replay, number) if is_shared_out(replay) else {0}
+        slots = gone - slots_before(record, number) if is_shared_out(record) else {0}
         for slot in sorted(slots):
-            yield in_step(replay, number, named=tuple(sorted([*step.named, slot])))
+            yield in_step(record, number, named=tuple(sorted([*step.named, slot])))
 
 
-def slots_before(replay: Record, number: int) -> set[int]:
-    slots = {slot for slot, *_ in replay.start}
-    for step in replay.steps[: number - 1]:
+def slots_before(record: Record, number: int) -> set[int]:
+    slots = {slot for slot, *_ in record.start}
+    for step in record.steps[: number - 1]:
         slots |= {team.slot for team in step.teams}
     return slots
 
 
-def heard_added(replay: Record) -> Iterator[Record]:
-    for number in range(1, len(replay.steps) + 1):
-        yield in_step(replay, number, heard=((0, 0, "beat"),))
+def heard_added(record: Record) -> Iterator[Record]:
+    for number in range(1, len(record.steps) + 1):
+        yield in_step(record, number, heard=((0, 0, "beat"),))
 
 
-def are_followed(replay: Record) -> bool:
+def are_followed(record: Record) -> bool:
     """Say whether teams decide by plans; else another decision would be as legal as the forged."""
-    has_coalitions = any(any(plan.coalitions) for _, plan in replay.plans)
-    return has_coalitions and not any(step.named for step in replay.steps)
+    has_coalitions = any(any(plan.coalitions) for _, plan in record.plans)
+    return has_coalitions and not any(step.named for step in record.steps)
 
 
-def called_interrupted(replay: Record) -> Iterator[Record]:
-    if replay.end.status != "interrupted" and replay.steps:
-        end = replace(replay.end, status="interrupted", blocked_tasks=())
-        yield replace(replay, end=end)
+def called_interrupted(record: Record) -> Iterator[Record]:
+    if record.end.status != "interrupted" and record.steps:
+        end = replace(record.end, status="interrupted", blocked_tasks=())
+        yield replace(record, end=end)
 
 
 def exchanged(key: str) -> Forge:
     """The joiner was the partner, or those left who stayed; of teams that met in one place."""
 
-    def forge(replay: Record) -> Iterator[Record]:
-        if are_followed(replay) and (key == "splits" or replay.scenario.forming_steps):
-            for number, step in enumerate(replay.steps, start=1):
+    def forge(record: Record) -> Iterator[Record]:
+        if are_followed(record) and (key == "splits" or record.mission.forming_steps):
+            for number, step in enumerate(record.steps, start=1):
                 for one, other in getattr(step, key):
                     row = with_row(step, key, (one, other), (other, one))
-                    yield in_step(replay, number, **row)
+                    yield in_step(record, number, **row)
 
     return forge
 
 
-def with_empty_step(replay: Record, made: int) -> Record:
+def with_empty_step(record: Record, made: int) -> Record:
     """Return a record with a step after the first `made` ones in which nothing changes."""
 
     def later(rows: Any) -> Any:
         return tuple((steps + (steps > made), row) for steps, row in rows)
 
-    end, steps = replay.end, replay.steps
+    end, steps = record.end, record.steps
     makespan = None if end.makespan is None else end.makespan + 1
     return replace(
-        replay,
+        record,
         steps=(*steps[:made], Step(), *steps[made:]),
         end=replace(end, steps=end.steps + 1, makespan=makespan),
-        **{key: later(getattr(replay, key)) for key in ("orders", "plans", "scouts")},
+        **{key: later(getattr(record, key)) for key in ("orders", "plans", "scouts")},
     )
 
 
-def empty_step_added(replay: Record) -> Iterator[Record]:
-    if are_followed(replay) and replay.end.status == "completed":
-        yield from (with_empty_step(replay, made) for made in range(len(replay.steps)))
+def empty_step_added(record: Record) -> Iterator[Record]:
+    if are_followed(record) and record.end.status == "completed":
+        yield from (with_empty_step(record, made) for made in range(len(record.steps)))
 
 
-def formed_later(replay: Record) -> Iterator[Record]:
+def formed_later(record: Record) -> Iterator[Record]:
     """All that happens from a step on in which teams part or join happens a step later."""
-    if are_followed(replay):
-        for made, step in enumerate(replay.steps):
-            if step.splits or (step.joins and replay.scenario.forming_steps):
-                yield with_empty_step(replay, made)
+    if are_followed(record):
+        for made, step in enumerate(record.steps):
+            if step.splits or (step.joins and record.mission.forming_steps):
+                yield with_empty_step(record, made)
 
 
 STEP_ROWS = ["joins", "splits", "lost", "back", "teams", "done", "named", "took"]
@@ -521,8 +521,8 @@ FORGERIES: dict[str, Forge] = {
 def misses(forge: Forge, records: list[Record], most: int) -> tuple[int, list[int]]:
     """Return how many records were forged, each at a random place, and which passed."""
     rng, tried, missed = np.random.default_rng(26), 0, []
-    for number, replay in enumerate(records):
-        forged = list(forge(replay)) if tried < most else []
+    for number, record in enumerate(records):
+        forged = list(forge(record)) if tried < most else []
         if forged:
             tried += 1
             if not judge(forged[int(rng.integers(len(forged)))]).findings:
@@ -546,7 +546,7 @@ LEAST |= {"joiner and partner exchanged": 5}
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_any_forged_field_of_many_records_is_found(seed: int) -> None:
-    records = [replay for replays in play(1000 + seed, 12) for replay in replays]
-    assert [judge(replay).findings for replay in records] == [()] * len(records)
+    records = [record for records in play(1000 + seed, 12) for record in records]
+    assert [judge(record).findings for record in records] == [()] * len(records)
     found = {name: misses(forge, records, most=60)[1] for name, forge in FORGERIES.items()}
     assert found == {name: [] for name in FORGERIES}

@@ -67,10 +67,10 @@ FAST = replace(
 """A robot of speed 2 that must walk four cells around a wall: `r @ t`."""
 
 
-def record(scenario: Mission, *steps: Step, **end: Any) -> Record:
+def record_of(mission: Mission, *steps: Step, **end: Any) -> Record:
     """Return a record with the true start, the first order and an ending counted from the steps."""
     done = sum(len(step.done) for step in steps)
-    is_completed = done == len(scenario.tasks)
+    is_completed = done == len(mission.tasks)
     ending = Ending(
         status="completed" if is_completed else "interrupted",
         makespan=len(steps) if is_completed else None,
@@ -80,14 +80,14 @@ def record(scenario: Mission, *steps: Step, **end: Any) -> Record:
         splits=sum(len(step.splits) for step in steps),
         illegal_decisions=0,
     )
-    places = [(team[0], team, *scenario.robots[team[0]].at) for team in scenario.starting_teams]
-    known = tuple(k for k, task in enumerate(scenario.tasks) if not task.appears)
+    places = [(team[0], team, *mission.robots[team[0]].at) for team in mission.starting_teams]
+    known = tuple(k for k, task in enumerate(mission.tasks) if not task.appears)
     orders = ((0, known),)
-    return Record(scenario, "by hand", 0, orders, tuple(places), steps, replace(ending, **end))
+    return Record(mission, "by hand", 0, orders, tuple(places), steps, replace(ending, **end))
 
 
-def messages(replay: Record) -> list[str]:
-    return [finding.message for finding in judge(replay).findings]
+def messages(record: Record) -> list[str]:
+    return [finding.message for finding in judge(record).findings]
 
 
 def at(slot: int, x: int, task: int | None = None, y: int = 0) -> TeamAt:
@@ -98,22 +98,22 @@ ARRIVES = Step(teams=(at(0, 2),), done=((0, 0),))
 
 
 @pytest.mark.parametrize(
-    "replay",
+    "record",
     [
-        record(ALONE, Step(teams=(at(0, 1, 0),)), ARRIVES),
-        record(ALONE, Step(), Step(), Step(teams=(at(0, 1, 0),)), ARRIVES),
-        record(FAST, Step(teams=(at(0, 1, 0, y=1),)), ARRIVES),
-        record(MEETING, Step(joins=((0, 1),), teams=(at(0, 1),), done=((0, 0),))),
-        record(SERVICE, Step(), Step(), Step(done=((0, 0),))),
+        record_of(ALONE, Step(teams=(at(0, 1, 0),)), ARRIVES),
+        record_of(ALONE, Step(), Step(), Step(teams=(at(0, 1, 0),)), ARRIVES),
+        record_of(FAST, Step(teams=(at(0, 1, 0, y=1),)), ARRIVES),
+        record_of(MEETING, Step(joins=((0, 1),), teams=(at(0, 1),), done=((0, 0),))),
+        record_of(SERVICE, Step(), Step(), Step(done=((0, 0),))),
     ],
     ids=["walks", "waits first", "around the wall", "meets on the way", "serves two steps"],
 )
-def test_what_is_legal_is_found_legal(replay: Record) -> None:
-    assert messages(replay) == []
+def test_what_is_legal_is_found_legal(record: Record) -> None:
+    assert messages(record) == []
 
 
 def test_standing_saves_up_no_second_cell() -> None:
-    forged = record(ALONE, Step(), ARRIVES)
+    forged = record_of(ALONE, Step(), ARRIVES)
     assert messages(forged) == [
         "step 2: team [r] jumped from [0, 0] to [2, 0]; it can cross 1 cell now"
     ]
@@ -122,40 +122,40 @@ def test_standing_saves_up_no_second_cell() -> None:
 def test_a_slow_robot_saves_up_one_cell_and_no_more() -> None:
     slow = replace(ALONE, robots=(Robot("r", (0, 0), {"a": 1}, speed=0.5),))
     sets_out, first_cell = Step(teams=(at(0, 0, 0),)), Step(teams=(at(0, 1, 0),))
-    assert messages(record(slow, sets_out, first_cell, ARRIVES)) == [
+    assert messages(record_of(slow, sets_out, first_cell, ARRIVES)) == [
         "step 3: team [r] jumped from [1, 0] to [2, 0]; it can cross 0 cells now"
     ]
-    assert messages(record(slow, sets_out, first_cell, Step(), ARRIVES)) == []
+    assert messages(record_of(slow, sets_out, first_cell, Step(), ARRIVES)) == []
 
 
 def test_who_pursues_nothing_saves_nothing_up() -> None:
     slow = replace(ALONE, robots=(Robot("r", (0, 0), {"a": 1}, speed=0.5),))
-    assert messages(record(slow, Step(), Step(teams=(at(0, 1, 0),)))) == [
+    assert messages(record_of(slow, Step(), Step(teams=(at(0, 1, 0),)))) == [
         "step 2: team [r] jumped from [0, 0] to [1, 0]; it can cross 0 cells now"
     ]
 
 
 def test_nobody_goes_through_a_wall() -> None:
-    assert messages(record(FAST, ARRIVES)) == [
+    assert messages(record_of(FAST, ARRIVES)) == [
         "step 1: team [r] went through a wall from [0, 0] to [2, 0]; it can cross 2 cells now"
     ]
 
 
 def test_who_meets_was_within_the_join_radius() -> None:
     far = replace(MEETING, join_radius=1)
-    forged = record(far, Step(joins=((0, 1),), teams=(at(0, 1),), done=((0, 0),)))
+    forged = record_of(far, Step(joins=((0, 1),), teams=(at(0, 1),), done=((0, 0),)))
     assert messages(forged) == ["step 1: team [r] joins team [s] from beyond the join radius"]
 
 
 def test_a_team_is_in_one_place() -> None:
     twice = Step(teams=(at(0, 1, 0), at(0, 1, 0)))
-    assert messages(record(ALONE, twice, ARRIVES)) == [
+    assert messages(record_of(ALONE, twice, ARRIVES)) == [
         "step 1: the record has the team of robot r in two places"
     ]
 
 
 def test_a_new_team_has_a_place() -> None:
-    split = replace(record(TWINS, Step(splits=(((0,), (1,)),))), orders=((0, (0,)), (1, (0, 1))))
+    split = replace(record_of(TWINS, Step(splits=(((0,), (1,)),))), orders=((0, (0,)), (1, (0, 1))))
     assert messages(split) == ["step 1: team [s] is new, and the record does not say where it is"]
 
 
@@ -167,47 +167,49 @@ def test_robots_that_stay_are_the_first_that_fit() -> None:
         ((1,), (0,), ["step 1: [s] are not the first of team [r, s] that fit"]),
     ):
         step = Step(splits=((stay, leave),), teams=(at(1, 0),))
-        assert messages(replace(record(TWINS, step), orders=orders)) == expected
+        assert messages(replace(record_of(TWINS, step), orders=orders)) == expected
 
 
 def test_one_robot_cannot_do_what_takes_two() -> None:
     step = Step(splits=(((0,), (1,)),), teams=(at(1, 0),))
-    forged = record(TWINS, step, Step(teams=(at(0, 1),), done=((0, 0),)))
+    forged = record_of(TWINS, step, Step(teams=(at(0, 1),), done=((0, 0),)))
     assert "step 2: task t cannot be done: team [r] lacks a" in messages(forged)
 
 
 def test_whoever_serves_neither_joins_nor_is_joined() -> None:
     for pair in ((0, 1), (1, 0)):
-        forged = record(SERVICE, Step(), Step(joins=(pair,)))
+        forged = record_of(SERVICE, Step(), Step(joins=(pair,)))
         assert "step 2: team [r] joins while it serves a task" in messages(forged)
 
 
 def test_two_joins_of_the_same_walkers_are_found() -> None:
     step = Step(joins=((0, 1), (0, 1)), teams=(at(0, 1),), done=((0, 0),))
-    assert messages(record(MEETING, step)) == ["step 1: a join of r with s is not one of two teams"]
+    assert messages(record_of(MEETING, step)) == [
+        "step 1: a join of r with s is not one of two teams"
+    ]
 
 
 def test_nothing_happens_after_the_limit() -> None:
-    assert messages(record(ALONE, *(Step(),) * 4, status="step limit")) == []
+    assert messages(record_of(ALONE, *(Step(),) * 4, status="step limit")) == []
     assert "step 5: the step limit was reached before, and the record goes on" in messages(
-        record(ALONE, *(Step(),) * 5)
+        record_of(ALONE, *(Step(),) * 5)
     )
 
 
 def test_nothing_happens_after_a_task_has_become_impossible() -> None:
     lost = replace(ALONE, robots=(Robot("r", (0, 0), {"a": 1}, absences=(Absence(1),)),))
     ending = {"status": "infeasible", "blocked_tasks": ("t",)}
-    assert messages(record(lost, Step(lost=(0,)), **ending)) == []
-    assert messages(record(lost, Step(lost=(0,)), Step(), **ending)) == [
+    assert messages(record_of(lost, Step(lost=(0,)), **ending)) == []
+    assert messages(record_of(lost, Step(lost=(0,)), Step(), **ending)) == [
         "step 2: some tasks could never be done since a robot was lost, and the record goes on"
     ]
     assert "step 1: the record loses a robot twice" in messages(
-        record(lost, Step(lost=(0, 0)), **ending)
+        record_of(lost, Step(lost=(0, 0)), **ending)
     )
 
 
 def test_tasks_that_appear_get_an_order_and_no_other_step_has_one() -> None:
-    legal = replace(record(TWINS, Step(), Step(done=((1, 0),))), orders=((0, (0,)), (1, (1, 0))))
+    legal = replace(record_of(TWINS, Step(), Step(done=((1, 0),))), orders=((0, (0,)), (1, (1, 0))))
     assert messages(legal) == []
     assert messages(replace(legal, orders=((0, (0,)),))) == [
         "there is no order from after 1 steps, when tasks appeared"
@@ -219,12 +221,12 @@ def test_tasks_that_appear_get_an_order_and_no_other_step_has_one() -> None:
 
 def test_nobody_heads_for_a_task_in_the_step_after_which_it_appears() -> None:
     step = Step(teams=(at(0, 0, 1),))
-    forged = replace(record(TWINS, step), orders=((0, (0,)), (1, (1, 0))))
+    forged = replace(record_of(TWINS, step), orders=((0, (0,)), (1, (1, 0))))
     assert messages(forged) == ["step 1: team [r, s] heads for task u, which is not open"]
 
 
 def test_a_completion_left_out_is_told_once() -> None:
-    forged = record(ALONE, Step(teams=(at(0, 1, 0),)), Step(teams=(at(0, 2),)), tasks_done=1)
+    forged = record_of(ALONE, Step(teams=(at(0, 1, 0),)), Step(teams=(at(0, 2),)), tasks_done=1)
     assert [m for m in messages(forged) if "leaves it out" in m] == [
         "step 2: team [r] does task t, and the record leaves it out"
     ]
@@ -238,7 +240,7 @@ def test_hundreds_of_robots_are_judged_in_seconds() -> None:
     hall = Mission("hall", Grid(300, 301), ("a",), robots, tasks)
     steps = [Step(teams=tuple(at(i, i, i, y=n) for i in range(300))) for n in range(1, 301)]
     began = time.perf_counter()
-    assert messages(record(hall, *steps)) == []
+    assert messages(record_of(hall, *steps)) == []
     assert time.perf_counter() - began < 10  # half a second on an idle machine
 
 
@@ -264,7 +266,7 @@ def test_no_record_is_too_wild_to_judge() -> None:
     rng = np.random.default_rng(15)
     for _ in range(150):
         world = random_world(rng)
-        assert judge(record(world, *(wild_step(world, rng) for _ in range(12)))).findings
+        assert judge(record_of(world, *(wild_step(world, rng) for _ in range(12)))).findings
 
 
 SLOW_TO_T = replace(ALONE, robots=(Robot("r", (1, 0), {"a": 1}, speed=0.5),), step_limit=9)
@@ -282,7 +284,7 @@ WALLED = replace(ALONE, world=Grid(3, 2, (".@.", "...")), step_limit=9)
 
 
 @pytest.mark.parametrize(
-    ("scenario", "steps", "expected"),
+    ("mission", "steps", "expected"),
     [
         (
             ALONE,
@@ -342,6 +344,6 @@ WALLED = replace(ALONE, world=Grid(3, 2, (".@.", "...")), step_limit=9)
     ],
 )
 def test_who_has_somewhere_to_go_gets_on(
-    scenario: Mission, steps: list[Step], expected: str
+    mission: Mission, steps: list[Step], expected: str
 ) -> None:
-    assert messages(record(scenario, *steps)) == ([expected] if expected else [])
+    assert messages(record_of(mission, *steps)) == ([expected] if expected else [])

@@ -30,8 +30,8 @@ SECOND = 1_000_000_000
 
 
 @contextmanager
-def playing(replay: Record) -> Iterator[str]:
-    player = Player(replay, free_ports(1)[0])
+def playing(record: Record) -> Iterator[str]:
+    player = Player(record, free_ports(1)[0])
     thread = threading.Thread(target=player.run)
     thread.start()
     try:
@@ -59,11 +59,11 @@ def places(heard: Heard) -> dict[str, tuple[float, float]]:
 
 def test_a_record_is_played_from_the_start_when_somebody_looks() -> None:
     """The six steps take a second each; the client asks for a hundred times that speed."""
-    replay = two_lifters()
-    with playing(replay) as url, FoxgloveClient(url) as client:
+    record = two_lifters()
+    with playing(record) as url, FoxgloveClient(url) as client:
         next(client.messages())
         client.control(0, 100.0)
-        heard = until_log(client, replay.end.status)
+        heard = until_log(client, record.end.status)
     assert client.schemas == {
         "/tf": "foxglove.FrameTransforms",
         "/mission": "foxglove.SceneUpdate",
@@ -73,25 +73,25 @@ def test_a_record_is_played_from_the_start_when_somebody_looks() -> None:
     assert "playbackControl" in client.info["capabilities"]
     frames = [one for one in heard if one.topic == "/tf"]
     steps = sorted({one.time for one in frames})
-    assert steps[-1] == len(replay.steps) * SECOND
-    assert set(steps) <= {step * SECOND for step in range(len(replay.steps) + 1)}
-    assert set(places(frames[0])) == {robot.name for robot in replay.scenario.robots}
+    assert steps[-1] == len(record.steps) * SECOND
+    assert set(steps) <= {step * SECOND for step in range(len(record.steps) + 1)}
+    assert set(places(frames[0])) == {robot.name for robot in record.mission.robots}
     assert "=b" not in places(frames[-1])  # lost
     told = [one.message.message for one in heard if one.topic == "/log"]
-    assert told.count(replay.end.status) == 1
+    assert told.count(record.end.status) == 1
     assert any(text.endswith("=b lost") for text in told)
 
 
 def test_a_viewer_can_go_back() -> None:
-    replay = two_lifters()
-    with playing(replay) as url, FoxgloveClient(url) as client:
+    record = two_lifters()
+    with playing(record) as url, FoxgloveClient(url) as client:
         next(client.messages())
         client.control(0, 1000.0)
-        until_log(client, replay.end.status)
+        until_log(client, record.end.status)
         client.control(1, 1.0, 2 * SECOND)  # pauses in step 2
         again = next(one for one in client.messages() if one.topic == "/tf")
     assert again.time == 2 * SECOND
-    start = {robot.name for robot in replay.scenario.robots}
+    start = {robot.name for robot in record.mission.robots}
     assert set(places(again)) == start
 
 

@@ -45,7 +45,7 @@ ann and bob start together left, slow cat right below; joint is in the middle.
 """
 
 LEGAL = Record(
-    scenario=CORRIDOR,
+    mission=CORRIDOR,
     method="by hand",
     seed=0,
     orders=((0, (0, 1)), (7, (1, 2))),
@@ -72,16 +72,16 @@ LEGAL = Record(
 def with_step(number: int, **changes: object) -> Callable[[Record], Record]:
     """Return what changes one step, counted from 1."""
 
-    def change(replay: Record) -> Record:
-        steps = list(replay.steps)
+    def change(record: Record) -> Record:
+        steps = list(record.steps)
         steps[number - 1] = replace(steps[number - 1], **changes)  # type: ignore[arg-type]
-        return replace(replay, steps=tuple(steps))
+        return replace(record, steps=tuple(steps))
 
     return change
 
 
 def with_end(**changes: object) -> Callable[[Record], Record]:
-    return lambda replay: replace(replay, end=replace(replay.end, **changes))  # type: ignore[arg-type]
+    return lambda record: replace(record, end=replace(record.end, **changes))  # type: ignore[arg-type]
 
 
 def test_the_legal_record_is_legal() -> None:
@@ -145,7 +145,7 @@ def test_the_legal_record_is_legal() -> None:
         ),
         (
             with_step(7, lost=(1,)),
-            "step 7: the record loses robot bob here, the scenario never",
+            "step 7: the record loses robot bob here, the mission never",
         ),
         (
             with_step(10, done=((2, 1), (0, 1))),
@@ -170,19 +170,19 @@ def test_the_legal_record_is_legal() -> None:
             "the record says that late are blocked; none are",
         ),
         (
-            lambda replay: replace(replay, lower_bound=11),
+            lambda record: replace(record, lower_bound=11),
             "the lower bound 11 is above the makespan 10",
         ),
         (
-            lambda replay: replace(replay, orders=((0, (0, 1)), (7, (0, 2)))),
+            lambda record: replace(record, orders=((0, (0, 1)), (7, (0, 2)))),
             "the order made after 7 steps is not one of the open tasks",
         ),
         (
-            lambda replay: replace(replay, start=((0, (0, 1), 0, 0), (2, (2,), 5, 1))),
-            "the starting teams are not those of the scenario",
+            lambda record: replace(record, start=((0, (0, 1), 0, 0), (2, (2,), 5, 1))),
+            "the starting teams are not those of the mission",
         ),
         (
-            lambda replay: replace(replay, steps=(*replay.steps, Step())),
+            lambda record: replace(record, steps=(*record.steps, Step())),
             "step 11: everything was done before, and the record goes on",
         ),
     ],
@@ -213,36 +213,36 @@ class Restless:
 def test_real_records_are_legal(policy: Policy) -> None:
     rng = np.random.default_rng(5)
     for seed in range(200):
-        scenario = random_world(rng, is_plane=seed % 2 == 1)
-        scenario = with_fractions(scenario, rng) if seed % 4 > 1 else scenario
-        replay = run_trial(scenario, policy, seed).replay
-        assert judge(replay).findings == ()
+        mission = random_world(rng, is_plane=seed % 2 == 1)
+        mission = with_fractions(mission, rng) if seed % 4 > 1 else mission
+        record = run_trial(mission, policy, seed).record
+        assert judge(record).findings == ()
 
 
-def forgeries(replay: Record, rng: np.random.Generator) -> list[Record]:
+def forgeries(record: Record, rng: np.random.Generator) -> list[Record]:
     """Return records with one fact changed: a place, a completion, a total, a loss."""
-    forged = [with_end(**{key: getattr(replay.end, key) + 1})(replay) for key in ("steps", "joins")]
-    busy = [n for n, step in enumerate(replay.steps, start=1) if step.done]
+    forged = [with_end(**{key: getattr(record.end, key) + 1})(record) for key in ("steps", "joins")]
+    busy = [n for n, step in enumerate(record.steps, start=1) if step.done]
     number = int(rng.choice(busy))
-    step = replay.steps[number - 1]
-    forged.append(with_step(number, done=step.done[1:])(replay))
-    forged.append(with_step(number, lost=(*step.lost, step.done[0][1]))(replay))
+    step = record.steps[number - 1]
+    forged.append(with_step(number, done=step.done[1:])(record))
+    forged.append(with_step(number, lost=(*step.lost, step.done[0][1]))(record))
     if number > 1:
-        forged.append(with_step(number - 1, done=step.done)(with_step(number, done=())(replay)))
-    if not any(step.teams for step in replay.steps):
+        forged.append(with_step(number - 1, done=step.done)(with_step(number, done=())(record)))
+    if not any(step.teams for step in record.steps):
         return forged  # nobody had to go anywhere
-    moved = [(n, i) for n, s in enumerate(replay.steps, start=1) for i in range(len(s.teams))]
+    moved = [(n, i) for n, s in enumerate(record.steps, start=1) for i in range(len(s.teams))]
     number, i = moved[int(rng.integers(len(moved)))]
-    teams = list(replay.steps[number - 1].teams)
+    teams = list(record.steps[number - 1].teams)
     teams[i] = teams[i]._replace(x=teams[i].x + 4)
-    forged.append(with_step(number, teams=tuple(teams))(replay))
+    forged.append(with_step(number, teams=tuple(teams))(record))
     return forged
 
 
 def test_changes_of_single_facts_are_found() -> None:
     rng = np.random.default_rng(6)
     for seed in range(100):
-        scenario = random_world(rng, with_losses=False, is_plane=seed % 2 == 1)
-        replay = run_trial(scenario, JoinAll(), seed).replay
-        for forged in forgeries(replay, rng):
+        mission = random_world(rng, with_losses=False, is_plane=seed % 2 == 1)
+        record = run_trial(mission, JoinAll(), seed).record
+        for forged in forgeries(record, rng):
             assert judge(forged).findings

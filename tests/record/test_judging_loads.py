@@ -32,22 +32,22 @@ def test_honest_records_with_loads_are_legal(player: object, is_plane: bool) -> 
     rng = np.random.default_rng(5 + is_plane)
     taken = left = 0
     for number in range(25):
-        scenario = random_world(rng, is_plane=is_plane)
-        scenario = with_surprises(scenario, rng) if number % 2 else scenario
-        replay = run_trial(with_loads(scenario, rng), as_method(player), number).replay
-        verdict = judge(replay)
+        mission = random_world(rng, is_plane=is_plane)
+        mission = with_surprises(mission, rng) if number % 2 else mission
+        record = run_trial(with_loads(mission, rng), as_method(player), number).record
+        verdict = judge(record)
         assert verdict.is_legal, (number, verdict.findings)
-        assert record_from_tree(record_to_tree(replay), "record") == replay
-        taken += sum(len(step.taken) for step in replay.steps)
-        left += sum(len(step.left) for step in replay.steps)
+        assert record_from_tree(record_to_tree(record), "record") == record
+        taken += sum(len(step.taken) for step in record.steps)
+        left += sum(len(step.left) for step in record.steps)
     assert taken > 25
 
 
-def forged(replay: Record, number: int, **changes: object) -> list[str]:
+def forged(record: Record, number: int, **changes: object) -> list[str]:
     """Return what the referee says of a record with one of its steps changed."""
-    steps = list(replay.steps)
+    steps = list(record.steps)
     steps[number - 1] = replace(steps[number - 1], **changes)
-    verdict = judge(replace(replay, steps=tuple(steps)))
+    verdict = judge(replace(record, steps=tuple(steps)))
     return [finding.message.partition(": ")[2] for finding in verdict.findings]
 
 
@@ -62,36 +62,36 @@ def lost_on_the_way() -> Record:
         Robot("c", (9, 0), {"lift": 1}),
     )
     crate = Task("crate", (2, 0), {"lift": 2}, to=(8, 0), unload=1)
-    scenario = Mission("lost", Grid(10, 1), ("lift",), robots, (crate,))
-    return run_trial(scenario, as_method(SharedPlan()), 0).replay
+    mission = Mission("lost", Grid(10, 1), ("lift",), robots, (crate,))
+    return run_trial(mission, as_method(SharedPlan()), 0).record
 
 
 def test_where_a_load_is_set_down_is_judged() -> None:
-    replay = lost_on_the_way()
-    assert judge(replay).is_legal
-    assert replay.steps[2].taken == ((0, 0),)
-    assert replay.steps[4].left == (TaskAt(0, 4, 0),)
-    (again,) = [n for n, step in enumerate(replay.steps, start=1) if step.taken and n > 3]
-    assert replay.steps[again - 1].taken == ((0, 0),)
-    moved = forged(replay, 5, left=(TaskAt(0, 7, 0),))
+    record = lost_on_the_way()
+    assert judge(record).is_legal
+    assert record.steps[2].taken == ((0, 0),)
+    assert record.steps[4].left == (TaskAt(0, 4, 0),)
+    (again,) = [n for n, step in enumerate(record.steps, start=1) if step.taken and n > 3]
+    assert record.steps[again - 1].taken == ((0, 0),)
+    moved = forged(record, 5, left=(TaskAt(0, 7, 0),))
     assert "the record sets down the load of task crate, which does not happen so" in moved
     assert "the record does not say who sets down the load of task crate, or where" in forged(
-        replay, 5, left=()
+        record, 5, left=()
     )
     assert "the record does not say who takes up the load of task crate, or where" in forged(
-        replay, 3, taken=()
+        record, 3, taken=()
     )
-    twice = forged(replay, 4, taken=((0, 0),))
+    twice = forged(record, 4, taken=((0, 0),))
     assert "the record takes up the load of task crate, which does not happen so" in twice
 
 
 def test_load_that_is_done_before_it_is_there_is_found() -> None:
-    replay = lost_on_the_way()
-    steps = replay.steps
+    record = lost_on_the_way()
+    steps = record.steps
     early: tuple[Step, ...] = (
         *steps[:-2],
         replace(steps[-2], done=steps[-1].done),
         replace(steps[-1], done=()),
     )
-    findings = [finding.message for finding in judge(replace(replay, steps=early)).findings]
+    findings = [finding.message for finding in judge(replace(record, steps=early)).findings]
     assert any("task crate cannot be done" in text for text in findings)

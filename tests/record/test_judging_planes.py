@@ -27,7 +27,7 @@ FIELD = Mission(
 )
 """Two robots in touching places, half a metre from a task that needs both."""
 
-LEGAL = run_trial(FIELD, JoinAll(), 0).replay
+LEGAL = run_trial(FIELD, JoinAll(), 0).record
 
 
 def test_the_legal_record() -> None:
@@ -42,22 +42,22 @@ def test_the_legal_record() -> None:
 
 
 def with_team(number: int, x: float, y: float) -> Callable[[Record], Record]:
-    def forge(replay: Record) -> Record:
-        steps = list(replay.steps)
+    def forge(record: Record) -> Record:
+        steps = list(record.steps)
         step = steps[number - 1]
         steps[number - 1] = replace(step, teams=(step.teams[0]._replace(x=x, y=y),))
-        return replace(replay, steps=tuple(steps))
+        return replace(record, steps=tuple(steps))
 
     return forge
 
 
 def with_start(x: float, y: float) -> Callable[[Record], Record]:
-    """Let bob start elsewhere, in the scenario too."""
+    """Let bob start elsewhere, in the mission too."""
 
-    def forge(replay: Record) -> Record:
+    def forge(record: Record) -> Record:
         ann, bob = FIELD.robots
-        scenario = replace(FIELD, robots=(ann, replace(bob, at=(x, y))))
-        return replace(replay, scenario=scenario, start=(replay.start[0], (1, (1,), x, y)))
+        mission = replace(FIELD, robots=(ann, replace(bob, at=(x, y))))
+        return replace(record, mission=mission, start=(record.start[0], (1, (1,), x, y)))
 
     return forge
 

@@ -27,10 +27,10 @@ def test_legal_records_are_left_alone() -> None:
         world = random_world(rng, is_plane=number % 4 == 0)
         coordinator = RandomPlans(number) if number % 2 else Crews()
         if number % 3:
-            replay = run_trial(world, coordinator).replay
+            record = run_trial(world, coordinator).record
         else:
-            replay = wild_record(world, coordinator, number, rng)
-        assert judge(replay).findings == ()
+            record = wild_record(world, coordinator, number, rng)
+        assert judge(record).findings == ()
 
 
 def crossed(order: tuple[int, int], is_one_team: bool) -> Record:
@@ -39,31 +39,31 @@ def crossed(order: tuple[int, int], is_one_team: bool) -> Record:
     T . A . U     A has two robots that can do both
     """
     teams = ((0, 1),) if is_one_team else ()
-    scenario = make([robot("a", 2), robot("a", 2)], [task("a", 0), task("a", 4)], teams=teams)
+    mission = make([robot("a", 2), robot("a", 2)], [task("a", 0), task("a", 4)], teams=teams)
     who = {0: (1,), 1: (0,)}
     plan = SharedPlanMade(("start",), tuple(who[number] for number in order))
     start = ((0, (0, 1), 2, 0),) if is_one_team else ((0, (0,), 2, 0), (1, (1,), 2, 0))
     end = Ending("interrupted", None, 1, 0, 0, 0, 0)
-    return Record(scenario, "by hand", 0, ((0, order),), start, (), end, plans=((0, plan),))
+    return Record(mission, "by hand", 0, ((0, order),), start, (), end, plans=((0, plan),))
 
 
 def test_a_team_is_due_at_the_task_that_comes_first_in_the_order() -> None:
     """Not at the one with the lower number, nor at the one of its lowest robot alone."""
     for order, due in (((1, 0), 1), ((0, 1), 0)):
-        replay = crossed(order, is_one_team=True)
-        fleet = start_fleet(replay, Notes())
-        lists = PlannedTasks(replay)
+        record = crossed(order, is_one_team=True)
+        fleet = start_fleet(record, Notes())
+        lists = PlannedTasks(record)
         lists.begin_step(0)
-        lists.give_tasks(fleet, Tasks(replay.scenario), 0)
+        lists.give_tasks(fleet, Tasks(record.mission), 0)
         assert fleet.teams[0].due == due
 
 
 def test_a_union_made_on_the_way_is_due_at_the_earlier_task_if_both_have_one() -> None:
     for order, due in (((1, 0), 1), ((0, 1), 0)):
-        replay = crossed(order, is_one_team=False)
-        lists, fleet = PlannedTasks(replay), start_fleet(replay, Notes())
+        record = crossed(order, is_one_team=False)
+        lists, fleet = PlannedTasks(record), start_fleet(record, Notes())
         lists.begin_step(0)
-        lists.give_tasks(fleet, Tasks(replay.scenario), 0)
+        lists.give_tasks(fleet, Tasks(record.mission), 0)
         assert [fleet.teams[slot].due for slot in (0, 1)] == [1, 0]
         assert lists.tasks_of_unions(fleet, [(0, 1)]) == {frozenset({0, 1}): due}
         fleet.teams[1].due = None
@@ -71,12 +71,12 @@ def test_a_union_made_on_the_way_is_due_at_the_earlier_task_if_both_have_one() -
 
 
 def test_a_plan_may_leave_a_task_for_later_but_not_to_robots_that_cannot_do_it() -> None:
-    scenario = make([robot("a", 0), robot("b", 0)], [task("a", 2), task("b", 4)])
-    replay = run_trial(scenario, Crews()).replay
-    assert judge(replay).findings == ()
-    [(made, plan)] = replay.plans
+    mission = make([robot("a", 0), robot("b", 0)], [task("a", 2), task("b", 4)])
+    record = run_trial(mission, Crews()).record
+    assert judge(record).findings == ()
+    [(made, plan)] = record.plans
     swapped = plan._replace(coalitions=plan.coalitions[::-1])
     found = [
-        finding.message for finding in judge(replace(replay, plans=((made, swapped),))).findings
+        finding.message for finding in judge(replace(record, plans=((made, swapped),))).findings
     ]
     assert any("has a coalition for task" in message for message in found)

@@ -1,4 +1,4 @@
-"""Scenarios that robots have no room for are refused, with the distance needed."""
+"""Missions that robots have no room for are refused, with the distance needed."""
 
 from __future__ import annotations
 

@@ -39,14 +39,14 @@ def four() -> Mission:
 
 
 def fly(
-    scenario: Mission,
+    mission: Mission,
     method: str,
     simulator: Simulator = "plant",
     weather: Weather | None = None,
     watch: list[Snapshot] | None = None,
 ) -> Experiment:
     keep = None if watch is None else watch.append
-    return run_experiment(scenario, load_method(method), 0, simulator, weather, keep)
+    return run_experiment(mission, load_method(method), 0, simulator, weather, keep)
 
 
 def test_four_form_one_team_split_and_finish() -> None:
@@ -63,19 +63,19 @@ def test_four_form_one_team_split_and_finish() -> None:
 
 def test_twenty_form_all_teams_at_their_tasks() -> None:
     """The story of the paper's figure 8, late and blurred besides."""
-    scenario = read_mission(EXAMPLES / "robotarium-20.yaml")
-    done = fly(scenario, "teamformer", weather=ROUGH)
+    mission = read_mission(EXAMPLES / "robotarium-20.yaml")
+    done = fly(mission, "teamformer", weather=ROUGH)
     assert done.is_good, done.faults
     assert done.row()["tasks_done"] == 5
     assert done.faults.min_separation > 0.11
 
 
 def test_a_task_that_takes_time_and_one_that_comes_late() -> None:
-    scenario = four()
-    first, second, third = scenario.tasks
+    mission = four()
+    first, second, third = mission.tasks
     tasks = (replace(first, duration=5), replace(second, appears=40), third)
-    base = fly(scenario, "join-all")
-    done = fly(replace(scenario, tasks=tasks), "join-all")
+    base = fly(mission, "join-all")
+    done = fly(replace(mission, tasks=tasks), "join-all")
     assert done.is_good
     before, after = base.outcome.done_at, done.outcome.done_at
     assert before[0] is not None
@@ -93,15 +93,15 @@ def test_the_time_limit() -> None:
 
 def test_two_who_meet_where_only_one_can_pass_do_not_wait_for_each_other() -> None:
     """Between two rings: one is needed beyond them, the other wants out of the way."""
-    scenario = random_mission(20, 5, 10, np.random.default_rng(37))
-    done = run_experiment(scenario, load_method("teamformer"), 37)
+    mission = random_mission(20, 5, 10, np.random.default_rng(37))
+    done = run_experiment(mission, load_method("teamformer"), 37)
     assert done.is_good
     assert done.outcome.ticks < 3000  # it takes 2190; before they gave up, 19,050
 
 
 def test_same_seed_same_mission() -> None:
-    scenario = random_mission(6, 3, 4, np.random.default_rng(4))
-    one, other = (fly(scenario, "join-all", weather=ROUGH) for _ in range(2))
+    mission = random_mission(6, 3, 4, np.random.default_rng(4))
+    one, other = (fly(mission, "join-all", weather=ROUGH) for _ in range(2))
     assert one.outcome.done_at == other.outcome.done_at
     assert one.faults == other.faults
 
@@ -112,7 +112,7 @@ def test_pictures_of_every_phase(tmp_path: Path) -> None:
 
     film = Film()
     done = run_experiment(four(), load_method("join-all"), watch=film.watch)
-    files = film.write(done.scenario, tmp_path)
+    files = film.write(done.mission, tmp_path)
     assert [file.suffix for file in files] == [".png"] * (len(files) - 1) + [".gif"]
     # Alone, two teams, one team, and after each of three tasks.
     assert len(files) == 6 + 1
@@ -136,15 +136,15 @@ def test_the_folder_to_upload(method: str, tmp_path: Path) -> None:
 
 def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
     """Without the package, numba and ONNX Runtime, its views and decisions are the same."""
-    scenario = random_mission(8, 4, 4, np.random.default_rng(2))
-    deploy(scenario, "teamformer", 0, tmp_path)
+    mission = random_mission(8, 4, 4, np.random.default_rng(2))
+    deploy(mission, "teamformer", 0, tmp_path)
     script = (
         "import sys, json, numpy as np; sys.path.insert(0, '.')\n"
         "sys.modules.update(dict.fromkeys(('teamformer', 'numba', 'onnxruntime')))\n"
         "np.seterr(over='ignore')\n"
-        "from tf_world_env import TeamFormation; from tf_scenario import SCENARIO\n"
+        "from tf_world_env import TeamFormation; from tf_mission import MISSION\n"
         "from tf_methods_learned_any_fleet import teamformer\n"
-        "env, policy, steps = TeamFormation([SCENARIO]), teamformer(), []\n"
+        "env, policy, steps = TeamFormation([MISSION]), teamformer(), []\n"
         "policy.begin(None, np.random.default_rng(0))\n"
         "while env.is_running[0]:\n"
         "    env.step(policy.decide(env.view()))\n"
@@ -156,7 +156,7 @@ def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
     )
     from teamformer.world.env import TeamFormation
 
-    env, policy, steps = TeamFormation([scenario]), load_method("teamformer").policy, []
+    env, policy, steps = TeamFormation([mission]), load_method("teamformer").policy, []
     policy.begin(None, np.random.default_rng(0))
     while env.is_running[0]:
         env.step(policy.decide(env.view()))
@@ -177,7 +177,7 @@ def test_only_what_a_deployment_left_is_replaced(tmp_path: Path) -> None:
     everybody = replace(four(), sensing_radius=math.inf)
     first = deploy(everybody, "teamformer", 0, tmp_path)
     assert first == [tmp_path / "main.py", *sorted(set(tmp_path.iterdir()) - {first[0]})]
-    code = "from tf_scenario import SCENARIO; print(SCENARIO.sensing_radius)"
+    code = "from tf_mission import MISSION; print(MISSION.sensing_radius)"
     said = subprocess.run(
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
     )
@@ -200,8 +200,8 @@ def test_a_main_file_of_somebody_else_s_stays(tmp_path: Path) -> None:
 
 @needs_rps
 def test_the_official_simulator_tells_the_same_story() -> None:
-    scenario = random_mission(10, 4, 6, np.random.default_rng(1))
-    ours, theirs = fly(scenario, "teamformer"), fly(scenario, "teamformer", "rps")
+    mission = random_mission(10, 4, 6, np.random.default_rng(1))
+    ours, theirs = fly(mission, "teamformer"), fly(mission, "teamformer", "rps")
     assert ours.is_good
     assert theirs.is_good
     assert ours.outcome.done_at == theirs.outcome.done_at

@@ -23,16 +23,16 @@ def test_a_join_and_a_walk() -> None:
     for _ in range(3):
         play(env)
         recorder.step()
-    replay = recorder.finish("by hand", 3, None)
-    assert replay.start == ((0, (0,), 0, 0), (1, (1,), 0, 0))
-    assert replay.orders == ((0, (0,)),)
-    assert replay.steps == (
+    record = recorder.finish("by hand", 3, None)
+    assert record.start == ((0, (0,), 0, 0), (1, (1,), 0, 0))
+    assert record.orders == ((0, (0,)),)
+    assert record.steps == (
         Step(joins=((1, 0),), teams=(TeamAt(0, 0, 0, 0),)),
         Step(teams=(TeamAt(0, 1, 0, 0),)),
         Step(teams=(TeamAt(0, 2, 0, 0),)),
         Step(teams=(TeamAt(0, 3, 0, None),), done=((0, 0),)),
     )
-    assert (replay.end.makespan, replay.end.joins) == (4, 1)
+    assert (record.end.makespan, record.end.joins) == (4, 1)
 
 
 def test_a_split_says_who_stays() -> None:
@@ -68,12 +68,12 @@ def test_each_order_is_written_when_tasks_appear() -> None:
     assert recorder.finish("by hand", 0, None).orders == ((0, (0,)), (2, (1, 0)))
 
 
-def states_of(replay: Record) -> list[State]:
+def states_of(record: Record) -> list[State]:
     """Bring back each state from what the record says has changed."""
-    groups = {slot: robots for slot, robots, _, _ in replay.start}
-    stand = {slot: TeamAt(slot, x, y, None) for slot, _, x, y in replay.start}
+    groups = {slot: robots for slot, robots, _, _ in record.start}
+    stand = {slot: TeamAt(slot, x, y, None) for slot, _, x, y in record.start}
     states = []
-    for step in replay.steps:
+    for step in record.steps:
         for joiner, partner in step.joins:
             robots = tuple(sorted(groups.pop(joiner) + groups.pop(partner)))
             groups[robots[0]] = robots
@@ -108,16 +108,16 @@ def test_the_record_brings_every_state_back() -> None:
             env.step(random_decision(env.view(), rng))
             recorder.step()
             states.append(state_of(env))
-        replay = recorder.finish("dice", 0, None)
-        assert states_of(replay) == states
-        assert sum(len(step.joins) for step in replay.steps) == replay.end.joins
-        assert sum(len(step.splits) for step in replay.steps) == replay.end.splits
-        done = {task: s for s, step in enumerate(replay.steps, 1) for task, _ in step.done}
+        record = recorder.finish("dice", 0, None)
+        assert states_of(record) == states
+        assert sum(len(step.joins) for step in record.steps) == record.end.joins
+        assert sum(len(step.splits) for step in record.steps) == record.end.splits
+        done = {task: s for s, step in enumerate(record.steps, 1) for task, _ in step.done}
         done_at = env.worlds.tasks["done_at"][0].tolist()
         assert done == {k: at for k, at in enumerate(done_at) if at != NOBODY}
-        joins += replay.end.joins
-        splits += replay.end.splits
-        lost += sum(len(step.lost) for step in replay.steps)
+        joins += record.end.joins
+        splits += record.end.splits
+        lost += sum(len(step.lost) for step in record.steps)
     assert min(joins, splits, lost) > 10
 
 

@@ -54,30 +54,30 @@ class Impatient(JoinAll):
 
 
 def test_a_trial_is_recorded_to_its_end() -> None:
-    replay = run_trial(two_robots_one_task(), JoinAll(), 5, lower_bound=3).replay
-    assert (replay.method, replay.seed, replay.lower_bound) == ("JoinAll", 5, 3)
-    assert (replay.end.status, replay.end.makespan, replay.end.steps) == ("completed", 4, 4)
-    assert (replay.end.tasks_done, replay.end.joins, replay.end.splits) == (1, 1, 0)
-    assert len(replay.steps) == 4
+    record = run_trial(two_robots_one_task(), JoinAll(), 5, lower_bound=3).record
+    assert (record.method, record.seed, record.lower_bound) == ("JoinAll", 5, 3)
+    assert (record.end.status, record.end.makespan, record.end.steps) == ("completed", 4, 4)
+    assert (record.end.tasks_done, record.end.joins, record.end.splits) == (1, 1, 0)
+    assert len(record.steps) == 4
 
 
 def test_a_trial_that_hits_its_limit_has_no_makespan() -> None:
-    replay = run_trial(two_robots_one_task(step_limit=3), JoinAll()).replay
-    assert (replay.end.status, replay.end.makespan, replay.end.steps) == ("step limit", None, 3)
+    record = run_trial(two_robots_one_task(step_limit=3), JoinAll()).record
+    assert (record.end.status, record.end.makespan, record.end.steps) == ("step limit", None, 3)
 
 
 def test_only_a_policy_that_needs_everything_is_given_it() -> None:
-    scenario = walker(1.0)
+    mission = walker(1.0)
     dice, all_knowing = Dice(), AllKnowing()
-    run_trial(scenario, dice)
-    run_trial(scenario, all_knowing)
+    run_trial(mission, dice)
+    run_trial(mission, all_knowing)
     assert dice.given is None
-    assert all_knowing.given == [scenario]
+    assert all_knowing.given == [mission]
 
 
 def test_the_seed_decides() -> None:
-    scenario = two_tasks_two_pairs(step_limit=20)
-    trials = [run_trial(scenario, Dice(), seed).replay for seed in (1, 1, 2)]
+    mission = two_tasks_two_pairs(step_limit=20)
+    trials = [run_trial(mission, Dice(), seed).record for seed in (1, 1, 2)]
     assert trials[0] == trials[1]
     assert trials[0].steps != trials[2].steps
 
@@ -85,10 +85,10 @@ def test_the_seed_decides() -> None:
 def test_ctrl_c_keeps_what_was_done() -> None:
     with pytest.raises(KeyboardInterrupt):
         run_trial(two_robots_one_task(), Impatient())
-    replay = run_trial(two_robots_one_task(), Impatient(), keeps_interrupted=True).replay
-    assert (replay.end.status, replay.end.steps, replay.end.makespan) == ("interrupted", 2, None)
-    assert len(replay.steps) == 2
-    assert replay.steps[0].joins == ((0, 1),)
+    record = run_trial(two_robots_one_task(), Impatient(), keeps_interrupted=True).record
+    assert (record.end.status, record.end.steps, record.end.makespan) == ("interrupted", 2, None)
+    assert len(record.steps) == 2
+    assert record.steps[0].joins == ((0, 1),)
 
 
 class Interrupter:
@@ -108,12 +108,12 @@ class Interrupter:
                 raise KeyboardInterrupt
         return self
 
-    def run(self, scenario: Mission, method: Method) -> PlayedTrial | None:
+    def run(self, mission: Mission, method: Method) -> PlayedTrial | None:
         """Return the trial, None if nothing could be recorded."""
         before = sys.gettrace()
         sys.settrace(self)
         try:
-            return run_trial(scenario, method, keeps_interrupted=True)
+            return run_trial(mission, method, keeps_interrupted=True)
         except KeyboardInterrupt:
             return None
         finally:
@@ -127,24 +127,24 @@ class Interrupter:
 @pytest.mark.thorough
 def test_ctrl_c_at_any_line_leaves_a_legal_record(coordination: str) -> None:
     """Where there are plans, a task appears, so that one is made on the way too."""
-    scenario = two_tasks_two_pairs(step_limit=6)
+    mission = two_tasks_two_pairs(step_limit=6)
     if coordination != "paper":
-        late = replace(scenario.tasks[1], appears=2)
-        scenario = replace(scenario, tasks=(scenario.tasks[0], late))
+        late = replace(mission.tasks[1], appears=2)
+        mission = replace(mission, tasks=(mission.tasks[0], late))
     endings: Counter[tuple[str, int]] = Counter()
     unrecorded = 0
     for line in itertools.count(1):
         interrupter = Interrupter(line)
-        trial = interrupter.run(scenario, method_of(coordination))
+        trial = interrupter.run(mission, method_of(coordination))
         if trial is None:
             unrecorded += 1
             continue
-        assert judge(trial.replay).findings == ()
+        assert judge(trial.record).findings == ()
         assert trial.is_interrupted == (interrupter.lines_left <= 0)
         if not trial.is_interrupted:
             break
-        endings[trial.replay.end.status, trial.replay.end.steps] += 1
-    last = trial.replay.end.steps
+        endings[trial.record.end.status, trial.record.end.steps] += 1
+    last = trial.record.end.steps
     assert set(endings) == {("completed", last), *(("interrupted", n) for n in range(last))}
     assert sum(endings.values()) > unrecorded  # while the trial is set up or handed over
 
@@ -166,20 +166,18 @@ def test_the_clock_tells_planning_deciding_and_simulating_apart() -> None:
 def test_a_coordinator_makes_plans_and_a_policy_none() -> None:
     mission = two_robots_one_task()
     for name in ("plan", "crews"):
-        replay = run_trial(mission, load_method(name)).replay
-        assert (replay.method, replay.scenario, len(replay.plans)) == (name, mission, 1)
-    replay = run_trial(mission, JoinAll()).replay
-    assert (replay.method, replay.scenario, replay.plans) == ("JoinAll", mission, ())
+        record = run_trial(mission, load_method(name)).record
+        assert (record.method, record.mission, len(record.plans)) == (name, mission, 1)
+    record = run_trial(mission, JoinAll()).record
+    assert (record.method, record.mission, record.plans) == ("JoinAll", mission, ())
 
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_trials_side_by_side_end_as_they_do_alone(threads: int) -> None:
     rng = np.random.default_rng(15)
-    scenarios = [random_world(rng) for _ in range(20)]
-    for scenario, tally in zip(
-        scenarios, run_trials(scenarios, JoinAll(), 0, threads), strict=True
-    ):
-        end = run_trial(scenario, JoinAll()).replay.end
+    missions = [random_world(rng) for _ in range(20)]
+    for mission, tally in zip(missions, run_trials(missions, JoinAll(), 0, threads), strict=True):
+        end = run_trial(mission, JoinAll()).record.end
         assert (end.status, end.steps, end.tasks_done) == (
             tally.status,
             tally.steps,

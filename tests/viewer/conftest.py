@@ -1,4 +1,4 @@
-"""Replay pages in a browser, and replays to show in them."""
+"""Record pages in a browser, and records to show in them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from toy_replays import Tree, small_scenario, toy_replay
+from toy_records import Tree, small_mission, toy_record
 
 from browsers import Opened, Opener
 from teamformer.viewer.html import record_page
@@ -15,13 +15,13 @@ from teamformer.viewer.html import record_page
 
 @pytest.fixture
 def open_page(browser: Any, tmp_path: Path) -> Iterator[Opener]:
-    """Return what opens a replay's page from a file: `open_page(tree, "#step=3", **settings)`."""
+    """Return what opens a record's page from a file: `open_page(tree, "#step=3", **settings)`."""
     contexts = []
 
     def open_it(
         tree: Any, moment: str = "", written: Callable[[Any], str] = record_page, **settings: Any
     ) -> Opened:
-        path = tmp_path / f"replay-{len(contexts)}.html"
+        path = tmp_path / f"record-{len(contexts)}.html"
         path.write_text(written(tree), encoding="utf-8")
         context = browser.new_context(viewport={"width": 1280, "height": 800}, **settings)
         contexts.append(context)
@@ -48,4 +48,4 @@ def dock() -> Tree:
 
     Joins in 7, 22, 33, 35; splits in 8, 23, 41; r4 lost in 36; seam begun in 35, done in 40.
     """
-    return toy_replay(small_scenario())
+    return toy_record(small_mission())

@@ -59,7 +59,7 @@ def page_of(robots: int, tasks: int, folder: Path) -> str:
         seed=1,
     )
     tf.run(mission, method="crews").save(folder)
-    return f"file://{folder}/replay.html"
+    return f"file://{folder}/record.html"
 
 
 def opened(browser: Any, address: str) -> Opened:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from toy_replays import Tree, random_scenario, toy_replay
+from toy_records import Tree, random_mission, toy_record
 
 from browsers import Opened, Opener
 from live_server import serving, serving_editor, small_mission
@@ -72,7 +72,7 @@ def test_lists_menu_and_help_of_a_record(scheme: str, open_page: Opener, dock: T
 
 
 def test_pages_of_many(scheme: str, open_page: Opener) -> None:
-    tree = toy_replay(random_scenario(60, 20, 12, 20, 3), steps=30)
+    tree = toy_record(random_mission(60, 20, 12, 20, 3), steps=30)
     opened = open_page(tree, "#step=9&view=tasks", color_scheme=scheme)
     opened.page.click("role=columnheader >> text=State")
     assert findings(opened.page) == []
@@ -123,7 +123,7 @@ def test_the_page_of_a_plan(new_page: Any) -> None:
     page.set_content(
         gantt_page(
             {
-                **{"scenario": "yard", "makespan": 8, "bound": 6, "proven": False},
+                **{"mission": "yard", "makespan": 8, "bound": 6, "proven": False},
                 **{"late": {"weld": 1}, "routes": [{"robot": "r1", "back": 8, "stops": [stop]}]},
             }
         )

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from toy_replays import Tree, random_scenario, small_scenario, toy_replay
+from toy_records import Tree, random_mission, small_mission, toy_record
 
 from browsers import Opened, Opener
 from teamformer.viewer.html import comparison_page
@@ -16,7 +16,7 @@ from teamformer.viewer.html import comparison_page
 @pytest.fixture(scope="session")
 def fewer() -> Tree:
     """The dock with its first two tasks only, by another method."""
-    return toy_replay(small_scenario() | {"tasks": small_scenario()["tasks"][:2]}, method="quick")
+    return toy_record(small_mission() | {"tasks": small_mission()["tasks"][:2]}, method="quick")
 
 
 @pytest.fixture
@@ -75,7 +75,7 @@ CURVE = """([step, part]) => {
 
 def test_records_with_windows_are_compared_by_lateness_too(open_page: Opener) -> None:
     """Of two ways to two tasks the longer one is in time: 18 against 15 and 2 x 9 late."""
-    scenario = {
+    mission = {
         **{"teamformer": 1, "name": "urgent", "world": {"grid": [12, 1]}, "capabilities": ["a"]},
         "robots": [{"name": "r", "at": [4, 0], "can": ["a"]}],
         "tasks": [
@@ -83,7 +83,7 @@ def test_records_with_windows_are_compared_by_lateness_too(open_page: Opener) ->
             {"name": "urgent", "at": [11, 0], "needs": ["a"], "between": [0, 7]},
         ],
     }
-    trees = [toy_replay(scenario, method=name) for name in ("first", "second")]
+    trees = [toy_record(mission, method=name) for name in ("first", "second")]
     for tree, ends in zip(trees, ((4, 15), (18, 7)), strict=True):
         for step in tree["steps"]:
             step.pop("done", None)
@@ -224,10 +224,10 @@ def test_what_is_clicked_on_one_map_is_selected_in_all(compared: Callable[..., O
 
 @pytest.mark.parametrize(("wide", "columns"), [(60, 1), (10, 2)])
 def test_maps_are_stacked_where_they_are_wide(open_page: Opener, wide: int, columns: int) -> None:
-    scenario = small_scenario() | {"world": {"grid": [wide, 12]}}
-    scenario["robots"] = [{"name": "r", "at": [0, 0], "can": ["lift"]}]
-    scenario["tasks"] = [{"name": "t", "at": [wide - 1, 0], "needs": ["lift"]}]
-    trees = [toy_replay(scenario, method=name) for name in ("one", "other")]
+    mission = small_mission() | {"world": {"grid": [wide, 12]}}
+    mission["robots"] = [{"name": "r", "at": [0, 0], "can": ["lift"]}]
+    mission["tasks"] = [{"name": "t", "at": [wide - 1, 0], "needs": ["lift"]}]
+    trees = [toy_record(mission, method=name) for name in ("one", "other")]
     opened = open_page(trees, written=comparison_page)
     opened.details()
     boxes = [box.bounding_box() for box in opened.page.locator(".map canvas").all()]
@@ -261,13 +261,13 @@ def pixels(opened: Opened, spots: list[dict[str, float]]) -> list[list[int]]:
 
 def test_the_legend_of_density_has_the_colours_of_the_map(open_page: Opener) -> None:
     """All robots start in four corners of 75: the strongest colour of the legend is theirs."""
-    scenario = random_scenario(300, 120, 2, 100, 1)
-    for number, robot in enumerate(scenario["robots"]):
+    mission = random_mission(300, 120, 2, 100, 1)
+    for number, robot in enumerate(mission["robots"]):
         robot["at"] = [1 + 97 * (number % 2), 1 + 97 * (number // 2 % 2)]
-    scenario["world"] = {"grid": [100, 100]}
-    for task in scenario["tasks"]:
+    mission["world"] = {"grid": [100, 100]}
+    for task in mission["tasks"]:
         task["at"] = [50, 50]
-    opened = open_page(toy_replay(scenario, steps=1))
+    opened = open_page(toy_record(mission, steps=1))
     opened.details()
     assert opened.page.evaluate("window.teamformer.detail()") == "density"
     legend = {row["text"]: row for row in opened.page.evaluate("window.teamformer.legend()")}

@@ -137,13 +137,13 @@ def test_a_mission_is_drawn_run_disturbed_explained_and_run_again(
     page.keyboard.press(" ")
     wait_for(opened, "#mission h2", "Live, over")
     page.click("#mission >> text=Save")
-    wait_for(opened, "#notice", "scenario.yaml")
-    record = read_record(tmp_path / "out" / "replay.json")
+    wait_for(opened, "#notice", "mission.yaml")
+    record = read_record(tmp_path / "out" / "record.json")
     assert judge(record).findings == ()
-    scenario = read_mission(tmp_path / "out" / "scenario.yaml")
-    assert (scenario.tasks[-1].appears, scenario.robots[0].absences[0].lost) == (10, 16)
-    again = run_trial(scenario, load_method("join-fitting"))
-    assert again.replay.end.makespan == record.end.makespan
+    mission = read_mission(tmp_path / "out" / "mission.yaml")
+    assert (mission.tasks[-1].appears, mission.robots[0].absences[0].lost) == (10, 16)
+    again = run_trial(mission, load_method("join-fitting"))
+    assert again.record.end.makespan == record.end.makespan
     assert record.end.status == "completed"
 
 
@@ -209,9 +209,9 @@ def test_things_are_dragged_and_walls_painted(opened: Opened, tmp_path: Path) ->
     page.fill("#file-name", "walls.yaml")
     page.click("#mission >> text=Save")
     wait_for(opened, "#notice", "walls.yaml")
-    scenario = read_mission(tmp_path / "out" / "walls.yaml")
-    assert scenario.robots[0].at == (2, 9)
-    blocked = [(x, y) for y in range(10) for x in range(16) if not scenario.world.is_free((x, y))]
+    mission = read_mission(tmp_path / "out" / "walls.yaml")
+    assert mission.robots[0].at == (2, 9)
+    blocked = [(x, y) for y in range(10) for x in range(16) if not mission.world.is_free((x, y))]
     assert blocked == [(7, 3), (7, 4), (7, 5)]
 
 
@@ -363,7 +363,7 @@ def test_from_the_example_to_its_mission_and_back(begun: Opened, served: Served)
     click(begun, 4, 4)
     begun.wait_until("window.teamformer.teams().length === 4")
     run(begun)
-    assert len(served.session.session.mission.scenario.robots) == 4
+    assert len(served.session.session.mission.source.robots) == 4
     with page.expect_event("load", timeout=60_000):  # nothing would be lost, so it is not asked
         page.click("text=Back to the drawing …")
     begun.wait_until("window.teamformer?.teams().length === 4")

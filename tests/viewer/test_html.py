@@ -1,4 +1,4 @@
-"""The page as text: safe, self-contained, whatever the names in the replay."""
+"""The page as text: safe, self-contained, whatever the names in the record."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from toy_replays import Tree
+from toy_records import Tree
 
 from teamformer.viewer.advice_page import advice_page
 from teamformer.viewer.gantt import gantt_page
@@ -19,10 +19,10 @@ from teamformer.viewer.html import record_page, write_page
 
 
 def embedded(page: str) -> str:
-    return page.split('<script type="application/json" id="replay">')[1].split("</script>")[0]
+    return page.split('<script type="application/json" id="record">')[1].split("</script>")[0]
 
 
-def test_the_replay_comes_back_unchanged(dock: Tree) -> None:
+def test_the_record_comes_back_unchanged(dock: Tree) -> None:
     assert json.loads(embedded(record_page(dock))) == dock
 
 
@@ -35,8 +35,8 @@ def test_names_cannot_leave_the_json(dock: Tree) -> None:
 
 
 def test_the_title_is_escaped(dock: Tree) -> None:
-    scenario = {**dock["scenario"], "name": "</title><b>x"}
-    page = record_page({**dock, "scenario": scenario})
+    mission = {**dock["mission"], "name": "</title><b>x"}
+    page = record_page({**dock, "mission": mission})
     assert "<title>&lt;/title&gt;&lt;b&gt;x, toy</title>" in page
 
 
@@ -46,9 +46,9 @@ def test_dollar_signs_stay_as_they_are(dock: Tree) -> None:
 
 
 def test_everybody_in_sight_is_written_as_null(dock: Tree) -> None:
-    scenario = {**dock["scenario"], "sensing_radius": math.inf}
-    page = record_page({**dock, "scenario": scenario})
-    assert json.loads(embedded(page))["scenario"]["sensing_radius"] is None
+    mission = {**dock["mission"], "sensing_radius": math.inf}
+    page = record_page({**dock, "mission": mission})
+    assert json.loads(embedded(page))["mission"]["sensing_radius"] is None
 
 
 def test_the_policy_allows_this_style_and_script_only(dock: Tree) -> None:
@@ -69,7 +69,7 @@ def test_the_page_names_no_other_place(dock: Tree) -> None:
     assert not re.findall(r"https?://|url\(|@import|(?:src|href)=\"(?!data:,)", page)
 
 
-def test_write_page_writes_what_replay_page_returns(dock: Tree, tmp_path: Path) -> None:
+def test_write_page_writes_what_record_page_returns(dock: Tree, tmp_path: Path) -> None:
     write_page(dock, tmp_path / "page.html")
     assert (tmp_path / "page.html").read_text(encoding="utf-8") == record_page(dock)
 
@@ -82,7 +82,7 @@ def test_a_plan_names_tasks_of_no_duration_and_keeps_the_begin_of_long_names() -
         {"task": "end", "arrive": 12.2, "start": 12.2, "end": 20},
     ]
     route = {"robot": "a-van-with-a-long-name", "stops": stops, "back": 20}
-    plan = {"scenario": "s", "makespan": 20, "bound": 0, "proven": False, "late": {}}
+    plan = {"mission": "s", "makespan": 20, "bound": 0, "proven": False, "late": {}}
     text = gantt_page({**plan, "routes": [route, {"robot": "b", "stops": [], "back": 0}]})
     assert "<title>a-van-with-a-long-name</title>a-van-with-a-l…</text>" in text
     beside = re.findall(r'class="beside" .*?>(.*?)</text>', text)
@@ -95,7 +95,7 @@ def test_a_plan_names_tasks_of_no_duration_and_keeps_the_begin_of_long_names() -
 def test_names_of_a_plan_stay_while_its_time_scrolls(browser: Any) -> None:
     stops = [{"task": "load", "arrive": 1, "start": 4, "end": 9}]
     route = {"robot": "van", "stops": stops, "back": 20}
-    plan = {"scenario": "s", "makespan": 20, "bound": 0, "proven": False, "late": {}}
+    plan = {"mission": "s", "makespan": 20, "bound": 0, "proven": False, "late": {}}
     page = browser.new_page(viewport={"width": 390, "height": 844})
     page.set_content(gantt_page({**plan, "routes": [route]}))
     page.locator(".times").evaluate("(times) => (times.scrollLeft = 500)")
@@ -107,7 +107,7 @@ def test_names_of_a_plan_stay_while_its_time_scrolls(browser: Any) -> None:
 
 
 LATE_PLAN = {
-    **{"scenario": "yard", "makespan": 20, "bound": 0, "proven": False, "critical_path": []},
+    **{"mission": "yard", "makespan": 20, "bound": 0, "proven": False, "critical_path": []},
     **{"late": {"=seam": 2}, "windows": {"=seam": [1, 7]}},
     "routes": [
         {
@@ -170,7 +170,7 @@ def test_the_page_of_advice_fits_every_screen(browser: Any, width: int) -> None:
         for change, gain in [("one more robot like camel " * 4, 6), ("without robot camel", -30)]
     ]
     advice = {
-        **{"scenario": "warehouse", "method": "plan", "measure": "makespan", "makespan": 56},
+        **{"mission": "warehouse", "method": "plan", "measure": "makespan", "makespan": 56},
         **{"range": [56, 57], "searches": 21, "advice": rows, "impossible": [], "unmeasured": []},
     }
     page = browser.new_page(viewport={"width": width, "height": 844})
@@ -192,7 +192,7 @@ def test_the_page_of_advice_fits_every_screen(browser: Any, width: int) -> None:
 def test_the_page_of_a_plan_frames_what_the_end_hangs_on() -> None:
     """From 0 to 4 robot a's row, from 4 to 20 robot b's, with a line between the rows at 4."""
     routes = [{"robot": robot, "stops": [], "back": 20} for robot in "ab"]
-    plan = {"scenario": "s", "makespan": 20, "bound": 0, "proven": False, "late": {}}
+    plan = {"mission": "s", "makespan": 20, "bound": 0, "proven": False, "late": {}}
     path = [
         {"from": begin, "to": end, "doing": "walking", "robot": robot, "task": "t"}
         for begin, end, robot in [(0, 3, "a"), (3, 4, "a"), (4, 20, "b")]

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from toy_replays import Tree
+from toy_records import Tree
 
 from browsers import Opened
 from live_server import Served, serving, serving_session, small_mission
@@ -139,11 +139,11 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     page.keyboard.press(" ")
     wait_for(opened, "#status", "Completed")
     page.click("#mission >> text=Save")
-    wait_for(opened, "#notice", "replay.json")
-    record = read_record(tmp_path / "out" / "replay.json")
+    wait_for(opened, "#notice", "record.json")
+    record = read_record(tmp_path / "out" / "record.json")
     assert judge(record).findings == ()
-    assert record.scenario.tasks[-1].name == "extra"
-    assert record.scenario.robots[0].absences == (Absence(5, 7),)
+    assert record.mission.tasks[-1].name == "extra"
+    assert record.mission.robots[0].absences == (Absence(5, 7),)
     assert page.inner_text("#figures").split("\n")[1] == "4 of 4"
 
 
@@ -167,7 +167,7 @@ def test_what_is_weighed_can_be_stopped_and_the_mission_paused_meanwhile(
     page.keyboard.press(" ")
     opened.wait_until("!window.teamformer.isPlaying")
     page.click("#mission >> text=Save")
-    wait_for(opened, "#notice", "replay.json")
+    wait_for(opened, "#notice", "record.json")
     assert page.inner_text("#answer").startswith("Playing it ahead")
     page.click("#offer >> text=Stop")
     opened.wait_until("document.querySelector('#answer').textContent === ''")
@@ -448,7 +448,7 @@ def test_a_page_whose_mission_is_gone_says_so(browser: Any, tmp_path: Path) -> N
         page.goto(f"http://{server.address}/")
         opened = Opened(page)
         opened.wait_until("window.teamformer !== undefined")
-    shop = Workshop(lambda scenario: pytest.fail("started"), tmp_path, 20.0)
+    shop = Workshop(lambda mission: pytest.fail("started"), tmp_path, 20.0)
     with ExitStack() as stack:
         with page.expect_event("load", timeout=60_000):
             stack.enter_context(serving_session(shop, port=server.port))
@@ -462,12 +462,12 @@ def test_what_is_saved_is_not_asked_about(opened: Opened) -> None:
     page = opened.page
     step_to(opened, 2)
     page.click("#mission >> text=Save")
-    wait_for(opened, "#notice", "replay.json")
+    wait_for(opened, "#notice", "record.json")
     opened.page.click("text=Restart …")
     opened.wait_until("window.teamformer.last === 0")
     step_to(opened, 1)
     page.click("#mission >> text=Save")
-    wait_for(opened, "#notice", "replay.json")
+    wait_for(opened, "#notice", "record.json")
     step_to(opened, 2, begun=1)
     page.click("text=Restart …")
     assert "since it was saved last is gone" in page.inner_text("#mission .question")
@@ -514,7 +514,7 @@ def test_an_incident_is_undone_in_the_page(opened: Opened, served: Served) -> No
 def test_a_task_is_called_off_in_the_page(opened: Opened, served: Served) -> None:
     page = opened.page
     step_to(opened, 2)
-    name = served.session.mission.scenario.tasks[-1].name
+    name = served.session.mission.source.tasks[-1].name
     page.click("#tab-tasks")
     page.click(f".row >> text={name}")
     assert page.locator("text=Set weight").count() == 0  # the mission has no cost
@@ -537,8 +537,8 @@ def test_a_task_is_called_off_in_the_page(opened: Opened, served: Served) -> Non
 
 def test_a_weight_is_raised_in_the_page(browser: Any, tmp_path: Path) -> None:
     """The robot turns to the right, where the task has become the heavy one."""
-    scenario, out = late_pair((3.0, 1.0), cost={"tardiness": 1}), tmp_path / "out"
-    with serving(scenario, out, method="plan") as server, opening(browser, server) as opened:
+    mission, out = late_pair((3.0, 1.0), cost={"tardiness": 1}), tmp_path / "out"
+    with serving(mission, out, method="plan") as server, opening(browser, server) as opened:
         page = opened.page
         step_to(opened, 2)
         page.click("#tab-tasks")
@@ -604,4 +604,4 @@ def test_downloads_come_from_the_server(opened: Opened, served: Served) -> None:
     assert page.is_hidden("#notice")
 
 
-FILES = ["mission.yaml", "replay.json", "replay.html", "tables.zip", "replay.mcap"]
+FILES = ["mission.yaml", "record.json", "record.html", "tables.zip", "record.mcap"]

@@ -6,7 +6,7 @@ import copy
 from typing import Any
 
 import pytest
-from toy_replays import Tree, random_scenario, small_scenario, toy_replay
+from toy_records import Tree, random_mission, small_mission, toy_record
 
 from browsers import Opener
 
@@ -97,10 +97,10 @@ def test_a_click_on_a_task_says_who_comes(open_page: Opener, dock: Tree) -> None
 
 
 def test_details_show_notes(open_page: Opener, dock: Tree) -> None:
-    scenario = dock["scenario"]
-    robots, tasks = copy.deepcopy(scenario["robots"]), copy.deepcopy(scenario["tasks"])
+    mission = dock["mission"]
+    robots, tasks = copy.deepcopy(mission["robots"]), copy.deepcopy(mission["tasks"])
     robots[1]["note"], tasks[2]["note"] = "leaks <b>oil</b>", "door 3"
-    noted = dock | {"scenario": scenario | {"robots": robots, "tasks": tasks}}
+    noted = dock | {"mission": mission | {"robots": robots, "tasks": tasks}}
     opened = open_page(noted, "#step=10&robot=r2")
     assert "Note: leaks <b>oil</b>" in opened.details()
     opened.click_map(opened.page.evaluate("window.teamformer.taskBox(2)"))
@@ -201,16 +201,16 @@ def test_the_team_that_has_just_done_a_task_shows_its_colour(open_page: Opener, 
 
 def test_hostile_names_are_only_text(open_page: Opener) -> None:
     evil = '</script><img src=x onerror="window.hacked=1"><script>window.hacked=1</script>'
-    scenario = copy.deepcopy(small_scenario())
-    scenario["name"] = evil
-    scenario["capabilities"][0] = evil + "c"
-    for robot in scenario["robots"]:
+    mission = copy.deepcopy(small_mission())
+    mission["name"] = evil
+    mission["capabilities"][0] = evil + "c"
+    for robot in mission["robots"]:
         robot["can"] = [evil + "c" if cap == "lift" else cap for cap in robot["can"]]
         robot["name"] += evil
-    for task in scenario["tasks"]:
+    for task in mission["tasks"]:
         task["needs"] = [evil + "c" if cap == "lift" else cap for cap in task["needs"]]
         task["name"] += evil
-    opened = open_page(toy_replay(scenario, method=evil), "#step=33")
+    opened = open_page(toy_record(mission, method=evil), "#step=33")
     for tab in ["tasks", "teams", "capabilities", "events"]:
         opened.page.click(f"#tab-{tab}")
         opened.details()
@@ -289,7 +289,7 @@ def test_nothing_sticks_out_sideways(open_page: Opener, dock: Tree, width: int) 
 
 
 def test_a_hundred_robots_play_without_errors(open_page: Opener) -> None:
-    tree = toy_replay(random_scenario(100, 20, 100, 20, 30))
+    tree = toy_record(random_mission(100, 20, 100, 20, 30))
     opened = open_page(tree, "#step=40")
     assert opened.page.inner_text("#legend") == "100 capabilities"
     for switch in ["lines", "trails", "order", "names"]:

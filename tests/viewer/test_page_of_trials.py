@@ -1,4 +1,4 @@
-"""The page's reading of replays, held against the simulator that wrote them."""
+"""The page's reading of records, held against the simulator that wrote them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from teamformer.world.env import TeamFormation
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 READING = (
-    *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
+    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
     "record/scene",
 )
 
@@ -65,7 +65,7 @@ def moment(env: TeamFormation) -> list[list[Any]]:
 
 MOMENTS = """(tree) => {
   const history = frames(tree);
-  const { square = 1 } = history.scenario.world;
+  const { square = 1 } = history.mission.world;
   const metres = (along) => Math.round(along * square * 1e6) / 1e6;
   const list = ({ state, teams }) => [
     [...state.team],

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from toy_replays import Tree, random_scenario, small_scenario, toy_replay, toy_states
+from toy_records import Tree, random_mission, small_mission, toy_record, toy_states
 
 from teamformer.mission.checks.rules import LIKELY
 from teamformer.record import phases
@@ -20,7 +20,7 @@ from teamformer.record.export.moments import moments
 from teamformer.record.reading import read_record
 
 PURE = (
-    *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
+    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/words", "draw/packing"),
 )
 
@@ -45,13 +45,13 @@ STATES = """(tree) => {
 
 
 @pytest.mark.parametrize(
-    "scenario",
-    [small_scenario(), random_scenario(30, 10, 6, 14, 4), random_scenario(100, 12, 100, 20, 30)],
+    "mission",
+    [small_mission(), random_mission(30, 10, 6, 14, 4), random_mission(100, 12, 100, 20, 30)],
     ids=["walls, lost, late", "30 robots", "100 robots"],
 )
-def test_every_moment_is_rebuilt_in_any_order(scripts: Any, scenario: Tree) -> None:
-    tree = toy_replay(scenario)
-    states = toy_states(scenario, len(tree["steps"]))
+def test_every_moment_is_rebuilt_in_any_order(scripts: Any, mission: Tree) -> None:
+    tree = toy_record(mission)
+    states = toy_states(mission, len(tree["steps"]))
     asked = [*range(len(states)), *random.Random(1).choices(range(len(states)), k=200)]
     shown = scripts.evaluate(STATES, {**tree, "asked": asked})
     for step, teams in zip(asked, shown, strict=True):
@@ -94,7 +94,7 @@ def two_robots(steps: list[Tree], needs: Any = ("lift",), duration: int = 0) -> 
     robots = [{"name": name, "at": [3, 3], "can": ["lift"]} for name in "ab"]
     task = {"name": "t", "at": [3, 3], "needs": needs, "duration": duration}
     return {
-        "scenario": {
+        "mission": {
             "world": {"grid": [6, 6]},
             "capabilities": ["lift"],
             "robots": robots,
@@ -127,8 +127,8 @@ STANDINGS = """(tree) => {
 def test_tasks_after_others_are_open_when_those_are_done_and_may_be_late(scripts: Any) -> None:
     tree = two_robots([{"done": [[1, 0]]}, {}, {}, {"done": [[0, 0]]}])
     first = {"name": "first", "at": [3, 3], "needs": ["lift"]}
-    [last] = tree["scenario"]["tasks"]
-    tree["scenario"]["tasks"] = [last | {"after": ["first"], "between": [0, 3]}, first]
+    [last] = tree["mission"]["tasks"]
+    tree["mission"]["tasks"] = [last | {"after": ["first"], "between": [0, 3]}, first]
     standings, appeared = scripts.evaluate(STANDINGS, tree)
     assert standings == [
         "comes after first, teams are told next",
@@ -141,8 +141,8 @@ def test_tasks_after_others_are_open_when_those_are_done_and_may_be_late(scripts
 def test_who_is_at_a_task_that_may_not_begin_is_told_why(scripts: Any) -> None:
     tree = two_robots([{"teams": [[0, 3, 3, 0]]}, {}])
     first = {"name": "first", "at": [9, 3], "needs": ["lift"]}
-    [last] = tree["scenario"]["tasks"]
-    tree["scenario"]["tasks"] = [
+    [last] = tree["mission"]["tasks"]
+    tree["mission"]["tasks"] = [
         last | {"at": [3, 3], "needs": ["lift"], "after": ["first"]},
         first,
     ]
@@ -150,16 +150,16 @@ def test_who_is_at_a_task_that_may_not_begin_is_told_why(scripts: Any) -> None:
       return describeDoing(history, sceneAt(history, 1).teams.get(0), 1); }"""
     name = last["name"]
     assert scripts.evaluate(ask, tree) == f"is at {name} with all it needs; that comes after first"
-    tree["scenario"]["tasks"][0].pop("after")
-    tree["scenario"]["tasks"][0]["between"] = [7, 9]
+    tree["mission"]["tasks"][0].pop("after")
+    tree["mission"]["tasks"][0]["between"] = [7, 9]
     told = f"is at {name} with all it needs; that may begin after step 7"
     assert scripts.evaluate(ask, tree) == told
 
 
 def test_a_task_is_called_off_with_the_next_step_if_there_is_one(scripts: Any) -> None:
     tree = two_robots([{}, {}])
-    [task] = tree["scenario"]["tasks"]
-    tree["scenario"]["tasks"] = [task | {"cancelled": 3}]
+    [task] = tree["mission"]["tasks"]
+    tree["mission"]["tasks"] = [task | {"cancelled": 3}]
     ask = """(tree) => { const history = frames(tree);
       return describeStanding(history, 0, sceneAt(history, 2)); }"""
     assert scripts.evaluate(ask, tree) == "open, nobody assigned"
@@ -176,16 +176,16 @@ def test_teams_are_told_with_the_first_step(scripts: Any) -> None:
 
 BELIEFS = """(tree) => {
   const history = frames(tree);
-  const {scenario} = history;
-  const believed = (step) => describeCounts(scenario, needsAt(history, 0, step));
-  const lacking = (step) => describeCounts(scenario, sceneAt(history, step).teams.get(0).missing);
+  const {mission} = history;
+  const believed = (step) => describeCounts(mission, needsAt(history, 0, step));
+  const lacking = (step) => describeCounts(mission, sceneAt(history, step).teams.get(0).missing);
   const standing = (step) => describeStanding(history, 0, sceneAt(history, step));
   const shown = history.events.filter(({kind}) => kind === "shown");
   return {
     believed: [0, 1, 2].map(believed),
     lacking: [1, 2].map(lacking),
     needs: [1, 2].map((step) => describeNeeds(history, 0, step)),
-    lasts: describeDuration(scenario.world, scenario.tasks[0]),
+    lasts: describeDuration(mission.world, mission.tasks[0]),
     under_way: standing(3),
     shown: shown.map((event) => [event.step, describeEvent(history, event)]),
     services: history.services[0].map(({from, to}) => [from, to]),
@@ -208,7 +208,7 @@ def test_what_is_believed_is_told_until_the_truth_shows(
     """Task t at (3, 3) needs a lifter, and two as it turns out in step 2; it takes 4 steps."""
     steps = [{"teams": [[0, 3, 3, 0]]}, {"shown": [0], "joins": [[1, 0]]}, {}, {}, {}]
     tree = two_robots([*steps, {"done": [[0, 0]]}])
-    [task] = tree["scenario"]["tasks"]
+    [task] = tree["mission"]["tasks"]
     task |= {"may_need": {"lift": chance}, "duration": [2, 9]}
     tree["foresight"] = foresight
     tree["truth"] = {"tasks": {"t": {"needs": {"lift": 2}, "duration": 4}}, "robots": {}}
@@ -289,15 +289,15 @@ PHASES = [
 
 
 @pytest.mark.parametrize(
-    "scenario",
-    [small_scenario(), random_scenario(30, 10, 6, 14, 4)],
+    "mission",
+    [small_mission(), random_mission(30, 10, 6, 14, 4)],
     ids=["walls, lost, late", "30 robots"],
 )
 def test_phases_are_those_of_the_exported_tables(
-    scripts: Any, scenario: Tree, tmp_path: Path
+    scripts: Any, mission: Tree, tmp_path: Path
 ) -> None:
-    tree = toy_replay(scenario)
-    path = tmp_path / "replay.json"
+    tree = toy_record(mission)
+    path = tmp_path / "record.json"
     text = json.dumps(tree).replace('["lift", "lift"]', '{"lift": 2}')  # as files say it
     path.write_text(text, encoding="utf-8")
     ask = """(tree) => { const history = frames(tree);
@@ -325,7 +325,7 @@ def test_a_bar_ends_where_the_task_changes_and_tasks_of_no_duration_leave_a_mark
         {"teams": [[0, 5, 3, None]], "done": [[1, 0]]},
     ])  # fmt: skip
     tree["start"][0] = [0, [0], 1, 3]
-    tree["scenario"]["tasks"].append({"name": "u", "at": [5, 3], "needs": ["lift"]})
+    tree["mission"]["tasks"].append({"name": "u", "at": [5, 3], "needs": ["lift"]})
     ask = "(tree) => { const h = frames(tree); return [phaseRuns(h, 0), deedsOfRobots(h)]; }"
     runs, deeds = scripts.evaluate(ask, tree)
     walks, forms = PHASES.index("walks"), PHASES.index("forms")
@@ -338,7 +338,7 @@ def test_a_bar_ends_where_the_task_changes_and_tasks_of_no_duration_leave_a_mark
 
 FINDING = """(tree) => {
   const history = frames(tree);
-  const {scenario} = history;
+  const {mission} = history;
   const steps = [0, 1, 2, 3];
   const found = history.events.filter(({kind}) => kind === "found");
   const teamAt = (step) => sceneAt(history, step).teams.get(0);
@@ -355,12 +355,12 @@ def test_tasks_are_where_they_are_believed_to_be(scripts: Any) -> None:
     """Task t may be in 5 cells around (3, 3), which is blocked; from step 2 on it is at (3, 4)."""
     steps = [{"teams": [[0, 3, 1, 0]]}, {"moved": [[0, 3, 4]], "found": [0]}, {}]
     tree = two_robots([*steps])
-    [task] = tree["scenario"]["tasks"]
+    [task] = tree["mission"]["tasks"]
     task |= {"within": 1}
-    width, height = tree["scenario"]["world"]["grid"]
+    width, height = tree["mission"]["world"]["grid"]
     rows = [["."] * width for _ in range(height)]
     rows[3][3] = "@"
-    tree["scenario"]["world"] = {"rows": ["".join(row) for row in rows]}
+    tree["mission"]["world"] = {"rows": ["".join(row) for row in rows]}
     tree["truth"] = {"tasks": {"t": {"at": [3, 4]}}, "robots": {}}
     told = scripts.evaluate(FINDING, tree)
     assert told["at"] == [[3, 2], [3, 2], [3, 4], [3, 4]]
@@ -384,13 +384,13 @@ def test_counts_are_exact_to_three_places(scripts: Any) -> None:
 def load_of_two(steps: list[Tree]) -> Tree:
     """Two lifters at (3, 3), where a load is that both are to bring to (5, 3)."""
     tree = two_robots(steps, needs={"lift": 2})
-    tree["scenario"]["tasks"][0] |= {"to": [5, 3]}
-    tree["scenario"]["teamformer"] = 1
+    tree["mission"]["tasks"][0] |= {"to": [5, 3]}
+    tree["mission"]["teamformer"] = 1
     end = {"steps": len(steps), "tasks_done": 0, "joins": 0, "splits": 0, "illegal_decisions": 0}
     tree["end"] |= end
     tree |= {"method": "fleet", "seed": 0, "orders": [[0, [0]]], "lower_bound": None}
-    tree["teamformer_replay"] = 2
-    for robot in tree["scenario"]["robots"]:
+    tree["teamformer_record"] = 3
+    for robot in tree["mission"]["robots"]:
         robot["can"] = {"lift": 1}
     return tree
 
@@ -423,7 +423,7 @@ def test_a_load_is_with_those_who_took_it_up_until_it_is_down(
     """In however many teams they are recorded; the tables say the same."""
     tree = load_of_two(steps)
     assert scripts.evaluate(CARRIERS, tree) == carriers
-    path = tmp_path / "replay.json"
+    path = tmp_path / "record.json"
     path.write_text(json.dumps(tree), encoding="utf-8")
     for moment, (robots, at) in zip(list(moments(read_record(path)))[1:], carriers, strict=True):
         assert list(moment.task_at[0]) == (at if at != "up" else list(moment.place[robots[0]]))
@@ -433,7 +433,7 @@ def test_of_two_that_say_they_carry_a_load_the_one_that_turns_away_has_let_go(sc
     parted = PARTED | {"teams": [[0, 4, 3, 0], [1, 4, 2, 0]]}
     steps = [TAKEN, parted, {"teams": [[0, 3, 3, 1]]}, {"done": [[0, 1]]}]
     tree = load_of_two(steps)
-    tree["scenario"]["tasks"].append({"name": "u", "at": [0, 0], "needs": ["lift"]})
+    tree["mission"]["tasks"].append({"name": "u", "at": [0, 0], "needs": ["lift"]})
     told = scripts.evaluate(CARRIERS, tree)
     assert [robots for robots, _ in told] == [[0, 1], [0, 1], [1], []]
 

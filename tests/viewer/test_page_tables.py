@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from toy_replays import Tree, random_scenario, toy_replay
+from toy_records import Tree, random_mission, toy_record
 
 from browsers import Opened, Opener
 from teamformer.files.mission_files import read_mission
@@ -40,7 +40,7 @@ def saved_table(saved: Any) -> list[list[str]]:
 @pytest.fixture
 def lane() -> Tree:
     """r1 walks three cells to its task, which is late by one; r2 cannot do anything."""
-    return toy_replay(
+    return toy_record(
         {
             "teamformer": 1,
             "name": "lane",
@@ -82,7 +82,7 @@ def test_a_lane_by_hand(open_page: Opener, lane: Tree) -> None:
 
 def test_tasks_are_sorted_and_filtered(open_page: Opener, dock: Tree) -> None:
     ends = {task: n for n, step in enumerate(dock["steps"], 1) for task, _ in step.get("done", [])}
-    names = [task["name"] for task in dock["scenario"]["tasks"]]
+    names = [task["name"] for task in dock["mission"]["tasks"]]
     by_end = [names[task] for task in sorted(ends, key=lambda task: ends[task])]
     opened = open_page(dock, "#step=37&view=tasks")
     assert column(opened, "tasks", 0) == names
@@ -119,8 +119,8 @@ def test_filters_and_files_know_all_that_a_cell_says(open_page: Opener, lane: Tr
     caps = [f"c{number}" for number in range(14)]
     robots = [{"name": f"r{n}", "at": [0, 0], "can": caps[n::5]} for n in range(5)]
     task = {"name": "all", "at": [1, 0], "needs": caps}
-    scenario = lane["scenario"] | {"capabilities": caps, "robots": robots, "tasks": [task]}
-    opened = open_page(toy_replay(scenario), "#step=99&view=tasks")
+    mission = lane["mission"] | {"capabilities": caps, "robots": robots, "tasks": [task]}
+    opened = open_page(toy_record(mission), "#step=99&view=tasks")
     [row] = rows_of(opened, "tasks")
     assert row[2] == "r0 + 4 more"
     assert row[4].endswith("2 more")
@@ -139,7 +139,7 @@ def test_filters_and_files_know_all_that_a_cell_says(open_page: Opener, lane: Tr
 
 
 def test_the_next_task_is_what_a_robot_then_does(open_page: Opener) -> None:
-    tree = toy_replay(random_scenario(12, 10, 3, 10, 2))
+    tree = toy_record(random_mission(12, 10, 3, 10, 2))
     opened = open_page(tree, "#step=0&view=robots")
     told = opened.page.evaluate("window.teamformer.told()")
     first: dict[str, str] = {}
@@ -147,7 +147,7 @@ def test_the_next_task_is_what_a_robot_then_does(open_page: Opener) -> None:
         for robot in who.split(", ") if kind == "done" else ():
             first.setdefault(robot, task)
     assert dict(zip(column(opened, "robots", 0), column(opened, "robots", 2), strict=True)) == {
-        robot["name"]: first.get(robot["name"], "-") for robot in tree["scenario"]["robots"]
+        robot["name"]: first.get(robot["name"], "-") for robot in tree["mission"]["robots"]
     }
 
 
@@ -170,7 +170,7 @@ STOPS = """() => [...document.querySelectorAll(
 
 def test_the_tab_order_does_not_grow_with_events(open_page: Opener) -> None:
     """With a robot selected, whose story grows, and events listed below."""
-    tree = toy_replay(random_scenario(6, 60, 2, 12, 2))
+    tree = toy_record(random_mission(6, 60, 2, 12, 2))
     stops = []
     for step in (2, len(tree["steps"])):
         opened = open_page(tree, f"#step={step}&robot=r1")
@@ -203,15 +203,15 @@ def saved_from_menu(opened: Opened, text: str, folder: Path, name: str) -> Path:
 def test_a_saved_page_gives_its_mission_its_record_and_itself(
     open_page: Opener, browser: Any, tmp_path: Path
 ) -> None:
-    mission = random_scenario(4, 5, 2, 8, 2) | {"name": "</script> & <b>", "sensing_radius": ".inf"}
-    tree = toy_replay(mission)
+    mission = random_mission(4, 5, 2, 8, 2) | {"name": "</script> & <b>", "sensing_radius": ".inf"}
+    tree = toy_record(mission)
     opened = open_page(tree, "#step=5&view=gantt")
-    record = saved_from_menu(opened, "Record", tmp_path, "replay.json")
+    record = saved_from_menu(opened, "Record", tmp_path, "record.json")
     assert json.loads(record.read_text()) == tree
     (tmp_path / "plain.json").write_text(json.dumps(tree))
     assert read_record(record) == read_record(tmp_path / "plain.json")
     drawn = read_mission(saved_from_menu(opened, "Mission", tmp_path, "mission.json"))
-    assert drawn == read_record(record).scenario
+    assert drawn == read_record(record).mission
     page = saved_from_menu(opened, "This page", tmp_path, "page.html")
     again = Opened(browser.new_page())
     again.page.on("pageerror", lambda error: again.errors.append(str(error)))
@@ -237,9 +237,9 @@ def test_menus_close_by_escape_and_by_clicks_elsewhere(open_page: Opener, dock: 
 
 def test_on_a_tablet_all_rows_of_a_mission_are_in_sight(open_page: Opener, lane: Tree) -> None:
     """And on a phone a shadow says that a table goes on at its side."""
-    scenario = lane["scenario"]
-    tasks = [scenario["tasks"][0] | {"name": f"t{number}"} for number in range(14)]
-    opened = open_page(toy_replay(scenario | {"tasks": tasks}), "#view=tasks")
+    mission = lane["mission"]
+    tasks = [mission["tasks"][0] | {"name": f"t{number}"} for number in range(14)]
+    opened = open_page(toy_record(mission | {"tasks": tasks}), "#view=tasks")
     opened.page.set_viewport_size({"width": 820, "height": 1180})
     opened.wait_for_a_frame()
     rows = opened.page.locator("#stage-tasks .rows").bounding_box()

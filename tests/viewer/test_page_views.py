@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from toy_replays import Tree, random_scenario, small_scenario, toy_replay
+from toy_records import Tree, random_mission, small_mission, toy_record
 
 from browsers import Opened, Opener
 from teamformer.base.errors import TeamformerError
@@ -16,16 +16,16 @@ from teamformer.record.reading import record_from_tree
 
 def three_in_one_cell() -> Tree:
     """Two robots that walk to one cell with three tasks, the last one hours of work."""
-    scenario = small_scenario() | {"world": {"grid": [9, 7]}, "capabilities": ["lift", "scan"]}
-    scenario["robots"] = [
+    mission = small_mission() | {"world": {"grid": [9, 7]}, "capabilities": ["lift", "scan"]}
+    mission["robots"] = [
         {"name": "r1", "at": [1, 1], "can": ["lift"]},
         {"name": "r2", "at": [7, 5], "can": ["scan"]},
     ]
-    scenario["tasks"] = [
+    mission["tasks"] = [
         {"name": name, "at": [4, 3], "needs": needs}
         for name, needs in [("unload", ["lift"]), ("inspect", ["scan"]), ("seal", ["lift", "scan"])]
     ]
-    return toy_replay(scenario)
+    return toy_record(mission)
 
 
 @pytest.mark.parametrize(
@@ -44,8 +44,8 @@ def test_a_task_shows_its_needs_and_never_their_sum(
     needs = [{one: 30, two: 1}, {two: 2, three: 1}, {one: 1, two: 2, three: 1}]
     robot = {"name": "r", "at": [0, 0], "can": dict.fromkeys(caps, 40)}
     tasks = [{"name": f"t{n}", "at": [n + 1, 2], "needs": need} for n, need in enumerate(needs)]
-    scenario = small_scenario() | {"world": {"grid": [width, 7]}, "capabilities": caps}
-    opened = open_page(toy_replay(scenario | {"robots": [robot], "tasks": tasks}))
+    mission = small_mission() | {"world": {"grid": [width, 7]}, "capabilities": caps}
+    opened = open_page(toy_record(mission | {"robots": [robot], "tasks": tasks}))
     asked = [opened.page.evaluate(f"window.teamformer.needs({task}) ?? null") for task in range(3)]
     assert asked == shown
     spot = opened.page.evaluate("window.teamformer.taskBox(2)")
@@ -80,7 +80,7 @@ def test_robots_that_come_leave_the_tasks_of_a_shared_cell_in_sight(open_page: O
 def test_a_crowd_is_drawn_as_groups_and_a_large_one_by_density(
     open_page: Opener, robots: int, size: int, detail: str
 ) -> None:
-    opened = open_page(toy_replay(random_scenario(robots, 8, 4, size, 2), steps=12), "#step=6")
+    opened = open_page(toy_record(random_mission(robots, 8, 4, size, 2), steps=12), "#step=6")
     assert opened.page.evaluate("window.teamformer.detail()") == detail
     if detail != "robots":
         groups = opened.page.evaluate("window.teamformer.groups()")
@@ -194,7 +194,7 @@ def centre_of(opened: Opened, x: float, y: float) -> tuple[float, float]:
 
 def test_names_and_shares_stay_in_sight_with_100_robots(open_page: Opener) -> None:
     """Rows keep a height at which names can be read; time is drawn wider and scrolls under them."""
-    opened = open_page(toy_replay(random_scenario(100, 12, 100, 20, 30)), "#view=gantt")
+    opened = open_page(toy_record(random_mission(100, 12, 100, 20, 30)), "#view=gantt")
     row = opened.page.evaluate("window.teamformer.bars(99)")
     assert row["rowHeight"] >= 13
     ends = "([x, y]) => " + INK_IN.format(width="90", height="200")
@@ -260,8 +260,8 @@ def test_a_dropped_record_is_opened(open_page: Opener, dock: Tree) -> None:
 
 def test_two_records_run_in_step(open_page: Opener, dock: Tree, tmp_path: Path) -> None:
     opened = open_page(dock)
-    tasks = small_scenario()["tasks"][:2]
-    other = toy_replay(small_scenario() | {"name": "the other", "tasks": tasks})
+    tasks = small_mission()["tasks"][:2]
+    other = toy_record(small_mission() | {"name": "the other", "tasks": tasks})
     assert len(other["steps"]) < 61
     choose(opened, "#open-beside", record_file(other, tmp_path / "other.json"))
     title = "document.querySelector('.beside .caption strong')?.textContent"
@@ -281,9 +281,9 @@ def test_two_records_run_in_step(open_page: Opener, dock: Tree, tmp_path: Path) 
     [
         ("{", "it is no JSON"),
         ('{"teamformer": 1}', "it is no record of a trial"),
-        ('{"teamformer_replay": 3}', "it has format 3, and this page knows 2"),
-        ('{"teamformer_replay": 1}', "this page knows 2; run the mission again"),
-        ('{"teamformer_replay": 2}', "it is damaged"),
+        ('{"teamformer_record": 4}', "it has format 4, and this page knows 3"),
+        ('{"teamformer_record": 1}', "this page knows 3; run the mission again"),
+        ('{"teamformer_record": 3}', "it is damaged"),
     ],
 )
 def test_what_is_no_record_is_refused_and_nothing_is_lost(
@@ -308,7 +308,7 @@ def test_what_is_no_record_is_refused_and_nothing_is_lost(
         (("orders",), 3, "orders: this is no list"),
         (("end", "status"), "over", 'the status is "over"'),
         (("end", "steps"), 12, "it has 61 steps, and its end says 12"),
-        (("scenario", "tasks"), None, "its mission has no lists of robots, tasks and capabilities"),
+        (("mission", "tasks"), None, "its mission has no lists of robots, tasks and capabilities"),
     ],
 )
 def test_a_damaged_record_is_refused_as_a_whole(
@@ -385,10 +385,10 @@ def is_in_sight(opened: Opened, selector: str) -> bool:
 
 
 def test_on_a_plane_moments_are_in_seconds(open_page: Opener, dock: Tree) -> None:
-    scenario = dock["scenario"] | {
+    mission = dock["mission"] | {
         "world": {"plane": [9, 6], "step": 0.5, "arrival_radius": 0.05, "unit": 1.0},
     }
-    opened = open_page({**dock, "scenario": scenario}, "#step=36&robot=r4")
+    opened = open_page({**dock, "mission": mission}, "#step=36&robot=r4")
     assert opened.details().startswith("r4\nDeselect\nLost at 18 s")
     assert opened.page.inner_text("#counter") == "Step 36 of 61\n18 s"
     opened.page.keyboard.press("End")
@@ -463,14 +463,14 @@ def test_the_legend_of_capabilities_and_the_tools_are_all_in_sight(
 
 
 def test_the_legend_of_a_crowd_lies_over_the_map_and_not_on_it(open_page: Opener) -> None:
-    opened = open_page(toy_replay(random_scenario(60, 50, 4, 40, 2)), "#step=3")
+    opened = open_page(toy_record(random_mission(60, 50, 4, 40, 2)), "#step=3")
     opened.page.set_viewport_size({"width": 390, "height": 844})
     opened.wait_until("window.teamformer.detail() !== 'robots'")
     opened.wait_for_a_frame()
     opened.wait_for_a_frame()
     lowest = max(item["y"] for item in opened.page.evaluate("window.teamformer.legend()"))
-    world = opened.page.evaluate("JSON.parse(document.querySelector('#replay').textContent)")
-    height = world["scenario"]["world"]["grid"][1]
+    world = opened.page.evaluate("JSON.parse(document.querySelector('#record').textContent)")
+    height = world["mission"]["world"]["grid"][1]
     tops = [opened.page.evaluate(f"window.teamformer.pixelOf(0, {y}).y") for y in (0, height - 1)]
     assert lowest < min(tops)
 
@@ -481,9 +481,9 @@ def test_names_of_robots_do_not_lie_over_other_robots(open_page: Opener) -> None
         for x in range(4)
         for y in range(3)
     ]
-    scenario = small_scenario() | {"robots": robots}
-    scenario["tasks"] = [{"name": "far", "at": [9, 6], "needs": {"lift": 1}}]
-    opened = open_page(toy_replay(scenario), "#step=0")
+    mission = small_mission() | {"robots": robots}
+    mission["tasks"] = [{"name": "far", "at": [9, 6], "needs": {"lift": 1}}]
+    opened = open_page(toy_record(mission), "#step=0")
     opened.page.set_viewport_size({"width": 820, "height": 1180})
     opened.wait_for_a_frame()
     opened.wait_for_a_frame()
@@ -498,7 +498,7 @@ def test_names_of_robots_do_not_lie_over_other_robots(open_page: Opener) -> None
 
 def test_many_short_bars_are_no_white_lines(open_page: Opener) -> None:
     """The row of a robot that goes from task to task is as good as full."""
-    opened = open_page(toy_replay(random_scenario(100, 300, 4, 60, 2)), "#view=gantt")
+    opened = open_page(toy_record(random_mission(100, 300, 4, 60, 2)), "#view=gantt")
     opened.wait_until("document.querySelector('#gantt').width > 0")
     opened.wait_for_a_frame()
     opened.wait_for_a_frame()
@@ -554,11 +554,11 @@ def test_a_page_of_a_fleet_shows_all_views_though_nobody_knows_who_did_a_task(
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (820, 1180), (390, 844)])
 def test_long_names_push_nothing_off_the_screen(open_page: Opener, width: int, height: int) -> None:
     """A robot with a long name that is lost stands in the header; all of the name is its title."""
-    scenario = small_scenario()
+    mission = small_mission()
     name = "the robot with the long name " * 6
-    scenario["robots"][3]["name"] = name.strip()
-    scenario["name"] = name.strip()
-    opened = open_page(toy_replay(scenario), "#step=40")
+    mission["robots"][3]["name"] = name.strip()
+    mission["name"] = name.strip()
+    opened = open_page(toy_record(mission), "#step=40")
     opened.page.set_viewport_size({"width": width, "height": height})
     opened.wait_for_a_frame()
     assert opened.page.evaluate("document.documentElement.scrollWidth") == width

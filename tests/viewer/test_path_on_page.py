@@ -19,7 +19,7 @@ from teamformer.record.writing import record_to_tree
 from teamformer.trials.trial import run_trial
 
 READING = (
-    *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
+    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/critical_path"),
 )
 
@@ -46,9 +46,9 @@ def test_the_page_finds_the_same_path(scripts: Any, method: str) -> None:
         mission = random_world(rng, is_plane=seed % 3 == 0)
         mission = with_precedence_and_windows(mission, rng) if seed % 2 else mission
         mission = with_surprises(mission, rng) if seed % 5 == 0 else mission
-        replay = run_trial(mission, load_method(method), seed).replay
-        path = path_of_record(replay)
-        shown = scripts.evaluate(PATH, record_to_tree(replay))
+        record = run_trial(mission, load_method(method), seed).record
+        path = path_of_record(record)
+        shown = scripts.evaluate(PATH, record_to_tree(record))
         assert shown == [[s.begin, s.end, s.doing, s.robot, s.task] for s in path], seed
         lengths.append(len(path))
     assert sum(lengths) > 15
@@ -57,8 +57,8 @@ def test_the_page_finds_the_same_path(scripts: Any, method: str) -> None:
 def test_the_gantt_view_frames_it(open_page: Opener) -> None:
     """Robot b walks 9 to where a waits; then they form and serve: its bars are framed, not a's."""
     mission = make([robot("a", 0), robot("b", 11)], [task("ab", 2, duration=3)])
-    replay = run_trial(replace(mission, name="two"), load_method("plan")).replay
-    opened = open_page(record_to_tree(replay), "#view=gantt")
+    record = run_trial(replace(mission, name="two"), load_method("plan")).record
+    opened = open_page(record_to_tree(record), "#view=gantt")
     opened.details()
     path = opened.page.evaluate("window.teamformer.criticalPath()")
     assert [(it["from"], it["to"], it["robot"]) for it in path] == [

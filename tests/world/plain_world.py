@@ -67,21 +67,21 @@ class PlainWorld:
 
     def __init__(
         self,
-        scenario: Mission,
+        mission: Mission,
         truth: Mission | None = None,
         is_coordinated: bool = False,
         foresight: str = "scouting",
     ) -> None:
         self.is_coordinated, self.foresight = is_coordinated, foresight
-        scenario = with_arrivals(scenario, truth or scenario)
-        self.s, self.truth = scenario, truth or scenario
+        mission = with_arrivals(mission, truth or mission)
+        self.s, self.truth = mission, truth or mission
         self.steps = 0
-        self.hidden = {k for k, task in enumerate(scenario.tasks) if task.may_need}
+        self.hidden = {k for k, task in enumerate(mission.tasks) if task.may_need}
         self.hopes: dict[int, dict[str, int]] = {}  # what hidden tasks are believed to need
-        self.at = [believed_place(scenario.world, task) for task in scenario.tasks]
+        self.at = [believed_place(mission.world, task) for task in mission.tasks]
         self.maybe = {  # where tasks may be that are not found, in the order of preference
-            k: list(possible_places(scenario.world, task.at, task.within))
-            for k, task in enumerate(scenario.tasks)
+            k: list(possible_places(mission.world, task.at, task.within))
+            for k, task in enumerate(mission.tasks)
             if task.within
         }
         self.found: dict[int, int] = {}  # task -> step
@@ -92,11 +92,11 @@ class PlainWorld:
         self.known: set[int] = set()
         self.open: list[int] = []
         self.release()
-        world = scenario.world
+        world = mission.world
         self.here = world.arrival_radius if isinstance(world, Plane) else 0.0
         self.teams = {
-            team[0]: PlainTeam(list(team), scenario.robots[team[0]].at)
-            for team in scenario.starting_teams
+            team[0]: PlainTeam(list(team), mission.robots[team[0]].at)
+            for team in mission.starting_teams
         }
         self.order: list[int] = []
         self.coalitions: dict[int, set[int]] = {}  # by task; plans are given, as the order is

@@ -35,8 +35,8 @@ def corridor(rate: float, until: int, most_needs: int = 0, duration: int = 0) ->
 
 
 def test_as_many_appear_as_the_rate_says_where_robots_can_do_them() -> None:
-    scenario = corridor(0.25, 40)
-    truths = [draw_truth(scenario, seed).tasks[1:] for seed in range(150)]
+    mission = corridor(0.25, 40)
+    truths = [draw_truth(mission, seed).tasks[1:] for seed in range(150)]
     assert np.mean([len(tasks) for tasks in truths]) == pytest.approx(10, abs=0.7)
     arrived = [task for tasks in truths for task in tasks]
     assert {one.at for one in arrived} == {(x, 0) for x in range(5)}
@@ -57,9 +57,9 @@ def test_every_step_brings_one_at_a_rate_of_one() -> None:
 
 
 def test_what_has_appeared_may_be_known_and_the_rest_stays_as_it_was() -> None:
-    scenario = corridor(0.5, 30)
-    truth = draw_truth(scenario, 3)
-    known = once_appeared(scenario, truth, 12)
+    mission = corridor(0.5, 30)
+    truth = draw_truth(mission, 3)
+    known = once_appeared(mission, truth, 12)
     arrived = [one for one in truth.tasks[1:] if one.appears <= 12]
     assert 0 < len(arrived) < len(truth.tasks) - 1
     assert known.tasks == (truth.tasks[0], *(replace(one, has_arrived=False) for one in arrived))
@@ -69,9 +69,9 @@ def test_what_has_appeared_may_be_known_and_the_rest_stays_as_it_was() -> None:
 
 
 def test_names_that_are_taken_are_left_out() -> None:
-    scenario = corridor(1.0, 2)
-    scenario = replace(scenario, tasks=(replace(scenario.tasks[0], name="call-1"),))
-    assert [one.name for one in draw_truth(scenario, 0).tasks] == ["call-1", "call-2", "call-3"]
+    mission = corridor(1.0, 2)
+    mission = replace(mission, tasks=(replace(mission.tasks[0], name="call-1"),))
+    assert [one.name for one in draw_truth(mission, 0).tasks] == ["call-1", "call-2", "call-3"]
 
 
 def test_views_are_as_wide_however_many_appear() -> None:
@@ -88,52 +88,52 @@ def test_views_are_as_wide_however_many_appear() -> None:
 
 
 def test_files_keep_arrivals() -> None:
-    for scenario in (corridor(0.1, 9), corridor(0.1, 9, 2, 3)):
-        assert mission_from_tree(mission_to_tree(scenario), "x") == scenario
-        assert scenario.has_surprises
-        truth = draw_truth(scenario, 1)
+    for mission in (corridor(0.1, 9), corridor(0.1, 9, 2, 3)):
+        assert mission_from_tree(mission_to_tree(mission), "x") == mission
+        assert mission.has_surprises
+        truth = draw_truth(mission, 1)
         assert mission_from_tree(mission_to_tree(truth), "x") == truth
         assert not truth.has_surprises
 
 
 @pytest.mark.parametrize("method", ["join-fitting", "plan"])
 def test_missions_with_arrivals_end_and_are_legal(method: str, tmp_path: Path) -> None:
-    scenario = world_of("4N20T-C4-calls", 0)
-    replay = run_trial(scenario, load_method(method), 4).replay
-    assert replay.end.status == "completed"
-    assert replay.end.tasks_done == len(replay.mission.tasks) > 22
-    assert judge(replay).findings == ()
-    save_record(replay, tmp_path / "replay.json")
-    again = read_record(tmp_path / "replay.json")
-    assert again == replay
-    assert again.scenario.tasks[20].has_arrived
-    assert without_arrivals(again.scenario) == scenario
+    mission = world_of("4N20T-C4-calls", 0)
+    record = run_trial(mission, load_method(method), 4).record
+    assert record.end.status == "completed"
+    assert record.end.tasks_done == len(record.true_mission.tasks) > 22
+    assert judge(record).findings == ()
+    save_record(record, tmp_path / "record.json")
+    again = read_record(tmp_path / "record.json")
+    assert again == record
+    assert again.mission.tasks[20].has_arrived
+    assert without_arrivals(again.mission) == mission
 
 
 def test_nobody_knows_what_will_appear() -> None:
-    scenario = world_of("4N20T-C4-calls", 0)
-    truths = [draw_truth(scenario, seed) for seed in (1, 2)]
+    mission = world_of("4N20T-C4-calls", 0)
+    truths = [draw_truth(mission, seed) for seed in (1, 2)]
     first = min(task.appears for truth in truths for task in truth.tasks[20:])
-    one, other = (play_views(scenario, truth, "join-fitting", first + 1)[1] for truth in truths)
+    one, other = (play_views(mission, truth, "join-fitting", first + 1)[1] for truth in truths)
     assert all(is_alike(a, b) for a, b in zip(one[:first], other[:first], strict=True))
     assert not is_alike(one[first], other[first])
 
 
 def test_the_referee_refuses_what_cannot_appear() -> None:
-    scenario = corridor(0.5, 9, most_needs=1, duration=2)
-    replay = run_trial(scenario, load_method("join-all"), 1).replay
-    assert judge(replay).findings == ()
-    assert len(replay.mission.tasks) > 2
+    source = corridor(0.5, 9, most_needs=1, duration=2)
+    record = run_trial(source, load_method("join-all"), 1).record
+    assert judge(record).findings == ()
+    assert len(record.true_mission.tasks) > 2
     changes = [{"appears": 10}, {"duration": 3}, {"needs": {"a": 1, "b": 1}}, {"needs": {"a": 2}}]
     for change in changes:
-        tasks = [*replay.scenario.tasks[:-1], replace(replay.scenario.tasks[-1], **change)]
-        robots = tuple(replace(one, can={"a": 2, "b": 2}) for one in replay.scenario.robots)
+        tasks = [*record.mission.tasks[:-1], replace(record.mission.tasks[-1], **change)]
+        robots = tuple(replace(one, can={"a": 2, "b": 2}) for one in record.mission.robots)
         forged = [
             replace(mission, tasks=tuple(tasks), robots=robots)
-            for mission in (replay.scenario, replay.mission)
+            for mission in (record.mission, record.true_mission)
         ]
-        record = replace(replay, scenario=forged[0], truth=forged[1])
-        messages = [finding.message for finding in judge(record).findings]
+        forgery = replace(record, mission=forged[0], truth=forged[1])
+        messages = [finding.message for finding in judge(forgery).findings]
         assert any("cannot have appeared" in message for message in messages), change
 
 

@@ -36,19 +36,19 @@ from teamformer.world.env import TeamFormation
 from test_step import step_both
 
 
-def with_cancelled(scenario: Mission, rng: np.random.Generator) -> Mission:
-    """Return the scenario with more than half of its tasks called off."""
+def with_cancelled(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return the mission with more than half of its tasks called off."""
     tasks = (
         replace(task, cancelled=int(rng.integers(1, 10))) if rng.random() < 0.6 else task
-        for task in scenario.tasks
+        for task in mission.tasks
     )
-    return replace(scenario, tasks=tuple(tasks))
+    return replace(mission, tasks=tuple(tasks))
 
 
-def played(scenario: Mission, player: Player | None = None) -> Record:
-    replay = run_trial(scenario, player or SharedPlan()).replay
-    assert judge(replay).findings == ()
-    return replay
+def played(mission: Mission, player: Player | None = None) -> Record:
+    record = run_trial(mission, player or SharedPlan()).record
+    assert judge(record).findings == ()
+    return record
 
 
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
@@ -58,18 +58,18 @@ def test_step_with_cancelled_tasks_is_what_the_plain_twin_does(is_plane: bool, k
     rng = np.random.default_rng(31 + is_plane)
     cancelled = freed = 0
     for number in range(60):
-        scenario = random_world(rng, is_plane=is_plane)
+        mission = random_world(rng, is_plane=is_plane)
         if kind == "unsure":
-            scenario = with_surprises(scenario, rng)
+            mission = with_surprises(mission, rng)
         if kind == "loads":
-            scenario = with_loads(scenario, rng)
+            mission = with_loads(mission, rng)
         if kind == "after":
-            scenario = with_precedence_and_windows(scenario, rng)
-        scenario = with_cancelled(scenario, rng)
-        truth = draw_truth(scenario, number)
+            mission = with_precedence_and_windows(mission, rng)
+        mission = with_cancelled(mission, rng)
+        truth = draw_truth(mission, number)
         coordinator = [None, RandomPlans(number), SharedPlan()][number % 3]
-        env = TeamFormation([scenario], truths=[truth], coordinator=coordinator)
-        twin = PlainWorld(scenario, truth, coordinator is not None)
+        env = TeamFormation([mission], truths=[truth], coordinator=coordinator)
+        twin = PlainWorld(mission, truth, coordinator is not None)
         while env.is_running[0] and env.tally().steps < 40:
             view = env.view()
             serving = sum(len(team.serving) for team in twin.teams.values())
@@ -98,12 +98,12 @@ def test_records_of_missions_with_cancelled_tasks_are_legal(player: Player) -> N
     rng = np.random.default_rng(8)
     cancelled = 0
     for number in range(40):
-        scenario = random_world(rng, is_plane=number % 2 == 0)
-        scenario = with_precedence_and_windows(scenario, rng) if number % 3 else scenario
-        scenario = with_loads(scenario, rng) if number % 4 == 0 else scenario
-        replay = played(with_cancelled(scenario, rng), player)
-        assert replay.end.status in ("completed", "infeasible", "step limit")
-        cancelled += len(cancelled_steps(replay))
+        mission = random_world(rng, is_plane=number % 2 == 0)
+        mission = with_precedence_and_windows(mission, rng) if number % 3 else mission
+        mission = with_loads(mission, rng) if number % 4 == 0 else mission
+        record = played(with_cancelled(mission, rng), player)
+        assert record.end.status in ("completed", "infeasible", "step limit")
+        cancelled += len(cancelled_steps(record))
     assert cancelled > 30
 
 
@@ -117,73 +117,73 @@ def test_who_heads_for_it_turns_to_what_is_left() -> None:
     """By step 3 the robot is at 3 on its way to 9; it then turns back to 1, two steps away."""
     far = Task("far", (9, 0), {"a": 1}, cancelled=3)
     near = Task("near", (1, 0), {"a": 1}, appears=3)
-    replay = played(corridor(far, near))
-    assert done_steps(replay) == {1: 5}
-    assert cancelled_steps(replay) == {0: 3}
-    assert (replay.end.status, replay.end.makespan, replay.end.tasks_done) == ("completed", 5, 1)
-    assert [plan.reasons for _, plan in replay.plans] == [
+    record = played(corridor(far, near))
+    assert done_steps(record) == {1: 5}
+    assert cancelled_steps(record) == {0: 3}
+    assert (record.end.status, record.end.makespan, record.end.tasks_done) == ("completed", 5, 1)
+    assert [plan.reasons for _, plan in record.plans] == [
         ("start",),
         ("task appeared", "task cancelled"),
     ]
-    told = [event.text(replay.scenario) for event in events(replay)]
+    told = [event.text(record.mission) for event in events(record)]
     assert told == ["far called off", "near appears", "near done by r", "completed"]
 
 
 def test_a_service_that_is_called_off_frees_who_serves() -> None:
     """It serves from step 3 on, for 9 steps; called off in step 5, it walks the 4 cells to 6."""
     long = Task("long", (2, 0), {"a": 1}, duration=9, cancelled=5)
-    replay = played(corridor(long, Task("next", (6, 0), {"a": 1}, appears=4)))
-    assert done_steps(replay) == {1: 9}
+    record = played(corridor(long, Task("next", (6, 0), {"a": 1}, appears=4)))
+    assert done_steps(record) == {1: 9}
 
 
 def test_what_is_done_in_time_is_not_called_off() -> None:
-    replay = played(corridor(Task("near", (2, 0), {"a": 1}, cancelled=3)))
-    assert done_steps(replay) == {0: 2}
-    assert cancelled_steps(replay) == {}
+    record = played(corridor(Task("near", (2, 0), {"a": 1}, cancelled=3)))
+    assert done_steps(record) == {0: 2}
+    assert cancelled_steps(record) == {}
 
 
 def test_what_would_be_done_in_the_same_step_is_called_off() -> None:
     """Tasks are called off before it is seen what is done."""
-    replay = played(corridor(Task("near", (2, 0), {"a": 1}, cancelled=2)))
-    assert cancelled_steps(replay) == {0: 2}
-    assert (replay.end.makespan, replay.end.tasks_done) == (2, 0)
-    assert path_of_record(replay) == ()
+    record = played(corridor(Task("near", (2, 0), {"a": 1}, cancelled=2)))
+    assert cancelled_steps(record) == {0: 2}
+    assert (record.end.makespan, record.end.tasks_done) == (2, 0)
+    assert path_of_record(record) == ()
 
 
 def test_what_comes_after_it_waits_no_longer() -> None:
     """`second` opens when `first` is called off in step 4; the robot is at 4 then, and goes on."""
     first = Task("first", (9, 0), {"a": 1}, cancelled=4)
     second = Task("second", (6, 0), {"a": 1}, after=("first",))
-    replay = played(corridor(first, second))
-    assert opening_steps(replay) == [0, 4]
-    assert done_steps(replay) == {1: 6}
+    record = played(corridor(first, second))
+    assert opening_steps(record) == [0, 4]
+    assert done_steps(record) == {1: 6}
 
 
 def test_what_is_called_off_before_it_appears_never_does() -> None:
     late = Task("late", (1, 0), {"a": 1}, appears=5, cancelled=5)
-    replay = played(corridor(late, Task("far", (9, 0), {"a": 1})))
-    assert done_steps(replay) == {1: 9}
-    assert [steps for steps, _ in replay.plans] == [0, 5]
+    record = played(corridor(late, Task("far", (9, 0), {"a": 1})))
+    assert done_steps(record) == {1: 9}
+    assert [steps for steps, _ in record.plans] == [0, 5]
 
 
 def test_a_task_that_nobody_can_do_any_more_ends_no_mission_that_calls_it_off() -> None:
     """`b` is lost in step 2, and what needs it is called off in step 4."""
-    scenario = make([robot("a", 0), robot("b", 1)], [task("b", 9), task("a", 3)])
-    lost = replace(scenario.robots[1], absences=(Absence(2),))
-    scenario = replace(scenario, robots=(scenario.robots[0], lost))
-    assert played(scenario).end.status == "infeasible"
-    tasks = (replace(scenario.tasks[0], cancelled=4), scenario.tasks[1])
-    replay = played(replace(scenario, tasks=tasks))
-    assert (replay.end.status, replay.end.makespan) == ("completed", 4)
+    mission = make([robot("a", 0), robot("b", 1)], [task("b", 9), task("a", 3)])
+    lost = replace(mission.robots[1], absences=(Absence(2),))
+    mission = replace(mission, robots=(mission.robots[0], lost))
+    assert played(mission).end.status == "infeasible"
+    tasks = (replace(mission.tasks[0], cancelled=4), mission.tasks[1])
+    record = played(replace(mission, tasks=tasks))
+    assert (record.end.status, record.end.makespan) == ("completed", 4)
 
 
 def test_a_load_that_is_called_off_on_its_way_is_nobodys() -> None:
     """Taken up in step 2, at 5 in step 5; then free, 4 cells from 1."""
     load = Task("load", (2, 0), {"a": 1}, to=(9, 0), cancelled=5)
     back = Task("back", (1, 0), {"a": 1}, appears=5)
-    replay = played(corridor(load, back))
-    assert done_steps(replay) == {1: 9}
-    assert [step.left for step in replay.steps if step.left] == []
+    record = played(corridor(load, back))
+    assert done_steps(record) == {1: 9}
+    assert [step.left for step in record.steps if step.left] == []
 
 
 def test_the_bound_does_not_count_what_is_called_off() -> None:
@@ -198,7 +198,7 @@ def test_the_cost_is_of_what_was_done() -> None:
     far = Task("far", (9, 0), {"a": 1}, cancelled=3)
     near = Task("near", (1, 0), {"a": 1}, appears=3, weight=3)
     trial = run_trial(corridor(far, near, cost={"makespan": 1, "completion": 1}), SharedPlan())
-    assert judge(trial.replay).cost == 10
+    assert judge(trial.record).cost == 10
 
 
 def test_who_plans_beforehand_says_that_it_cannot_know() -> None:

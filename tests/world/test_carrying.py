@@ -31,13 +31,13 @@ def test_step_with_loads_is_what_the_plain_twin_does(is_plane: bool, has_surpris
     rng = np.random.default_rng(92 + is_plane)
     taken = left = done = 0
     for number in range(80):
-        scenario = random_world(rng, is_plane=is_plane)
-        scenario = with_surprises(scenario, rng) if has_surprises else scenario
-        scenario = with_loads(scenario, rng)
-        truth = draw_truth(scenario, number)
+        mission = random_world(rng, is_plane=is_plane)
+        mission = with_surprises(mission, rng) if has_surprises else mission
+        mission = with_loads(mission, rng)
+        truth = draw_truth(mission, number)
         coordinator = [None, RandomPlans(number), RandomPlans(number), SharedPlan()][number % 4]
-        env = TeamFormation([scenario], truths=[truth], coordinator=coordinator)
-        twin = PlainWorld(scenario, truth, coordinator is not None)
+        env = TeamFormation([mission], truths=[truth], coordinator=coordinator)
+        twin = PlainWorld(mission, truth, coordinator is not None)
         while env.is_running[0] and env.tally().steps < 60:
             view = env.view()
             rests = {slot: int(rest) for slot, rest in zip(view.slot, view.rest, strict=True)}
@@ -114,11 +114,11 @@ def test_load_is_set_down_where_a_robot_is_lost_and_taken_up_by_others() -> None
     Until step 12 the team is seen at 4, 5 and 6 after steps 9, 11 and (would be) 13, so the load is
     set down at x = 5. c, who has walked to the piano and waited there, goes back to it.
     """
-    scenario = piano()
-    a, b = scenario.robots
+    mission = piano()
+    a, b = mission.robots
     c = Robot("c", (11, 3), {"lift": 1})
     robots = (a, replace(b, absences=(Absence(12),)), c)
-    env = TeamFormation([replace(scenario, robots=robots, step_limit=0)])
+    env = TeamFormation([replace(mission, robots=robots, step_limit=0)])
     seen = play(env)
     task = env.worlds.tasks[0, 0]
     assert (seen[10]["is_carried"], seen[11]["is_carried"]) == (True, False)
@@ -136,7 +136,7 @@ def test_nobody_takes_up_a_load_in_passing_and_nobody_with_a_load_does_anything_
         Task("crate", (3, 0), {"lift": 1}, to=(0, 0)),
         Task("tile", (1, 0), {"lift": 1}, after=("far",)),
     )
-    scenario = Mission("row", Grid(6, 1), ("lift",), robots, tasks)
+    mission = Mission("row", Grid(6, 1), ("lift",), robots, tasks)
 
     class InOrder:
         """Have the robot do the tasks in the order of the file."""
@@ -144,7 +144,7 @@ def test_nobody_takes_up_a_load_in_passing_and_nobody_with_a_load_does_anything_
         def update(self, known: Known, plan: Plan | None) -> Plan:
             return Plan(known.open_tasks, ((0,),) * len(known.open_tasks))
 
-    env = TeamFormation([scenario], coordinator=InOrder())
+    env = TeamFormation([mission], coordinator=InOrder())
     while env.is_running[0]:
         env.step(env.planned_decision(env.view()))
     # far in step 5; crate: there in 7, back at 0 in 10; tile: passed in 9, and done in 11
@@ -153,9 +153,9 @@ def test_nobody_takes_up_a_load_in_passing_and_nobody_with_a_load_does_anything_
 
 def test_views_tell_where_loads_are_brought() -> None:
     lamp = Task("lamp", (2, 3), {"lift": 1})
-    scenario = piano()
-    env = TeamFormation([replace(scenario, tasks=(*scenario.tasks, lamp), step_limit=0)])
+    mission = piano()
+    env = TeamFormation([replace(mission, tasks=(*mission.tasks, lamp), step_limit=0)])
     view = env.view()
     row = dict(zip(view.task_number[0].tolist(), view.task_to_place[0].tolist(), strict=True))
     assert row == {0: [9, 2], 1: [2, 3]}
-    assert TeamFormation([replace(scenario, tasks=(lamp,))]).view().task_to_place.size == 0
+    assert TeamFormation([replace(mission, tasks=(lamp,))]).view().task_to_place.size == 0

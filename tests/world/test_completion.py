@@ -174,8 +174,8 @@ def test_losses_free_every_team() -> None:
 
 @pytest.mark.parametrize(("limit", "status"), [(10, "completed"), (9, "step limit")])
 def test_the_step_limit_is_exact(limit: int, status: str) -> None:
-    scenario = walker(1.0)
-    env = TeamFormation([make(scenario.robots, scenario.tasks, step_limit=limit)])
+    mission = walker(1.0)
+    env = TeamFormation([make(mission.robots, mission.tasks, step_limit=limit)])
     while env.is_running[0]:
         play(env)
     assert env.tally().status == status
@@ -186,10 +186,10 @@ def test_a_world_without_tasks_left_that_can_be_done_names_those_that_cannot() -
     """b is lost; t1 and t2 need it, t0 does not, t3 is done before."""
     robots = [robot("a", 0), robot("b", 0, lost=4)]
     tasks = [task("a", 9), task("ab", 8), task("b", 7, appears=50), task("b", 1)]
-    replay = run_trial(make(robots, tasks), JoinAll()).replay
-    assert replay.end.status == "infeasible"
-    assert replay.end.blocked_tasks == ("t1", "t2")
-    assert (replay.end.steps, replay.end.makespan, replay.end.tasks_done) == (4, None, 1)
+    record = run_trial(make(robots, tasks), JoinAll()).record
+    assert record.end.status == "infeasible"
+    assert record.end.blocked_tasks == ("t1", "t2")
+    assert (record.end.steps, record.end.makespan, record.end.tasks_done) == (4, None, 1)
 
 
 def test_a_loss_on_the_other_side_of_a_wall_can_block_too() -> None:
@@ -197,9 +197,9 @@ def test_a_loss_on_the_other_side_of_a_wall_can_block_too() -> None:
     a b @ b T        the left b cannot reach T
     """
     robots = [robot("b", 1), robot("b", 3, lost=1)]
-    scenario = make(robots, [task("b", 4), task("b", 0)], Grid(5, 1, ("..@..",)))
-    replay = run_trial(scenario, JoinAll()).replay
-    assert (replay.end.status, replay.end.blocked_tasks) == ("infeasible", ("t0",))
+    mission = make(robots, [task("b", 4), task("b", 0)], Grid(5, 1, ("..@..",)))
+    record = run_trial(mission, JoinAll()).record
+    assert (record.end.status, record.end.blocked_tasks) == ("infeasible", ("t0",))
 
 
 def test_a_task_done_in_the_step_of_the_last_loss_counts() -> None:

@@ -32,9 +32,9 @@ def delayed(chance: float, seed: int | None = None, speed: float = 1.0) -> Missi
     return make([walker], [task("a", 10)])
 
 
-def walk(scenario: Mission, steps: int) -> list[int]:
+def walk(mission: Mission, steps: int) -> list[int]:
     """Return where the first robot is after each step."""
-    env = TeamFormation([scenario], truths=[draw_truth(scenario, 0)])
+    env = TeamFormation([mission], truths=[draw_truth(mission, 0)])
     seen = []
     for _ in range(steps):
         play(env)
@@ -70,36 +70,36 @@ def test_a_team_walks_when_none_of_its_robots_stands_still() -> None:
 
 def test_views_hold_the_chance_and_plans_the_expected_speed() -> None:
     one, other = delayed(0.5).robots[0], delayed(0.2).robots[0]
-    scenario = make([one, other], [task("a", 19)], teams=((0, 1),))
-    assert TeamFormation([scenario]).view().delay.tolist() == pytest.approx([0.6])
-    assert [r.speed for r in expected_mission(scenario).robots] == [0.5, 0.8]
-    slow, fast = scenario.robots
-    slowest = replace(scenario, robots=(replace(slow, speed=0.001), fast))
+    mission = make([one, other], [task("a", 19)], teams=((0, 1),))
+    assert TeamFormation([mission]).view().delay.tolist() == pytest.approx([0.6])
+    assert [r.speed for r in expected_mission(mission).robots] == [0.5, 0.8]
+    slow, fast = mission.robots
+    slowest = replace(mission, robots=(replace(slow, speed=0.001), fast))
     assert expected_mission(slowest).robots[0].speed == 0.001
 
 
 def test_files_keep_delays() -> None:
     for delays in (Delays(0.25), Delays(0.25, 8)):
-        scenario = delayed(delays.chance, delays.seed)
-        assert mission_from_tree(mission_to_tree(scenario), "x") == scenario
+        mission = delayed(delays.chance, delays.seed)
+        assert mission_from_tree(mission_to_tree(mission), "x") == mission
     assert delayed(0.25).has_surprises
     assert not delayed(0.25, 8).has_surprises
 
 
 @pytest.mark.parametrize("method", ["join-fitting", "plan"])
 def test_delayed_missions_end_and_are_legal(method: str, tmp_path: Path) -> None:
-    scenario = world_of("4N20T-C4-delays", 0)
-    replay = run_trial(scenario, load_method(method), 4).replay
-    assert replay.end.status == "completed"
-    assert judge(replay).findings == ()
-    save_record(replay, tmp_path / "replay.json")
-    assert read_record(tmp_path / "replay.json") == replay
+    mission = world_of("4N20T-C4-delays", 0)
+    record = run_trial(mission, load_method(method), 4).record
+    assert record.end.status == "completed"
+    assert judge(record).findings == ()
+    save_record(record, tmp_path / "record.json")
+    assert read_record(tmp_path / "record.json") == record
 
 
 def test_nobody_knows_when_robots_stand_still() -> None:
-    scenario = world_of("4N20T-C4-delays", 0)
-    truths = [draw_truth(scenario, seed) for seed in (1, 2)]
-    seen = [play_views(scenario, truth, "join-fitting", 40)[1] for truth in truths]
+    mission = world_of("4N20T-C4-delays", 0)
+    truths = [draw_truth(mission, seed) for seed in (1, 2)]
+    seen = [play_views(mission, truth, "join-fitting", 40)[1] for truth in truths]
     for (one, decision), (other, same) in zip(*seen, strict=True):
         if not np.array_equal(one.place, other.place):
             break
@@ -110,15 +110,17 @@ def test_nobody_knows_when_robots_stand_still() -> None:
 
 
 def test_the_referee_sees_who_walks_while_it_stands_still() -> None:
-    scenario = delayed(0.3, None)
-    replay = run_trial(scenario, load_method("join-all"), 4).replay
-    assert judge(replay).findings == ()
-    still = next(i for i, step in enumerate(replay.steps) if not step.teams)
-    at = max(team.x for step in replay.steps[:still] for team in step.teams)
-    forged = with_step(replay, still, teams=(TeamAt(0, at + 1, 0, 0),))
+    mission = delayed(0.3, None)
+    record = run_trial(mission, load_method("join-all"), 4).record
+    assert judge(record).findings == ()
+    still = next(i for i, step in enumerate(record.steps) if not step.teams)
+    at = max(team.x for step in record.steps[:still] for team in step.teams)
+    forged = with_step(record, still, teams=(TeamAt(0, at + 1, 0, 0),))
     messages = [finding.message for finding in judge(forged).findings]
     assert any("one of its robots stands still" in message for message in messages)
-    truth = replace(replay.mission, robots=(replace(replay.mission.robots[0], delays=None),))
-    messages = [finding.message for finding in judge(replace(replay, truth=truth)).findings]
+    truth = replace(
+        record.true_mission, robots=(replace(record.true_mission.robots[0], delays=None),)
+    )
+    messages = [finding.message for finding in judge(replace(record, truth=truth)).findings]
     assert any("must get 1 cell nearer" in message for message in messages)
     assert any("cannot really have been like that" in message for message in messages)

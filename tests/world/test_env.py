@@ -61,8 +61,8 @@ def test_tasks_that_are_no_numbers_are_refused() -> None:
     env.step(Decision(counts, np.array([0, -1])))
 
 
-def test_no_scenario_and_no_thread_are_refused() -> None:
-    with pytest.raises(ValueError, match="there is no scenario; give one or more"):
+def test_no_mission_and_no_thread_are_refused() -> None:
+    with pytest.raises(ValueError, match="there is no mission; give one or more"):
         TeamFormation([])
     with pytest.raises(ValueError, match="threads is 0; use 1 or more"):
         TeamFormation([two_robots_one_task()], threads=0)

@@ -28,11 +28,11 @@ from teamformer.world.rules.constants import NOBODY
 from test_surprises import is_alike, play_views, with_step, with_true_task
 
 
-def really_at(scenario: Mission, place: Place, foresight: str = "needed") -> TeamFormation:
+def really_at(mission: Mission, place: Place, foresight: str = "needed") -> TeamFormation:
     """Return a world whose first task is really in a place."""
-    truth = draw_truth(scenario, 0)
+    truth = draw_truth(mission, 0)
     tasks = (replace(truth.tasks[0], at=place), *truth.tasks[1:])
-    return TeamFormation([scenario], truths=[replace(truth, tasks=tasks)], foresight=foresight)
+    return TeamFormation([mission], truths=[replace(truth, tasks=tasks)], foresight=foresight)
 
 
 def corridor(**rules: Any) -> Mission:
@@ -82,12 +82,12 @@ def test_who_scouts_looks_where_the_task_is_reached_soonest_on_average(
 
     Both are what forty lines of plain Python say that the rules take.
     """
-    scenario = make([robot("a", 0, 6)], [replace(task("a", 8, 6), within=3)], Grid(13, 13))
-    places = possible_places(scenario.world, (8, 6), 3)
+    mission = make([robot("a", 0, 6)], [replace(task("a", 8, 6), within=3)], Grid(13, 13))
+    places = possible_places(mission.world, (8, 6), 3)
     assert len(places) == 29
     taken = 0
     for place in places:
-        env = really_at(scenario, place, foresight)
+        env = really_at(mission, place, foresight)
         while env.is_running[0]:
             play(env)
         taken += done_at(env)[0]
@@ -113,8 +113,8 @@ def test_the_finding_radius_says_how_near_one_must_come(radius: float, steps: li
 
 def test_anybody_finds_for_everybody() -> None:
     """b stands where the task is, though it is of no help with it."""
-    scenario = make([robot("a", 0), robot("b", 8)], corridor().tasks)
-    env = really_at(scenario, (8, 0))
+    mission = make([robot("a", 0), robot("b", 8)], corridor().tasks)
+    env = really_at(mission, (8, 0))
     play(env)
     assert believed(env) == (8, 0)
 
@@ -128,8 +128,8 @@ def test_ways_lead_to_where_a_task_is_believed_to_be() -> None:
     """
     rows = (".@.", ".@.", "...")
     hidden = replace(task("a", 0, 2), within=2.3)
-    scenario = make([robot("a", 0)], [hidden], Grid(3, 3, rows))
-    env = really_at(scenario, (2, 1))
+    mission = make([robot("a", 0)], [hidden], Grid(3, 3, rows))
+    env = really_at(mission, (2, 1))
     twin = env.fork()
     for world in (env, twin):
         play(world, 5)
@@ -152,36 +152,36 @@ def test_what_appears_later_is_not_looked_for_before() -> None:
 
 
 def recorded(coordination: str = "plan", seed: int = 1) -> Record:
-    return run_trial(world_of("4N20T-C4-places", seed), method_of(coordination), seed).replay
+    return run_trial(world_of("4N20T-C4-places", seed), method_of(coordination), seed).record
 
 
 @pytest.mark.parametrize("coordination", COORDINATIONS)
 def test_missions_with_hidden_places_end_and_are_legal(coordination: str, tmp_path: Path) -> None:
-    replay = recorded(coordination)
-    assert replay.end.status == "completed"
-    assert judge(replay).findings == ()
-    assert sum(len(step.found) for step in replay.steps) == 20
-    save_record(replay, tmp_path / "replay.json")
-    assert read_record(tmp_path / "replay.json") == replay
-    found = [event for event in events(replay) if event.kind == "found"]
+    record = recorded(coordination)
+    assert record.end.status == "completed"
+    assert judge(record).findings == ()
+    assert sum(len(step.found) for step in record.steps) == 20
+    save_record(record, tmp_path / "record.json")
+    assert read_record(tmp_path / "record.json") == record
+    found = [event for event in events(record) if event.kind == "found"]
     assert len(found) == 20
-    x, y = replay.mission.tasks[found[0].task or 0].at
-    assert found[0].text(replay.mission).endswith(f"found at [{x}, {y}]")
+    x, y = record.true_mission.tasks[found[0].task or 0].at
+    assert found[0].text(record.true_mission).endswith(f"found at [{x}, {y}]")
 
 
 @pytest.mark.parametrize("coordination", COORDINATIONS)
 @pytest.mark.thorough
 def test_nobody_knows_where_a_task_is_before_it_is_found(coordination: str) -> None:
-    scenario, method = world_of("4N20T-C4-places", 0), method_of(coordination)
-    truth = draw_truth(scenario, 5)
-    env, now = play_views(scenario, truth, method, 400)
+    mission, method = world_of("4N20T-C4-places", 0), method_of(coordination)
+    truth = draw_truth(mission, 5)
+    env, now = play_views(mission, truth, method, 400)
     first = env.worlds.tasks["found_at"][0]
     shows = 0
     for number in range(4):
-        other = draw_truth(scenario, 6).tasks[number].at
+        other = draw_truth(mission, 6).tasks[number].at
         tasks = list(truth.tasks)
         tasks[number] = replace(tasks[number], at=other)
-        changed, then = play_views(scenario, replace(truth, tasks=tuple(tasks)), method, 400)
+        changed, then = play_views(mission, replace(truth, tasks=tuple(tasks)), method, 400)
         step = min(int(first[number]), int(changed.worlds.tasks["found_at"][0, number]))
         assert all(is_alike(now[i], then[i]) for i in range(step))
         shows += step < min(len(now), len(then)) and not is_alike(now[step], then[step])
@@ -189,26 +189,26 @@ def test_nobody_knows_where_a_task_is_before_it_is_found(coordination: str) -> N
 
 
 def test_the_referee_finds_what_is_found_or_believed_wrongly() -> None:
-    replay = recorded()
-    finds = next(i for i, step in enumerate(replay.steps) if step.found)
-    moves = next(i for i, step in enumerate(replay.steps) if step.moved)
-    found, moved = replay.steps[finds].found, replay.steps[moves].moved
+    record = recorded()
+    finds = next(i for i, step in enumerate(record.steps) if step.found)
+    moves = next(i for i, step in enumerate(record.steps) if step.moved)
+    found, moved = record.steps[finds].found, record.steps[moves].moved
     other = next(k for k in range(20) if k not in found)
     away = TaskAt(moved[0].task, moved[0].x + 1, moved[0].y)
-    x, y = replay.scenario.tasks[0].at
+    x, y = record.mission.tasks[0].at
     far = ((x + 5) % 10, y)
     forged = {
-        "does not find it": with_step(replay, finds, found=found[1:]),
-        "where nobody can know that": with_step(replay, finds, found=(*found, other)),
-        "does not believe": with_step(replay, moves, moved=moved[1:]),
-        "without reason": with_step(replay, moves, moved=(*moved[1:], away)),
-        "moves a task twice": with_step(replay, moves, moved=(*moved, moved[0])),
-        "cannot really have been": with_true_task(replay, 0, at=far),
+        "does not find it": with_step(record, finds, found=found[1:]),
+        "where nobody can know that": with_step(record, finds, found=(*found, other)),
+        "does not believe": with_step(record, moves, moved=moved[1:]),
+        "without reason": with_step(record, moves, moved=(*moved[1:], away)),
+        "moves a task twice": with_step(record, moves, moved=(*moved, moved[0])),
+        "cannot really have been": with_true_task(record, 0, at=far),
     }
-    for words, record in forged.items():
-        messages = [finding.message for finding in judge(record).findings]
+    for words, forgery in forged.items():
+        messages = [finding.message for finding in judge(forgery).findings]
         assert any(words in message for message in messages), (words, messages)
-    elsewhere = with_true_task(replay, 0, at=replay.scenario.tasks[0].at)
+    elsewhere = with_true_task(record, 0, at=record.mission.tasks[0].at)
     assert judge(elsewhere).findings
 
 
@@ -218,10 +218,10 @@ def test_hundreds_of_random_missions_end_and_are_legal(part: int) -> None:
     rng = np.random.default_rng(part)
     done = 0
     for number in range(150):
-        scenario = with_surprises(random_world(rng, is_plane=number % 3 == 0), rng)
+        mission = with_surprises(random_world(rng, is_plane=number % 3 == 0), rng)
         method = method_of(str(rng.choice(COORDINATIONS)))
-        replay = run_trial(scenario, method, number).replay
-        assert judge(replay).findings == ()
-        assert replay.end.status in ("completed", "infeasible")
-        done += replay.end.status == "completed"
+        record = run_trial(mission, method, number).record
+        assert judge(record).findings == ()
+        assert record.end.status in ("completed", "infeasible")
+        done += record.end.status == "completed"
     assert done > 90

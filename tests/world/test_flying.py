@@ -40,10 +40,10 @@ def mission(robots: list[Robot], tasks: list[Task], **rules: object) -> Mission:
     return Mission("m", WALL, ("a", "b"), tuple(robots), tuple(tasks), **rules)  # type: ignore[arg-type]
 
 
-def makespan(scenario: Mission, method: str = "plan") -> int | None:
-    trial = run_trial(scenario, load_method(method, time_limit=0.0), 0)
-    assert judge(trial.replay).findings == ()
-    return trial.replay.end.makespan
+def makespan(mission: Mission, method: str = "plan") -> int | None:
+    trial = run_trial(mission, load_method(method, time_limit=0.0), 0)
+    assert judge(trial.record).findings == ()
+    return trial.record.end.makespan
 
 
 @pytest.mark.parametrize("method", ["plan", "crews", "central", "heuristic", "join-all"])
@@ -133,11 +133,11 @@ def test_a_file_says_how_robots_move(tmp_path: Path) -> None:
 def with_flyers(rng: np.random.Generator) -> Mission:
     """Return a world with many walls, maybe with islands, and robots of which some fly."""
     while True:
-        scenario = random_world(rng)
-        world = scenario.world
+        mission = random_world(rng)
+        world = mission.world
         assert isinstance(world, Grid)
-        flies = rng.random(len(scenario.robots)) < 0.5
-        is_used = {thing.at for thing in (*scenario.robots, *scenario.tasks)}
+        flies = rng.random(len(mission.robots)) < 0.5
+        is_used = {thing.at for thing in (*mission.robots, *mission.tasks)}
         rows = tuple(
             "".join(
                 "@" if rng.random() < 0.35 and (x, y) not in is_used else "."
@@ -147,10 +147,10 @@ def with_flyers(rng: np.random.Generator) -> Mission:
         )
         robots = tuple(
             replace(robot, moves="air" if up else "ground")
-            for robot, up in zip(scenario.robots, flies, strict=True)
+            for robot, up in zip(mission.robots, flies, strict=True)
         )
         try:
-            return replace(scenario, world=replace(world, rows=rows), robots=robots, step_limit=0)
+            return replace(mission, world=replace(world, rows=rows), robots=robots, step_limit=0)
         except MissionError:
             continue
 
@@ -161,9 +161,9 @@ def test_steps_with_flyers_are_what_the_plain_twin_does(part: int) -> None:
     rng = np.random.default_rng([part, 40])
     for number in range(40):
         coordinator = {0: None, 1: RandomPlans(number), 2: SharedPlan()}[number % 3]
-        scenario = with_flyers(rng)
-        env = TeamFormation([scenario], coordinator=coordinator)
-        twin = PlainWorld(scenario, is_coordinated=coordinator is not None)
+        mission = with_flyers(rng)
+        env = TeamFormation([mission], coordinator=coordinator)
+        twin = PlainWorld(mission, is_coordinated=coordinator is not None)
         twin.order = shared_order(env)
         twin.coalitions = coalitions_of(env, twin.order)
         compare(env, twin)
@@ -179,18 +179,18 @@ def test_missions_with_flyers_end_and_are_legal(method: str) -> None:
     rng = np.random.default_rng(41)
     player = {"plan": SharedPlan(), "crews": Crews()}.get(method) or load_method(method)
     for _ in range(25):
-        scenario = with_flyers(rng)
-        trial = run_trial(scenario, player, 0)
-        assert trial.replay.end.status in ("completed", "infeasible")
-        assert judge(trial.replay).findings == ()
+        mission = with_flyers(rng)
+        trial = run_trial(mission, player, 0)
+        assert trial.record.end.status in ("completed", "infeasible")
+        assert judge(trial.record).findings == ()
 
 
 @pytest.mark.parametrize("kind", ["", "-lost", "-arrivals", "-all"])
 @pytest.mark.thorough
 def test_the_family_is_played_legally(kind: str) -> None:
-    scenario = world_of(f"air-ground{kind}", 3)
-    assert any(robot.flies for robot in scenario.robots)
-    assert {robot.flies for robot in scenario.robots if "scan" not in robot.can} == {False}
-    trial = run_trial(scenario, load_method("plan"), 0)
-    assert trial.replay.end.status == "completed"
-    assert judge(trial.replay).findings == ()
+    mission = world_of(f"air-ground{kind}", 3)
+    assert any(robot.flies for robot in mission.robots)
+    assert {robot.flies for robot in mission.robots if "scan" not in robot.can} == {False}
+    trial = run_trial(mission, load_method("plan"), 0)
+    assert trial.record.end.status == "completed"
+    assert judge(trial.record).findings == ()

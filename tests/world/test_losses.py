@@ -55,11 +55,11 @@ def test_it_may_be_lost_again_and_again(method: str) -> None:
         make([robot("a", 0)], [task("a", 9)]),
     ]
     trials = [trial_of(world, method) for world in worlds]
-    assert [trial.replay.end.makespan for trial in trials] == [14, 12, 9]
-    lost = [n for n, step in enumerate(trials[0].replay.steps, start=1) if step.lost]
-    back = [n for n, step in enumerate(trials[0].replay.steps, start=1) if step.back]
+    assert [trial.record.end.makespan for trial in trials] == [14, 12, 9]
+    lost = [n for n, step in enumerate(trials[0].record.steps, start=1) if step.lost]
+    back = [n for n, step in enumerate(trials[0].record.steps, start=1) if step.back]
     assert (lost, back) == ([3, 10], [6, 12])
-    assert judge(trials[0].replay).findings == ()
+    assert judge(trials[0].record).findings == ()
     env = TeamFormation(worlds)
     play(env, 13)
     assert [env.tally(w).steps for w in range(3)] == [13, 12, 9]
@@ -70,10 +70,10 @@ def test_it_may_be_lost_again_and_again(method: str) -> None:
 def test_what_waits_for_it_is_given_up_when_it_is_lost_for_good() -> None:
     """b is at 2 when it is lost, at 4 when it is lost again: its task at 5 is never done."""
     often = replace(robot("b", 0), absences=(Absence(3, 5), Absence(7)))
-    replay = trial_of(make([often], [task("b", 5)]), "join-fitting").replay
-    assert (replay.end.status, replay.end.steps) == ("infeasible", 7)
-    assert replay.end.blocked_tasks == ("t0",)
-    assert judge(replay).findings == ()
+    record = trial_of(make([often], [task("b", 5)]), "join-fitting").record
+    assert (record.end.status, record.end.steps) == ("infeasible", 7)
+    assert record.end.blocked_tasks == ("t0",)
+    assert judge(record).findings == ()
 
 
 def test_the_lowest_robot_takes_its_slot_again() -> None:
@@ -92,33 +92,33 @@ def test_what_waits_for_it_does_not_end_the_trial(method: str) -> None:
     robots = [robot("a", 15), away("b", 0, 3, 5)]
     world = make(robots, [task("b", 5), task("a", 19)])
     trial = trial_of(world, method)
-    assert judge(trial.replay).findings == ()
-    assert trial.replay.end.status == "completed"
-    assert trial.replay.end.makespan == 7
-    assert dict(trial.replay.steps[3].done) == {1: 0}
-    assert trial.replay.steps[4].back == (1,)
+    assert judge(trial.record).findings == ()
+    assert trial.record.end.status == "completed"
+    assert trial.record.end.makespan == 7
+    assert dict(trial.record.steps[3].done) == {1: 0}
+    assert trial.record.steps[4].back == (1,)
 
 
 def test_who_is_due_back_after_all_steps_ends_no_trial() -> None:
     """In a later step than the worlds' arrays can say."""
     world = make([away("a", 0, 1, 2 * 10**9)], [task("a", 9)], step_limit=4)
     trial = trial_of(world, "join-fitting")
-    assert (trial.replay.end.status, trial.replay.end.steps) == ("step limit", 4)
-    assert judge(trial.replay).findings == ()
+    assert (trial.record.end.status, trial.record.end.steps) == ("step limit", 4)
+    assert judge(trial.record).findings == ()
 
 
 def test_without_anybody_left_time_goes_on_until_somebody_is_back() -> None:
     world = make([away("a", 0, 2, 6)], [task("a", 4)])
     for name in our_method_names():
         trial = run_trial(world, load_method(name))
-        assert trial.replay.end.makespan == 8, name  # 2 steps, 4 away, 2 more
-        assert judge(trial.replay).findings == ()
+        assert trial.record.end.makespan == 8, name  # 2 steps, 4 away, 2 more
+        assert judge(trial.record).findings == ()
 
 
 def test_the_shared_plan_is_made_anew_when_a_robot_is_back() -> None:
     robots = [robot("a", 0), away("a", 0, 2, 4)]
     world = make(robots, [task("a", 9), task("a", 1)])
-    plans = dict(trial_of(world, "plan").replay.plans)
+    plans = dict(trial_of(world, "plan").record.plans)
     assert {steps: plan.reasons for steps, plan in plans.items()} == {
         0: ("start",),
         2: ("robot lost",),
@@ -138,8 +138,8 @@ def test_nothing_blocks_whoever_comes_back(method: str, is_plane: bool) -> None:
     ends = []
     for world in worlds:
         trial = trial_of(world, method)
-        assert judge(trial.replay).findings == ()
-        ends.append(trial.replay.end.status)
+        assert judge(trial.record).findings == ()
+        ends.append(trial.record.end.status)
     assert set(ends) <= {"completed", "infeasible"}
     assert ends.count("completed") >= 6
 

@@ -111,16 +111,16 @@ def test_who_is_at_the_task_waits_there() -> None:
 
 @pytest.mark.parametrize("policy", [JoinAll(), Heuristic()], ids=["join-all", "heuristic"])
 def test_a_map_without_obstacles_is_an_open_grid(policy: JoinAll | Heuristic) -> None:
-    """Distance fields and downhill walks give the replay that coordinates give."""
+    """Distance fields and downhill walks give the record that coordinates give."""
     rng = np.random.default_rng(2)
     for _ in range(25):
-        scenario = random_world(rng)
-        if scenario.world.rows:
+        mission = random_world(rng)
+        if mission.world.rows:
             continue
-        width, height = scenario.world.width, scenario.world.height
-        drawn = replace(scenario, world=Grid(width, height, (FREE * width,) * height))
-        drawn = replace(drawn, step_limit=scenario.step_limit)
-        one, other = (run_trial(s, policy).replay for s in (scenario, drawn))
+        width, height = mission.world.width, mission.world.height
+        drawn = replace(mission, world=Grid(width, height, (FREE * width,) * height))
+        drawn = replace(drawn, step_limit=mission.step_limit)
+        one, other = (run_trial(s, policy).record for s in (mission, drawn))
         assert one.end == other.end
         assert one.orders == other.orders
         assert one.steps == other.steps

@@ -15,8 +15,8 @@ from teamformer.world.rules.constants import NOBODY
 def test_a_step_in_two_parts_is_the_whole_step() -> None:
     """One environment walks by itself; another is told where the first one's teams have gone."""
     rng = np.random.default_rng(0)
-    scenarios = [random_world(rng, is_plane=True, with_losses=False) for _ in range(60)]
-    whole, parts = TeamFormation(scenarios), TeamFormation(scenarios)
+    missions = [random_world(rng, is_plane=True, with_losses=False) for _ in range(60)]
+    whole, parts = TeamFormation(missions), TeamFormation(missions)
     for _ in range(60):
         if not whole.is_running.any():
             break

@@ -128,7 +128,7 @@ def test_everybody_terminates_when_a_loss_makes_a_task_impossible() -> None:
     assert truncations == {"ann": False, "bob": False}
 
 
-def test_a_scenario_begins_anew_and_a_spec_draws_other_worlds_of_the_same_sizes() -> None:
+def test_a_mission_begins_anew_and_a_spec_draws_other_worlds_of_the_same_sizes() -> None:
     fixed = TeamFormationParallel(CORRIDOR)
     first, _ = fixed.reset()
     fixed.step({"ann": np.array([1, 1])})
@@ -204,17 +204,17 @@ def test_a_missing_install_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
 def test_the_future_and_the_distance_cannot_be_seen() -> None:
     """Another late task, another loss later, another robot far away: the start looks the same."""
     late = Task("late", (5, 0), {"a": 1}, appears=4)
-    scenario = replace(CORRIDOR, tasks=(*CORRIDOR.tasks, late))
+    mission = replace(CORRIDOR, tasks=(*CORRIDOR.tasks, late))
     other = replace(
-        scenario,
+        mission,
         tasks=(*CORRIDOR.tasks, replace(late, at=(1, 0), needs={"b": 1})),
         robots=(
-            scenario.robots[0],
-            replace(scenario.robots[1], absences=(Absence(5),)),
-            replace(scenario.robots[2], at=(6, 0), absences=(Absence(2),)),
+            mission.robots[0],
+            replace(mission.robots[1], absences=(Absence(5),)),
+            replace(mission.robots[2], at=(6, 0), absences=(Absence(2),)),
         ),
     )
-    worlds = [TeamFormationParallel(scenario), TeamFormationParallel(other)]
+    worlds = [TeamFormationParallel(mission), TeamFormationParallel(other)]
     seen = [env.reset()[0] for env in worlds]
     for _ in range(3):
         for agent in ("ann", "bob"):
@@ -225,17 +225,17 @@ def test_the_future_and_the_distance_cannot_be_seen() -> None:
         np.testing.assert_equal(seen[0]["ann"], seen[1]["ann"])  # now the late task is known
 
 
-def without_future(scenario: Mission, known_until: int) -> Mission:
-    """Return the scenario with other late tasks, and without losses and returns, after a step."""
-    last = scenario.tasks[0]
+def without_future(mission: Mission, known_until: int) -> Mission:
+    """Return the mission with other late tasks, and without losses and returns, after a step."""
+    last = mission.tasks[0]
     tasks = tuple(
         replace(task, at=last.at, needs=last.needs, duration=7, appears=task.appears + 3)
         if task.appears > known_until
         else task
-        for task in scenario.tasks
+        for task in mission.tasks
     )
-    robots = tuple(robot_without_future(robot, known_until) for robot in scenario.robots)
-    return replace(scenario, tasks=tasks, robots=robots)
+    robots = tuple(robot_without_future(robot, known_until) for robot in mission.robots)
+    return replace(mission, tasks=tasks, robots=robots)
 
 
 def robot_without_future(robot: Robot, known_until: int) -> Robot:
@@ -249,10 +249,10 @@ def test_no_view_depends_on_the_future_of_random_worlds() -> None:
     rng = np.random.default_rng(8)
     changed = 0
     for _ in range(40):
-        scenario, known_until = random_world(rng), int(rng.integers(1, 8))
-        other = without_future(scenario, known_until)
-        changed += scenario != other
-        worlds = [TeamFormationParallel(world, "original") for world in (scenario, other)]
+        mission, known_until = random_world(rng), int(rng.integers(1, 8))
+        other = without_future(mission, known_until)
+        changed += mission != other
+        worlds = [TeamFormationParallel(world, "original") for world in (mission, other)]
         seen = [env.reset()[0] for env in worlds]
         for _ in range(known_until + 1):
             np.testing.assert_equal(seen[0], seen[1])

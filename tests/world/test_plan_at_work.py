@@ -28,8 +28,8 @@ def corridor(tasks: list[Task], *robots: Robot) -> Mission:
 @pytest.mark.thorough
 def test_what_is_planned_is_what_happens(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    scenario = generate(Spec(robots=6, tasks=8, capabilities=4), rng)
-    env = TeamFormation([scenario], coordinator=SharedPlan())
+    mission = generate(Spec(robots=6, tasks=8, capabilities=4), rng)
+    env = TeamFormation([mission], coordinator=SharedPlan())
     planned = plan_mission(env.known())
     play_by_plan(env)
     assert env.tally().status == "completed"
@@ -48,17 +48,17 @@ def test_the_record_says_why_plans_are_made_and_the_referee_goes_by_them() -> No
         Task("b", (20, 0), {"lift": 1}),
         Task("c", (1, 0), {"lift": 1}, appears=5),
     ]
-    replay = run_trial(corridor(tasks, ann, bob), SharedPlan()).replay
-    assert replay.end.status == "completed"
-    assert [(steps, plan.reasons) for steps, plan in replay.plans] == [
+    record = run_trial(corridor(tasks, ann, bob), SharedPlan()).record
+    assert record.end.status == "completed"
+    assert [(steps, plan.reasons) for steps, plan in record.plans] == [
         (0, ("start",)),
         (5, ("task appeared",)),
         (8, ("robot lost",)),
     ]
-    assert judge(replay).findings == ()
-    steps, last = replay.plans[-1]
+    assert judge(record).findings == ()
+    steps, last = record.plans[-1]
     forged = last._replace(coalitions=((1,), *last.coalitions[1:]))
-    found = judge(replace(replay, plans=(*replay.plans[:-1], (steps, forged)))).findings
+    found = judge(replace(record, plans=(*record.plans[:-1], (steps, forged)))).findings
     assert any("lost" in finding.message for finding in found)
 
 
@@ -87,8 +87,8 @@ def test_like_robots_take_each_others_part() -> None:
 
 def test_forks_and_resets_keep_the_plan() -> None:
     rng = np.random.default_rng(3)
-    scenarios = [generate(Spec(robots=6, tasks=6, late_tasks=2), rng) for _ in range(4)]
-    env = TeamFormation(scenarios, threads=2, coordinator=SharedPlan())
+    missions = [generate(Spec(robots=6, tasks=6, late_tasks=2), rng) for _ in range(4)]
+    env = TeamFormation(missions, threads=2, coordinator=SharedPlan())
     for _ in range(5):
         env.step(env.planned_decision(env.view()))
     twin = env.fork()
@@ -108,13 +108,13 @@ def test_forks_and_resets_keep_the_plan() -> None:
 def test_plans_are_the_same_with_one_thread_and_two() -> None:
     rng = np.random.default_rng(11)
     spec = Spec(robots=6, tasks=7, late_tasks=3, capabilities=3, late_between=(2, 6))
-    scenarios = [generate(spec, rng) for _ in range(6)]
+    missions = [generate(spec, rng) for _ in range(6)]
     played = []
     for threads in (1, 2):
-        with TeamFormation(scenarios, threads=threads, coordinator=SharedPlan()) as env:
+        with TeamFormation(missions, threads=threads, coordinator=SharedPlan()) as env:
             plans = []
             while env.is_running.any():
                 env.step(env.planned_decision(env.view()))
-                plans.append([env.plan(w) for w in range(len(scenarios))])
-            played.append((plans, [env.tally(w) for w in range(len(scenarios))]))
+                plans.append([env.plan(w) for w in range(len(missions))])
+            played.append((plans, [env.tally(w) for w in range(len(missions))]))
     assert played[0] == played[1]

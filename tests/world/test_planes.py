@@ -69,8 +69,8 @@ def test_a_way_is_straight_and_ends_exactly_at_the_task() -> None:
 
 def test_the_last_step_is_as_short_as_need_be() -> None:
     """r0 arrives and waits for r1, who is far away."""
-    scenario = field([(0.0, 0.0), (9.0, 0.0)], [((0.7, 0.0), {"a": 1, "b": 1})], speed=0.4)
-    env, ways = TeamFormation([scenario]), []
+    mission = field([(0.0, 0.0), (9.0, 0.0)], [((0.7, 0.0), {"a": 1, "b": 1})], speed=0.4)
+    env, ways = TeamFormation([mission]), []
     for _ in range(3):
         maintain(env)
         ways.append(place(env, 0)[0])
@@ -115,8 +115,8 @@ def test_a_union_stands_where_the_joiner_is_if_that_is_nearer_to_its_task() -> N
 
 
 def test_teams_farther_apart_than_the_arrival_radius_do_not_join() -> None:
-    scenario = field([(1.0, 1.0), (1.03, 1.05)], [((5.0, 5.0), {"a": 1, "b": 1})])
-    env = TeamFormation([scenario])
+    mission = field([(1.0, 1.0), (1.03, 1.05)], [((5.0, 5.0), {"a": 1, "b": 1})])
+    env = TeamFormation([mission])
     view = env.view()
     assert view.seen_slot.tolist() == [[1], [0]]  # within the sensing radius
     assert view.is_here.tolist() == view.can_join.tolist() == [[False], [False]]
@@ -126,10 +126,10 @@ def test_teams_farther_apart_than_the_arrival_radius_do_not_join() -> None:
 
 def test_a_joiner_walks_to_a_partner_within_the_join_radius() -> None:
     """The partner walks on along x; the joiner makes straight for where it is then."""
-    scenario = field(
+    mission = field(
         [(0.0, 1.0), (0.0, 0.0)], [((9.0, 0.0), {"b": 1})], sensing_radius=2, join_radius=2
     )
-    env = TeamFormation([scenario])
+    env = TeamFormation([mission])
     decide(env, [[1, 1], [0, 1]])
     assert place(env, 1) == (1.0, 0.0)
     assert place(env, 0) == (0.707107, 0.292893)
@@ -148,22 +148,22 @@ def test_being_in_the_same_place_is_no_chain() -> None:
 
 
 def test_radii_below_the_arrival_radius_count_as_much() -> None:
-    scenario = field(
+    mission = field(
         [(1.0, 1.0), (1.04, 1.0)], [((5.0, 5.0), {"a": 1})], sensing_radius=0, join_radius=0
     )
-    assert TeamFormation([scenario]).view().can_join.tolist() == [[True], [True]]
+    assert TeamFormation([mission]).view().can_join.tolist() == [[True], [True]]
 
 
 def test_the_tour_is_straight() -> None:
     """From (0, 0) t1 is 1.4 away straight on, and t0 1.5; around corners t1 would be 2 away."""
-    scenario = field([(0.0, 0.0)], [((1.5, 0.0), {"a": 1}), ((1.0, 1.0), {"a": 1})])
+    mission = field([(0.0, 0.0)], [((1.5, 0.0), {"a": 1}), ((1.0, 1.0), {"a": 1})])
     lengths = {
         order: sum(itertools.starmap(math.dist, itertools.pairwise([(0.0, 0.0), *order])))
-        for order in itertools.permutations(task.at for task in scenario.tasks)
+        for order in itertools.permutations(task.at for task in mission.tasks)
     }
     best = min(lengths, key=lambda order: lengths[order])
-    order = TeamFormation([scenario]).worlds.order[0].tolist()
-    assert tuple(scenario.tasks[k].at for k in order) == best
+    order = TeamFormation([mission]).worlds.order[0].tolist()
+    assert tuple(mission.tasks[k].at for k in order) == best
 
 
 def test_all_are_found_who_are_near() -> None:
@@ -174,8 +174,8 @@ def test_all_are_found_who_are_near() -> None:
         places[::7] = places[::7].clip(0, (width / 3, height / 3))
         robots = tuple(Robot(f"r{r}", (x, y), {"a": 1}) for r, (x, y) in enumerate(places.tolist()))
         world, task = Plane(width, height), Task("t", (0.1, 0.1), {"a": 1})
-        scenario = Mission("crowd", world, ("a",), robots, (task,), sensing_radius=radius)
-        view = TeamFormation([scenario]).view()
+        mission = Mission("crowd", world, ("a",), robots, (task,), sensing_radius=radius)
+        view = TeamFormation([mission]).view()
         apart = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))  # (robots, robots)
         is_near = (apart <= max(radius, 0.05)) & ~np.eye(300, dtype=bool)
         assert is_near.sum() > 20
@@ -213,9 +213,9 @@ def test_the_shared_plan_has_nobody_join_who_is_out_of_reach() -> None:
 
 
 def test_a_plan_that_is_played_has_nobody_join_who_is_out_of_reach() -> None:
-    scenario = two_sides_of_a_wide_place()
-    env = TeamFormation([scenario], coordinator=OnCommand())
-    player = PlanPlayer(scenario, [[0], [0]])
+    mission = two_sides_of_a_wide_place()
+    env = TeamFormation([mission], coordinator=OnCommand())
+    player = PlanPlayer(mission, [[0], [0]])
     while env.is_running[0]:
         env.view()
         env.step(player.decide_in(env))
@@ -255,8 +255,8 @@ def test_a_team_in_the_far_corner_is_seen_there(side: float) -> None:
 def test_a_task_in_the_far_corner_is_done_there(side: float) -> None:
     corner = (side, side)
     tasks = [(corner, {"a": 1}), *[((0.1, 0.1), {"b": 1})] * 2]
-    scenario = field([corner] * 6, tasks, Plane(side, side), sensing_radius=0.1)
-    env = TeamFormation([scenario])
+    mission = field([corner] * 6, tasks, Plane(side, side), sensing_radius=0.1)
+    env = TeamFormation([mission])
     maintain(env)
     assert env.worlds.tasks["done_at"][0, 0] == 1
 

@@ -39,21 +39,21 @@ CORRIDOR = Mission(
 )
 
 
-def played(scenario: Mission, player: Player | None = None) -> Record:
-    return run_trial(scenario, player or SharedPlan()).replay
+def played(mission: Mission, player: Player | None = None) -> Record:
+    return run_trial(mission, player or SharedPlan()).record
 
 
 def test_what_comes_after_another_waits_for_it() -> None:
     """Past `near` to `far` in 8 steps and one of service, 6 back; `timed` opens after 18 steps."""
-    replay = played(CORRIDOR)
-    done = {k: n for n, step in enumerate(replay.steps, 1) for k, _ in step.done}
+    record = played(CORRIDOR)
+    done = {k: n for n, step in enumerate(record.steps, 1) for k, _ in step.done}
     assert done == {1: 9, 0: 15, 2: 19}
-    assert known_steps(replay) == [0, 0, 0]
-    assert opening_steps(replay) == [9, 0, 18]
-    assert lateness(replay) == {"timed": 1}
-    assert [step for step, _ in replay.plans] == [0]  # it is planned for, and no news
-    assert not [event for event in events(replay) if event.kind == "appears"]
-    verdict = judge(replay)
+    assert known_steps(record) == [0, 0, 0]
+    assert opening_steps(record) == [9, 0, 18]
+    assert lateness(record) == {"timed": 1}
+    assert [step for step, _ in record.plans] == [0]  # it is planned for, and no news
+    assert not [event for event in events(record) if event.kind == "appears"]
+    verdict = judge(record)
     assert verdict.is_legal
     assert verdict.late == {"timed": 1}
 
@@ -73,28 +73,28 @@ def test_what_comes_after_another_waits_for_it() -> None:
 def test_plans_have_robots_there_when_a_window_opens(player: Player, begin: int, done: int) -> None:
     """8 steps to the task; the window ends in time for none of them to be late."""
     timed = Task("timed", (8, 0), {"a": 1}, between=(begin, 20))
-    replay = played(replace(CORRIDOR, tasks=(timed,)), player)
-    assert replay.end.makespan == done
-    assert judge(replay).findings == ()
+    record = played(replace(CORRIDOR, tasks=(timed,)), player)
+    assert record.end.makespan == done
+    assert judge(record).findings == ()
 
 
 def test_who_waits_for_a_window_forms_before_it_opens() -> None:
     """Both are there after 2 steps, are one in step 3, and wait for 7 more."""
     robots = Robot("r", (0, 0), {"a": 1}), Robot("s", (4, 0), {"a": 1})
     timed = Task("timed", (2, 0), {"a": 2}, between=(10, 11))
-    replay = played(replace(CORRIDOR, robots=robots, tasks=(timed,)))
-    assert [n for n, step in enumerate(replay.steps, 1) if step.joins] == [3]
-    assert replay.end.makespan == 11
-    assert lateness(replay) == {}
-    assert judge(replay).findings == ()
+    record = played(replace(CORRIDOR, robots=robots, tasks=(timed,)))
+    assert [n for n, step in enumerate(record.steps, 1) if step.joins] == [3]
+    assert record.end.makespan == 11
+    assert lateness(record) == {}
+    assert judge(record).findings == ()
 
 
 def test_a_window_that_has_not_begun_is_no_place_to_work() -> None:
     """A record that has the task done two steps too early is found."""
     timed = Task("timed", (2, 0), {"a": 1}, between=(10, 12))
-    replay = played(replace(CORRIDOR, tasks=(timed,)))
+    record = played(replace(CORRIDOR, tasks=(timed,)))
     early = replace(timed, between=(8, 12))
-    forged = replace(played(replace(CORRIDOR, tasks=(early,))), scenario=replay.scenario)
+    forged = replace(played(replace(CORRIDOR, tasks=(early,))), mission=record.mission)
     told = [finding.message for finding in judge(forged).findings]
     assert "step 9: task timed cannot be done: it may begin after 10 steps" in told
 
@@ -102,20 +102,18 @@ def test_a_window_that_has_not_begun_is_no_place_to_work() -> None:
 def test_central_plans_what_cannot_but_be_late() -> None:
     """8 steps to `far`, which takes 4 and was to be done in 3; 6 back to `near`."""
     far = replace(CORRIDOR.tasks[1], duration=4, between=(0, 3))
-    scenario = replace(CORRIDOR, tasks=(CORRIDOR.tasks[0], far))
-    replay = played(scenario, Central(time_limit=0.5))
-    assert replay.end.makespan == 18
-    assert lateness(replay) == {"far": 9}
-    assert judge(replay).findings == ()
+    mission = replace(CORRIDOR, tasks=(CORRIDOR.tasks[0], far))
+    record = played(mission, Central(time_limit=0.5))
+    assert record.end.makespan == 18
+    assert lateness(record) == {"far": 9}
+    assert judge(record).findings == ()
 
 
 def test_the_referee_finds_what_was_done_too_early() -> None:
-    replay = played(
+    record = played(
         replace(CORRIDOR, tasks=(replace(CORRIDOR.tasks[0], after=()), *CORRIDOR.tasks[1:]))
     )
-    forged = judge(
-        replace(replay, scenario=replace(CORRIDOR, step_limit=replay.scenario.step_limit))
-    )
+    forged = judge(replace(record, mission=replace(CORRIDOR, step_limit=record.mission.step_limit)))
     told = " ".join(finding.message for finding in forged.findings)
     assert "task near cannot be done: it comes after far" in told
 
@@ -124,10 +122,10 @@ def test_the_referee_finds_what_was_done_too_early() -> None:
 def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
     rng = np.random.default_rng(5)
     for number in range(40):
-        scenario = with_precedence_and_windows(random_world(rng, is_plane=is_plane), rng)
+        mission = with_precedence_and_windows(random_world(rng, is_plane=is_plane), rng)
         coordinator = RandomPlans(number) if number % 3 else None
-        env = TeamFormation([scenario], coordinator=coordinator)
-        twin = PlainWorld(scenario, is_coordinated=coordinator is not None)
+        env = TeamFormation([mission], coordinator=coordinator)
+        twin = PlainWorld(mission, is_coordinated=coordinator is not None)
         while env.is_running[0] and env.tally().steps < 60:
             twin.order = shared_order(env)
             twin.coalitions = coalitions_of(env, twin.order)
@@ -148,13 +146,13 @@ def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
 def test_every_mission_ends_and_its_record_is_legal(player: Player, worlds: int) -> None:
     rng = np.random.default_rng(3)
     for number in range(worlds):
-        scenario = random_world(rng, is_plane=number % 3 == 0)
-        scenario = with_precedence_and_windows(scenario, rng)
-        replay = played(scenario, player)
-        assert replay.end.status in ("completed", "infeasible")
-        verdict = judge(replay)
+        mission = random_world(rng, is_plane=number % 3 == 0)
+        mission = with_precedence_and_windows(mission, rng)
+        record = played(mission, player)
+        assert record.end.status in ("completed", "infeasible")
+        verdict = judge(record)
         assert verdict.findings == ()
-        assert verdict.late == lateness(replay)
+        assert verdict.late == lateness(record)
 
 
 @pytest.mark.parametrize("player", [SharedPlan(), Central(0.5)], ids=["plan", "central"])
@@ -171,24 +169,24 @@ def test_robots_wait_for_what_comes_before_their_task(player: Player) -> None:
             Task("other", (7, 0), {"b": 1}),
         ),
     )
-    replay = run_trial(mission, player).replay
-    assert judge(replay).is_legal
-    assert replay.end.makespan == 2 + 2 + 4 + 1  # the way, the service, the way, joining
+    record = run_trial(mission, player).record
+    assert judge(record).is_legal
+    assert record.end.makespan == 2 + 2 + 4 + 1  # the way, the service, the way, joining
 
 
 def test_a_bound_counts_how_long_what_comes_before_takes() -> None:
     """8 steps to `far` and one there; another robot, that stands at `near`, may start next."""
     there = Robot("s", (2, 0), {"a": 1})
-    scenario = replace(CORRIDOR, robots=(*CORRIDOR.robots, there), tasks=CORRIDOR.tasks[:2])
-    near, far = scenario.tasks
-    assert lower_bound(scenario) == 6 + 1 + 1  # `s` can go to `far` as well
-    assert lower_bound(replace(scenario, tasks=(replace(near, after=()), far))) == 6 + 1
+    mission = replace(CORRIDOR, robots=(*CORRIDOR.robots, there), tasks=CORRIDOR.tasks[:2])
+    near, far = mission.tasks
+    assert lower_bound(mission) == 6 + 1 + 1  # `s` can go to `far` as well
+    assert lower_bound(replace(mission, tasks=(replace(near, after=()), far))) == 6 + 1
 
 
 def test_a_record_with_a_task_planned_before_what_it_comes_after_is_found() -> None:
-    replay = played(replace(CORRIDOR, tasks=CORRIDOR.tasks[:2]))
-    [(_, plan)] = replay.plans
-    forged = replace(replay, orders=((0, (0, 1)),), plans=((0, plan),))
+    record = played(replace(CORRIDOR, tasks=CORRIDOR.tasks[:2]))
+    [(_, plan)] = record.plans
+    forged = replace(record, orders=((0, (0, 1)),), plans=((0, plan),))
     assert "has task near before one that it comes after" in str(judge(forged).findings)
 
 
@@ -196,7 +194,7 @@ def test_central_is_never_slower_than_the_shared_plan() -> None:
     rng = np.random.default_rng(8)
     for _ in range(3):
         mission = with_precedence_and_windows(random_world(rng), rng)
-        planned = run_trial(mission, Central(0.5)).replay
+        planned = run_trial(mission, Central(0.5)).record
         assert judge(planned).is_legal
         shared = played(mission).end
         if shared.makespan is not None:

@@ -16,7 +16,7 @@ START = ((0, (0, 2, 3), 0, 0), (1, (1,), 2, 0))
 """Three robots together, and one two cells away."""
 
 
-def record(*steps: Step) -> Record:
+def record_of(*steps: Step) -> Record:
     """A record of four robots that lift and a box; only its teams mean anything."""
     mission = make([robot("a", 0), robot("a", 2), robot("a", 0), robot("a", 0)], [task("a", 2)])
     end = Ending("interrupted", None, len(steps), 0, 0, 0, 0)
@@ -25,9 +25,9 @@ def record(*steps: Step) -> Record:
 
 def after(*steps: Step) -> Teams:
     """The teams after some steps."""
-    replay = record(*steps)
-    teams = Teams(replay)
-    for step in replay.steps:
+    record = record_of(*steps)
+    teams = Teams(record)
+    for step in record.steps:
         teams.follow(step)
     return teams
 
@@ -56,7 +56,7 @@ def test_a_join_has_the_lower_slot_with_its_place_and_task() -> None:
 
 
 def test_steps_say_who_was_split_or_joined() -> None:
-    teams = Teams(record())
+    teams = Teams(record_of())
     assert teams.follow(Step(splits=(((0,), (2, 3)),))) == {0, 2, 3}
     assert teams.follow(Step(joins=((2, 1),))) == {1, 2, 3}
     assert teams.follow(Step()) == set()
@@ -79,17 +79,17 @@ def test_a_robot_is_back_alone_where_it_was_lost() -> None:
 
 def test_tasks_are_done_by_the_team_that_is_there_at_the_end_of_the_step() -> None:
     joined = Step(joins=((1, 0),), lost=(2,), done=((0, 0),))
-    assert list(completions(record(Step(), joined))) == [(2, 0, (0, 1, 3))]
+    assert list(completions(record_of(Step(), joined))) == [(2, 0, (0, 1, 3))]
 
 
 @pytest.mark.parametrize("method", ["plan", "join-all"])
 def test_routes_stop_where_tasks_were_done(method: str) -> None:
     tasks = [task("aa", 3, duration=2), task("a", 5)]
     mission = make([robot("a", 0), robot("a", 5), robot("a", 9, lost=2)], tasks)
-    replay = run_trial(mission, load_method(method, 1.0), 0).replay
+    record = run_trial(mission, load_method(method, 1.0), 0).record
     stops = [
-        (stop.end, stop.task, route.robot) for route in routes_of(replay) for stop in route.stops
+        (stop.end, stop.task, route.robot) for route in routes_of(record) for stop in route.stops
     ]
-    done = [(step, task, robot) for step, task, robots in completions(replay) for robot in robots]
-    assert replay.end.status == "completed"
+    done = [(step, task, robot) for step, task, robots in completions(record) for robot in robots]
+    assert record.end.status == "completed"
     assert sorted(stops) == sorted(done)

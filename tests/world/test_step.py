@@ -53,8 +53,8 @@ def coalitions_of(env: TeamFormation, order: list[int]) -> dict[int, set[int]]:
 
 def in_thousandths(env: TeamFormation, counts: np.ndarray) -> list[int]:
     """Return the counts of a team, which arrays hold in units, as its twin has them."""
-    scenario = env.scenarios[0]
-    units = [scenario.units.get(cap, 1000) for cap in scenario.capabilities]
+    mission = env.missions[0]
+    units = [mission.units.get(cap, 1000) for cap in mission.capabilities]
     return (counts * units).tolist()
 
 
@@ -81,11 +81,11 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
     for number in range(60):
         chosen = rng.choice(["paper", "random", "random", "plan"])
         coordinator = {"paper": None, "random": RandomPlans(number), "plan": SharedPlan()}[chosen]
-        scenario = random_world(rng, is_plane=is_plane)
-        scenario = with_fractions(scenario, rng) if part == 3 else scenario
+        mission = random_world(rng, is_plane=is_plane)
+        mission = with_fractions(mission, rng) if part == 3 else mission
         new_tasks = str(rng.choice(["resolve", "nearest"]))
-        env = TeamFormation([scenario], coordinator=coordinator, new_tasks=new_tasks)
-        twin = PlainWorld(scenario, is_coordinated=coordinator is not None)
+        env = TeamFormation([mission], coordinator=coordinator, new_tasks=new_tasks)
+        twin = PlainWorld(mission, is_coordinated=coordinator is not None)
         twin.order = shared_order(env)
         twin.coalitions = coalitions_of(env, twin.order)
         compare(env, twin)
@@ -104,7 +104,7 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
 def check_promises(env: TeamFormation, was_done: np.ndarray) -> None:
     """Every robot in one team, counts add up, nobody in a wall, done stays done."""
     worlds = env.worlds
-    for w in range(len(env.scenarios)):
+    for w in range(len(env.missions)):
         slots = worlds.robots["team"][w]
         sizes = worlds.teams["size"][w]
         lost, back = worlds.robots["lost"][w], worlds.robots["back"][w]
@@ -119,7 +119,7 @@ def check_promises(env: TeamFormation, was_done: np.ndarray) -> None:
             assert len(members) == sizes[slot]
             assert (worlds.has[w, slot] == worlds.brings[w, members].sum(axis=0)).all()
             team = worlds.teams[w, slot]
-            assert env.scenarios[w].world.is_free((float(team["x"]), float(team["y"])))
+            assert env.missions[w].world.is_free((float(team["x"]), float(team["y"])))
     done = worlds.tasks["done_at"] != NOBODY
     assert (done | ~was_done).all()
     assert not (done & worlds.tasks["is_open"]).any()
@@ -166,9 +166,9 @@ def test_nothing_blocks_in_ten_thousand_worlds(player: Player) -> None:
 
 def test_threads_and_batches_change_nothing() -> None:
     rng = np.random.default_rng(3)
-    scenarios = [random_world(rng, is_plane=w % 3 == 0) for w in range(37)]
-    batch, threaded = TeamFormation(scenarios), TeamFormation(scenarios, threads=4)
-    alone = [TeamFormation([scenario]) for scenario in scenarios]
+    missions = [random_world(rng, is_plane=w % 3 == 0) for w in range(37)]
+    batch, threaded = TeamFormation(missions), TeamFormation(missions, threads=4)
+    alone = [TeamFormation([mission]) for mission in missions]
     policy = JoinAll()
     while batch.is_running.any():
         batch.step(policy.decide(batch.view()))
@@ -178,7 +178,7 @@ def test_threads_and_batches_change_nothing() -> None:
                 env.step(policy.decide(env.view()))
     for w, env in enumerate(alone):
         assert batch.tally(w) == threaded.tally(w) == env.tally()
-        tasks = len(scenarios[w].tasks)
+        tasks = len(missions[w].tasks)
         for env_tasks in (threaded.worlds.tasks[w], env.worlds.tasks[0]):
             assert (env_tasks["done_at"][:tasks] == batch.worlds.tasks["done_at"][w, :tasks]).all()
 

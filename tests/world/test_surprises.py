@@ -44,16 +44,16 @@ RULES = [
 ]
 
 
-def with_truth(scenario: Mission, **true: Any) -> Mission:
+def with_truth(mission: Mission, **true: Any) -> Mission:
     """Return what a mission of one task really is."""
-    certain = draw_truth(scenario, 0)
+    certain = draw_truth(mission, 0)
     return replace(certain, tasks=(replace(certain.tasks[0], **true), *certain.tasks[1:]))
 
 
 def test_a_service_is_expected_to_end_amid_what_is_left_of_it() -> None:
     """2 to 9 steps: 6 are expected, after 6 the mean of 7, 8, 9, after 8 the last."""
-    scenario = make([robot("a", 0)], [replace(task("a", 0), lasts=(2, 9))])
-    env = TeamFormation([scenario], truths=[with_truth(scenario, duration=9)])
+    mission = make([robot("a", 0)], [replace(task("a", 0), lasts=(2, 9))])
+    env = TeamFormation([mission], truths=[with_truth(mission, duration=9)])
     rests = []
     for _ in range(10):
         play(env, 1)
@@ -63,8 +63,8 @@ def test_a_service_is_expected_to_end_amid_what_is_left_of_it() -> None:
 
 
 def test_a_service_may_end_at_once() -> None:
-    scenario = make([robot("a", 0)], [replace(task("a", 0), lasts=(0, 9))])
-    env = TeamFormation([scenario], truths=[with_truth(scenario, duration=0)])
+    mission = make([robot("a", 0)], [replace(task("a", 0), lasts=(0, 9))])
+    env = TeamFormation([mission], truths=[with_truth(mission, duration=0)])
     play(env, 1)
     assert env.tally().status == "completed"
 
@@ -84,9 +84,9 @@ def test_needs_are_known_when_a_robot_stands_there(
     """a . T   where T needs a, c and may need b: nobody knows until a is there, in step 2."""
     work = replace(task("a", 2), may_need={"b": chance})
     robots = [robot("a", 0), robot("b", 9), robot("c", 19)]
-    scenario = make(robots, [work])
-    truth = with_truth(scenario, needs={"a": 1, "b": 1})
-    env = TeamFormation([scenario], truths=[truth], foresight=foresight)
+    mission = make(robots, [work])
+    truth = with_truth(mission, needs={"a": 1, "b": 1})
+    env = TeamFormation([mission], truths=[truth], foresight=foresight)
     play(env, 1)
     assert env.view().task_needs[0, 0].tolist() == believed
     assert env.view().task_may_need[0, 0].tolist() == [0, chance, 0]
@@ -98,8 +98,8 @@ def test_needs_are_known_when_a_robot_stands_there(
 
 def test_what_turns_out_not_to_be_needed_is_done_at_once() -> None:
     work = replace(task("a", 2), may_need={"b": 0.25})
-    scenario = make([robot("a", 0), robot("b", 9)], [work])
-    env = TeamFormation([scenario], truths=[with_truth(scenario, needs={"a": 1})])
+    mission = make([robot("a", 0), robot("b", 9)], [work])
+    env = TeamFormation([mission], truths=[with_truth(mission, needs={"a": 1})])
     play(env, 2)
     assert env.tally().status == "completed"
 
@@ -108,12 +108,12 @@ def test_what_nobody_left_could_bring_is_not_hoped_for() -> None:
     """b is lost in step 1 and back in step 3: meanwhile what may need b is done without it."""
     work = replace(task("a", 9), may_need={"b": 0.5})
     away = replace(robot("b", 19), breaks=Breakdown(0.5, (2, 2)))
-    scenario = make([robot("a", 0), away], [work])
-    truth = with_truth(scenario, needs={"a": 1})
+    mission = make([robot("a", 0), away], [work])
+    truth = with_truth(mission, needs={"a": 1})
     truth = replace(
         truth, robots=(truth.robots[0], replace(truth.robots[1], absences=(Absence(1, 3),)))
     )
-    env = TeamFormation([scenario], truths=[truth])
+    env = TeamFormation([mission], truths=[truth])
     believed = []
     for _ in range(4):
         believed.append(env.worlds.needs[0, 0].tolist())
@@ -126,22 +126,20 @@ def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None
     rng = np.random.default_rng(50 + is_plane)
     shown = overdue = lost = found = 0
     for number in range(60):
-        scenario = random_world(rng, is_plane=is_plane)
-        scenario = with_fractions(scenario, rng) if number % 3 == 2 else scenario
-        scenario = with_surprises(scenario, rng)
+        mission = random_world(rng, is_plane=is_plane)
+        mission = with_fractions(mission, rng) if number % 3 == 2 else mission
+        mission = with_surprises(mission, rng)
         foresight = str(rng.choice(FORESIGHTS))
         coordinator = RandomPlans(number) if number % 3 else None
-        truth = draw_truth(scenario, number)
-        env = TeamFormation(
-            [scenario], truths=[truth], coordinator=coordinator, foresight=foresight
-        )
-        twin = PlainWorld(scenario, truth, coordinator is not None, foresight)
+        truth = draw_truth(mission, number)
+        env = TeamFormation([mission], truths=[truth], coordinator=coordinator, foresight=foresight)
+        twin = PlainWorld(mission, truth, coordinator is not None, foresight)
         while env.is_running[0] and env.tally().steps < 40:
             view = env.view()
             rests = {slot: int(rest) for slot, rest in zip(view.slot, view.rest, strict=True)}
             assert rests == {slot: twin.rest(team) for slot, team in twin.teams.items()}
-            tasks = range(len(scenario.tasks))
-            units = [scenario.units.get(cap, 1000) for cap in scenario.capabilities]
+            tasks = range(len(mission.tasks))
+            units = [mission.units.get(cap, 1000) for cap in mission.capabilities]
             assert [env.worlds.needs[0, k].tolist() for k in tasks] == [
                 [-(-need // unit) for need, unit in zip(twin.needs(k), units, strict=True)]
                 for k in tasks
@@ -158,14 +156,14 @@ def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None
 
 
 def play_views(
-    scenario: Mission, truth: Mission, method: str | Method, steps: int
+    mission: Mission, truth: Mission, method: str | Method, steps: int
 ) -> tuple[TeamFormation, list[tuple[View, Decision]]]:
     """Return what is seen and decided in the first steps."""
     method = load_method(method) if isinstance(method, str) else method
     if method.policy is not None:
         method.policy.begin(None, np.random.default_rng(0))
     env = TeamFormation(
-        [scenario],
+        [mission],
         truths=[truth],
         coordinator=method.coordinator,
         foresight=method.foresight,
@@ -184,11 +182,11 @@ def is_alike(one: tuple[View, Decision], other: tuple[View, Decision]) -> bool:
     return same and np.array_equal(one[1].wanted, other[1].wanted)
 
 
-def other_truths(scenario: Mission, truth: Mission, env: TeamFormation) -> list[Any]:
+def other_truths(mission: Mission, truth: Mission, env: TeamFormation) -> list[Any]:
     """Return (another truth that differs in one thing, the step in which that shows)."""
     found = []
     tasks = env.worlds.tasks[0]
-    for k, (known, true) in enumerate(zip(scenario.tasks, truth.tasks, strict=True)):
+    for k, (known, true) in enumerate(zip(mission.tasks, truth.tasks, strict=True)):
         changes: list[tuple[dict[str, Any], int]] = []
         if known.lasts is not None and true.duration < known.lasts[1]:
             changes.append(({"duration": known.lasts[1]}, int(tasks["done_at"][k])))
@@ -201,7 +199,7 @@ def other_truths(scenario: Mission, truth: Mission, env: TeamFormation) -> list[
         for change, step in changes:
             changed = (*truth.tasks[:k], replace(true, **change), *truth.tasks[k + 1 :])
             found.append((replace(truth, tasks=changed), step))
-    for r, (known, real) in enumerate(zip(scenario.robots, truth.robots, strict=True)):
+    for r, (known, real) in enumerate(zip(mission.robots, truth.robots, strict=True)):
         if known.breaks is not None:
             absences = () if real.absences else (Absence(17, 30),)
             changed = replace(real, absences=absences)
@@ -211,17 +209,17 @@ def other_truths(scenario: Mission, truth: Mission, env: TeamFormation) -> list[
 
 
 def check_nobody_peeks(setting: str, method: Method) -> None:
-    scenario = world_of(setting, 0)
-    truth = draw_truth(scenario, 5)
-    env, now = play_views(scenario, truth, method, 400)
+    mission = world_of(setting, 0)
+    truth = draw_truth(mission, 5)
+    env, now = play_views(mission, truth, method, 400)
     rng = np.random.default_rng(1)
-    others = other_truths(scenario, truth, env)
+    others = other_truths(mission, truth, env)
     shows = 0
     for number in rng.permutation(len(others))[:6]:
         other, step = others[number]
         if step == NOBODY:
             step = len(now)
-        _, then = play_views(scenario, other, method, step + 1)
+        _, then = play_views(mission, other, method, step + 1)
         assert all(is_alike(now[i], then[i]) for i in range(min(step, len(now), len(then))))
         shows += step < min(len(now), len(then)) and not is_alike(now[step], then[step])
     assert shows >= 2
@@ -244,15 +242,15 @@ def test_surprised_missions_end_and_are_legal(
     coordination: str, foresight: str, tmp_path: Path
 ) -> None:
     for seed in range(2):
-        scenario = world_of("4N20T-C4-mixed", seed)
-        replay = run_trial(scenario, method_of(coordination, foresight), seed).replay
-        assert replay.end.status == "completed"
-        assert judge(replay).findings == ()
-        truth = draw_truth(scenario, seed)
-        assert replay.truth == truth_until(scenario, truth, replay.end.steps + 1)
-        assert replay.truth != truth  # what breaks down later is not in the record
-        save_record(replay, tmp_path / "replay.json")
-        assert read_record(tmp_path / "replay.json") == replay
+        mission = world_of("4N20T-C4-mixed", seed)
+        record = run_trial(mission, method_of(coordination, foresight), seed).record
+        assert record.end.status == "completed"
+        assert judge(record).findings == ()
+        truth = draw_truth(mission, seed)
+        assert record.truth == truth_until(mission, truth, record.end.steps + 1)
+        assert record.truth != truth  # what breaks down later is not in the record
+        save_record(record, tmp_path / "record.json")
+        assert read_record(tmp_path / "record.json") == record
 
 
 @pytest.mark.thorough
@@ -260,22 +258,22 @@ def test_random_surprised_missions_are_legal_under_every_rule() -> None:
     rng = np.random.default_rng(9)
     done = 0
     for number in range(40):
-        scenario = random_world(rng, is_plane=number % 4 == 0)
-        scenario = with_fractions(scenario, rng) if number % 3 == 2 else scenario
-        scenario = with_surprises(scenario, rng)
+        mission = random_world(rng, is_plane=number % 4 == 0)
+        mission = with_fractions(mission, rng) if number % 3 == 2 else mission
+        mission = with_surprises(mission, rng)
         method = method_of(str(rng.choice(COORDINATIONS)), str(rng.choice(FORESIGHTS)))
-        replay = run_trial(scenario, method, number).replay
-        assert judge(replay).findings == ()
-        assert replay.end.status in ("completed", "infeasible")
-        done += replay.end.status == "completed"
+        record = run_trial(mission, method, number).record
+        assert judge(record).findings == ()
+        assert record.end.status in ("completed", "infeasible")
+        done += record.end.status == "completed"
     assert done > 25
 
 
 def test_who_is_told_everything_plays_the_truth() -> None:
-    scenario = world_of("4N4T-C4-mixed", 0)
-    trial = run_trial(scenario, load_method("central"), seed=3)
-    assert trial.replay.scenario == draw_truth(scenario, 3)
-    assert trial.replay.truth is None
+    mission = world_of("4N4T-C4-mixed", 0)
+    trial = run_trial(mission, load_method("central"), seed=3)
+    assert trial.record.mission == draw_truth(mission, 3)
+    assert trial.record.truth is None
 
 
 @pytest.mark.parametrize("name", ["join-all", "central"])
@@ -285,17 +283,17 @@ def test_what_takes_longer_than_its_window_is_late(name: str, tmp_path: Path) ->
     Three steps are expected, for which there is time; a truth of five is as good as any other. The
     mission of a record of `central`, which is told the truth, holds nothing else.
     """
-    scenario = make([robot("a", 0)], [replace(task("a", 1), lasts=(0, 5), between=(0, 4))])
+    mission = make([robot("a", 0)], [replace(task("a", 1), lasts=(0, 5), between=(0, 4))])
     drawn = set()
     for seed in range(30):
-        replay = run_trial(scenario, load_method(name, time_limit=0.0), seed).replay
-        duration = int(replay.mission.tasks[0].duration)
+        record = run_trial(mission, load_method(name, time_limit=0.0), seed).record
+        duration = int(record.true_mission.tasks[0].duration)
         drawn.add(duration)
-        assert replay.end.makespan == 1 + duration
+        assert record.end.makespan == 1 + duration
         late = {"t0": 1 + duration - 4} if duration > 3 else {}
-        assert lateness(replay) == late
-        save_record(replay, tmp_path / "replay.json")
-        verdict = judge(read_record(tmp_path / "replay.json"))
+        assert lateness(record) == late
+        save_record(record, tmp_path / "record.json")
+        verdict = judge(read_record(tmp_path / "record.json"))
         assert (verdict.findings, verdict.late) == ((), late)
     assert drawn == set(range(6))
 
@@ -303,20 +301,20 @@ def test_what_takes_longer_than_its_window_is_late(name: str, tmp_path: Path) ->
 def test_a_repair_may_end_long_after_the_trial(tmp_path: Path) -> None:
     """Lost in step 1 for a billion steps, so back in one that no file may name."""
     lame = replace(robot("a", 0), breaks=Breakdown(1.0, (10**9, 10**9)))
-    scenario = make([lame], [task("a", 9)], step_limit=5)
-    replay = run_trial(scenario, load_method("join-all"), 0).replay
-    assert replay.mission.robots[0].absences == (Absence(1, 10**9 + 1),)
-    assert (replay.end.status, replay.end.steps) == ("step limit", 5)  # it is due back
-    save_record(replay, tmp_path / "replay.json")
-    assert judge(read_record(tmp_path / "replay.json")).findings == ()
+    mission = make([lame], [task("a", 9)], step_limit=5)
+    record = run_trial(mission, load_method("join-all"), 0).record
+    assert record.true_mission.robots[0].absences == (Absence(1, 10**9 + 1),)
+    assert (record.end.status, record.end.steps) == ("step limit", 5)  # it is due back
+    save_record(record, tmp_path / "record.json")
+    assert judge(read_record(tmp_path / "record.json")).findings == ()
 
 
 def test_the_truth_of_a_thing_is_drawn_from_seed_and_number() -> None:
-    scenario = world_of("4N20T-C4-mixed", 0)
-    shorter = replace(scenario, tasks=scenario.tasks[:7])
-    assert draw_truth(shorter, 4).tasks == draw_truth(scenario, 4).tasks[:7]
-    assert draw_truth(shorter, 4).robots == draw_truth(scenario, 4).robots
-    assert draw_truth(scenario, 4) != draw_truth(scenario, 5)
+    mission = world_of("4N20T-C4-mixed", 0)
+    shorter = replace(mission, tasks=mission.tasks[:7])
+    assert draw_truth(shorter, 4).tasks == draw_truth(mission, 4).tasks[:7]
+    assert draw_truth(shorter, 4).robots == draw_truth(mission, 4).robots
+    assert draw_truth(mission, 4) != draw_truth(mission, 5)
     certain = world_of("4N20T-C4", 0)
     assert draw_truth(certain, 4) is certain
 
@@ -325,8 +323,8 @@ def test_truths_come_as_often_as_the_file_says() -> None:
     """A fifth needs b; each of 2, 3, 4 steps as often as any other; broken at 0.1 a step."""
     work = replace(task("a", 2), may_need={"b": 0.2}, lasts=(2, 4))
     lame = replace(robot("a", 0), breaks=Breakdown(0.1, (3, 5)))
-    scenario = make([lame, robot("b", 9)], [work])
-    truths = [draw_truth(scenario, seed) for seed in range(1500)]
+    mission = make([lame, robot("b", 9)], [work])
+    truths = [draw_truth(mission, seed) for seed in range(1500)]
     assert np.mean(["b" in t.tasks[0].needs for t in truths]) == pytest.approx(0.2, abs=0.04)
     durations = [t.tasks[0].duration for t in truths]
     shares = [durations.count(steps) / len(truths) for steps in (2, 3, 4)]
@@ -341,64 +339,62 @@ def test_truths_come_as_often_as_the_file_says() -> None:
     gaps = [two.lost - (one.back or 0) for times in again for one, two in pairwise(times)]
     assert np.mean(gaps) == pytest.approx(10, abs=0.5)
     assert min(gaps) == 1
-    assert all(0 < away.lost <= scenario.step_limit for times in again for away in times)
-    for_good = replace(
-        scenario, robots=(replace(lame, breaks=Breakdown(0.1)), *scenario.robots[1:])
-    )
+    assert all(0 < away.lost <= mission.step_limit for times in again for away in times)
+    for_good = replace(mission, robots=(replace(lame, breaks=Breakdown(0.1)), *mission.robots[1:]))
     assert all(len(draw_truth(for_good, seed).robots[0].absences) <= 1 for seed in range(20))
 
 
 def recorded() -> Record:
     """Return the record of a mission with every surprise."""
-    return run_trial(world_of("4N20T-C4-mixed", 1), load_method("plan"), 2).replay
+    return run_trial(world_of("4N20T-C4-mixed", 1), load_method("plan"), 2).record
 
 
-def with_true_task(replay: Record, number: int, **true: Any) -> Record:
-    assert replay.truth is not None
-    tasks = list(replay.truth.tasks)
+def with_true_task(record: Record, number: int, **true: Any) -> Record:
+    assert record.truth is not None
+    tasks = list(record.truth.tasks)
     tasks[number] = replace(tasks[number], **true)
-    return replace(replay, truth=replace(replay.truth, tasks=tuple(tasks)))
+    return replace(record, truth=replace(record.truth, tasks=tuple(tasks)))
 
 
-def with_step(replay: Record, number: int, **said: Any) -> Record:
-    steps = list(replay.steps)
+def with_step(record: Record, number: int, **said: Any) -> Record:
+    steps = list(record.steps)
     steps[number] = replace(steps[number], **said)
-    return replace(replay, steps=tuple(steps))
+    return replace(record, steps=tuple(steps))
 
 
 def test_the_referee_finds_truths_that_cannot_be_and_what_is_shown_wrongly() -> None:
-    replay = recorded()
-    assert judge(replay).findings == ()
-    tasks = replay.scenario.tasks
+    record = recorded()
+    assert judge(record).findings == ()
+    tasks = record.mission.tasks
     unsure = next(k for k, task in enumerate(tasks) if task.lasts is not None)
-    caps = set(replay.scenario.capabilities)
+    caps = set(record.mission.capabilities)
     hidden, other = next(
         (k, sorted(caps - set(task.worst_needs))[0])
         for k, task in enumerate(tasks)
         if task.may_need and caps - set(task.worst_needs)
     )
     sure = next(k for k, task in enumerate(tasks) if task.lasts is None and not task.may_need)
-    shows = next(i for i, step in enumerate(replay.steps) if step.shown)
-    shown = replay.steps[shows].shown
+    shows = next(i for i, step in enumerate(record.steps) if step.shown)
+    shown = record.steps[shows].shown
     forged = {
         "cannot really have been": [
-            with_true_task(replay, unsure, duration=11),
-            with_true_task(replay, sure, duration=3),
-            with_true_task(replay, hidden, needs={**tasks[hidden].needs, other: 1}),
-            with_true_task(replay, hidden, needs={other: 1}),
+            with_true_task(record, unsure, duration=11),
+            with_true_task(record, sure, duration=3),
+            with_true_task(record, hidden, needs={**tasks[hidden].needs, other: 1}),
+            with_true_task(record, hidden, needs={other: 1}),
         ],
-        "has not served it": [with_true_task(replay, unsure, duration=10)],
-        "does not show its needs": [with_step(replay, shows, shown=shown[1:])],
+        "has not served it": [with_true_task(record, unsure, duration=10)],
+        "does not show its needs": [with_step(record, shows, shown=shown[1:])],
         "where nobody can know it": [
-            with_step(replay, shows, shown=(*shown, sure)),
-            with_step(replay, shows - 1, shown=shown),
+            with_step(record, shows, shown=(*shown, sure)),
+            with_step(record, shows - 1, shown=shown),
         ],
-        "needs twice": [with_step(replay, shows, shown=(*shown, *shown))],
-        "there is no plan": [replace(replay, plans=replay.plans[:1])],
+        "needs twice": [with_step(record, shows, shown=(*shown, *shown))],
+        "there is no plan": [replace(record, plans=record.plans[:1])],
     }
     for words, records in forged.items():
-        for record in records:
-            found = [finding.message for finding in judge(record).findings]
+        for forgery in records:
+            found = [finding.message for finding in judge(forgery).findings]
             assert any(words in message for message in found), (words, found)
 
 
@@ -432,17 +428,17 @@ def test_damaged_truths_are_refused(damage: Any, words: str) -> None:
 
 
 def test_events_tell_what_turned_out(tmp_path: Path) -> None:
-    replay = recorded()
-    told = [event for event in events(replay) if event.kind == "needs"]
+    record = recorded()
+    told = [event for event in events(record) if event.kind == "needs"]
     assert [(e.step, e.task) for e in told] == [
-        (number, task) for number, step in enumerate(replay.steps, 1) for task in step.shown
+        (number, task) for number, step in enumerate(record.steps, 1) for task in step.shown
     ]
-    first = replay.mission.tasks[told[0].task or 0]
-    assert told[0].text(replay.mission) == f"{first.name} needs {describe(first.needs)}"
-    write_tables(replay, tmp_path)
+    first = record.true_mission.tasks[told[0].task or 0]
+    assert told[0].text(record.true_mission) == f"{first.name} needs {describe(first.needs)}"
+    write_tables(record, tmp_path)
     with (tmp_path / "tasks.csv").open() as file:
         durations = {row["task"]: row["duration"] for row in csv.DictReader(file)}
-    assert durations == {task.name: str(task.duration) for task in replay.mission.tasks}
+    assert durations == {task.name: str(task.duration) for task in record.true_mission.tasks}
 
 
 def test_pettingzoo_shows_beliefs_and_draws_the_truth_anew() -> None:

@@ -106,11 +106,11 @@ def test_order_closes_up_when_a_task_is_done() -> None:
 
 
 def test_a_world_is_ordered_by_its_own_rules_beside_others() -> None:
-    scenarios, coordinators = [late_task()] * 3, [None, Crews(), SharedPlan()]
-    together = TeamFormation(scenarios, coordinator=coordinators)
+    missions, coordinators = [late_task()] * 3, [None, Crews(), SharedPlan()]
+    together = TeamFormation(missions, coordinator=coordinators)
     alone = [
-        TeamFormation([scenario], coordinator=coordinator)
-        for scenario, coordinator in zip(scenarios, coordinators, strict=True)
+        TeamFormation([mission], coordinator=coordinator)
+        for mission, coordinator in zip(missions, coordinators, strict=True)
     ]
     for _ in range(3):
         for number, env in enumerate(alone):

@@ -161,14 +161,14 @@ def test_nobody_can_join_who_serves() -> None:
     assert not view.can_join.any()
 
 
-def with_another_future(scenario: Mission) -> Mission:
+def with_another_future(mission: Mission) -> Mission:
     """Change what late tasks are and where, who is lost and back when; not before step 10."""
 
     def change_task(one: Task) -> Task:
         if one.appears < 10:
             return one
-        needs = dict.fromkeys(scenario.robots[0].can, 1)
-        return replace(one, at=scenario.robots[0].at, needs=needs, appears=15)
+        needs = dict.fromkeys(mission.robots[0].can, 1)
+        return replace(one, at=mission.robots[0].at, needs=needs, appears=15)
 
     def change_robot(one: Robot) -> Robot:
         been = tuple(away for away in one.absences if away.lost < 10)
@@ -178,9 +178,9 @@ def with_another_future(scenario: Mission) -> Mission:
         return replace(one, absences=been if is_sure or not one.absences else (*been, Absence(29)))
 
     return replace(
-        scenario,
-        robots=tuple(change_robot(one) for one in scenario.robots),
-        tasks=tuple(change_task(one) for one in scenario.tasks),
+        mission,
+        robots=tuple(change_robot(one) for one in mission.robots),
+        tasks=tuple(change_task(one) for one in mission.tasks),
     )
 
 
@@ -189,10 +189,10 @@ def test_the_future_cannot_be_seen() -> None:
     rng = np.random.default_rng(6)
     changed = 0
     for _ in range(60):
-        scenario = random_world(rng)
-        other = with_another_future(scenario)
-        changed += other != scenario
-        one, two, policy = TeamFormation([scenario]), TeamFormation([other]), JoinAll()
+        mission = random_world(rng)
+        other = with_another_future(mission)
+        changed += other != mission
+        one, two, policy = TeamFormation([mission]), TeamFormation([other]), JoinAll()
         for _ in range(9):
             if not (one.is_running[0] and two.is_running[0]):
                 break
@@ -219,8 +219,8 @@ def test_few_and_many_teams_are_found_alike(radius: float) -> None:
     for count in (3, 60):
         cells: list[Place] = [(int(x), int(y)) for x, y in rng.integers(0, 6, size=(count, 2))]
         robots = [robot("a", x, y) for x, y in cells]
-        scenario = make(robots, [task("a", 0)], Grid(6, 6), sensing_radius=radius)
-        view = TeamFormation([scenario]).view()
+        mission = make(robots, [task("a", 0)], Grid(6, 6), sensing_radius=radius)
+        view = TeamFormation([mission]).view()
         at = np.array(cells)
         away = ((at[:, None] - at) ** 2).sum(axis=2)  # (robots, robots)
         near = away <= radius * radius

@@ -28,9 +28,9 @@ class TeamformerError(Exception):
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong with a scenario.
+    """One thing wrong with a mission.
 
-    `where` is the path into the scenario's tree, such as `("tasks", 3, "needs")`; a reader of
+    `where` is the path into the mission's tree, such as `("tasks", 3, "needs")`; a reader of
     files turns it into a line number.
     """
 
@@ -39,7 +39,7 @@ class Problem:
 
 
 class MissionError(TeamformerError):
-    """A scenario that cannot be run; `problems` holds everything wrong with it at once."""
+    """A mission that cannot be run; `problems` holds everything wrong with it at once."""
 
     def __init__(self, problems: Sequence[Problem], lines: Sequence[str] = ()) -> None:
         super().__init__("\n".join(lines or [problem.message for problem in problems]))
@@ -51,7 +51,7 @@ class UndoableError(TeamformerError):
 
 
 class RecordError(TeamformerError):
-    """A replay file that cannot be read."""
+    """A record file that cannot be read."""
 
 
 class ReaderGoneError(Exception):

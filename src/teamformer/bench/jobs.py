@@ -51,14 +51,14 @@ class Job:
     rules: Mapping[str, int] = field(default_factory=dict)
     settings: Mapping[str, str] = field(default_factory=dict)
 
-    def scenario(self, seed: int) -> Mission:
+    def mission(self, seed: int) -> Mission:
         """Return the world of a trial, under the rules of the suite."""
         if self.worlds is None:
-            scenario = world_of(self.setting, seed)
+            mission = world_of(self.setting, seed)
         else:
-            scenario = read_world(self.worlds, seed).scenario
-        forming_steps = self.rules.get("forming_steps", scenario.forming_steps)
-        return replace(scenario, forming_steps=forming_steps)
+            mission = read_world(self.worlds, seed).mission
+        forming_steps = self.rules.get("forming_steps", mission.forming_steps)
+        return replace(mission, forming_steps=forming_steps)
 
 
 class Stopwatch:
@@ -172,7 +172,7 @@ def run_job(job: Job) -> list[Row]:
     method = ready_method(player_of(job.method), job.time_limit)
     late = {"new_tasks": new_tasks_of(job.setting)}
     method = with_settings(method, late | dict(job.settings))
-    worlds = {seed: job.scenario(seed) for seed in job.seeds}
+    worlds = {seed: job.mission(seed) for seed in job.seeds}
     _warm_up(job, method)
     parts = [[seed] for seed in job.seeds] if job.is_timed else [list(job.seeds)]
     rows = []
@@ -205,10 +205,10 @@ def _warm_up(job: Job, method: Method) -> None:
     if (job.method, job.setting) in _WARM:
         return
     _WARM.add((job.method, job.setting))
-    scenario = job.scenario(job.seeds[0])
+    mission = job.mission(job.seeds[0])
     if method.needs_everything:  # planning takes as long as it may
-        scenario = world_of(f"{len(scenario.robots)}N1T-C{len(scenario.capabilities)}", 0)
-    run_trials([scenario], method)
+        mission = world_of(f"{len(mission.robots)}N1T-C{len(mission.capabilities)}", 0)
+    run_trials([mission], method)
 
 
 @cache
@@ -216,13 +216,13 @@ def _version() -> str:
     return version("teamformer")
 
 
-def known_row(job: Job, seed: int, scenario: Mission, makespan: int | None) -> Row:
+def known_row(job: Job, seed: int, mission: Mission, makespan: int | None) -> Row:
     """Return the row of a trial of which nothing but the makespan is known; None: it failed."""
     return Row(
         suite=job.suite,
         setting=job.setting,
         world_seed=seed,
-        scenario=scenario.name,
+        mission=mission.name,
         method=job.method,
         seed=seed,
         completed=makespan is not None,
@@ -230,9 +230,9 @@ def known_row(job: Job, seed: int, scenario: Mission, makespan: int | None) -> R
         cost=None,
         steps=makespan,
         tasks_done=None,
-        tasks=len(scenario.tasks),
-        robots=len(scenario.robots),
-        capabilities=len(scenario.capabilities),
+        tasks=len(mission.tasks),
+        robots=len(mission.robots),
+        capabilities=len(mission.capabilities),
         joins=None,
         splits=None,
         illegal_decisions=None,
@@ -254,10 +254,10 @@ def known_row(job: Job, seed: int, scenario: Mission, makespan: int | None) -> R
     )
 
 
-def _row(job: Job, seed: int, scenario: Mission, tally: Tally) -> Row:
+def _row(job: Job, seed: int, mission: Mission, tally: Tally) -> Row:
     makespan = tally.steps if tally.status == "completed" else None
     return replace(
-        known_row(job, seed, scenario, makespan),
+        known_row(job, seed, mission, makespan),
         cost=tally.cost,
         steps=tally.steps,
         tasks_done=tally.tasks_done,
@@ -288,8 +288,8 @@ def _with_times(row: Row, clock: Stopwatch, place: int) -> Row:
     )
 
 
-def _with_bars(row: Row, scenario: Mission) -> Row:
-    truth = draw_truth(scenario, row.seed)
+def _with_bars(row: Row, mission: Mission) -> Row:
+    truth = draw_truth(mission, row.seed)
     bound = max(lower_bound(truth), row.lower_bound or 0)
     return replace(row, lower_bound=bound, list_schedule=list_schedule(truth))
 

@@ -29,7 +29,7 @@ class Row:
     suite: str
     setting: str
     world_seed: int
-    scenario: str
+    mission: str
     method: str
     seed: int
     completed: bool

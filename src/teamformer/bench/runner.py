@@ -216,7 +216,7 @@ def _authors_rows(request: Request, code: str) -> Iterator[Row]:
         seeds = set(request.seeds(setting))
         for world in read_worlds(path):
             if world.seed in seeds:
-                yield known_row(job, world.seed, world.scenario, world.heuristic)
+                yield known_row(job, world.seed, world.mission, world.heuristic)
 
 
 def _order(suite: Suite) -> Callable[[Row], tuple[int, int, str, int]]:

@@ -15,7 +15,7 @@ app = typer.Typer(
 )
 
 MissionPath = Annotated[Path, typer.Argument(metavar="MISSION", help="a mission file")]
-ReplayPath = Annotated[Path, typer.Argument(metavar="REPLAY", help="a replay.json")]
+RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="a record.json")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 Seed = Annotated[int, typer.Option(min=0, help="of all randomness")]
 Method = Annotated[

@@ -31,7 +31,7 @@ def run(
     seed: Seed = 0,
     time_limit: TimeLimit = 10.0,
     out: Annotated[
-        Path | None, typer.Option(help="folder for the record, replay.json, and its page")
+        Path | None, typer.Option(help="folder for the record, record.json, and its page")
     ] = None,
     explain: Annotated[
         str | None, typer.Option(metavar="ROBOT", help="say what it did, and why")

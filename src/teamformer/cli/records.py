@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from teamformer.cli.app import AsJson, MissionPath, ReplayPath, app
+from teamformer.cli.app import AsJson, MissionPath, RecordPath, app
 
 
 @app.command()
 def check(
-    replay: ReplayPath,
-    scenario: Annotated[
+    record: RecordPath,
+    mission: Annotated[
         Path | None, typer.Option(help="the file that the record must be of")
     ] = None,
     as_json: AsJson = False,
@@ -21,7 +21,7 @@ def check(
     """Judge the record of a trial by the rules alone."""
     from teamformer.cli.verbs.records.check import check as command
 
-    raise typer.Exit(command(replay, scenario, as_json))
+    raise typer.Exit(command(record, mission, as_json))
 
 
 @app.command()
@@ -51,7 +51,7 @@ def view(
 def learn(
     mission: MissionPath,
     records: Annotated[
-        list[Path], typer.Argument(metavar="RECORD...", help="records, or folders with replay.json")
+        list[Path], typer.Argument(metavar="RECORD...", help="records, or folders with record.json")
     ],
     learned: Annotated[Path, typer.Argument(metavar="LEARNED", help="the .yaml to write")],
 ) -> None:
@@ -63,7 +63,7 @@ def learn(
 
 @app.command()
 def export(
-    replay: ReplayPath,
+    record: RecordPath,
     wanted: Annotated[
         list[Path],
         typer.Argument(metavar="FILE", help=".mcap, .gif, .yaml (the mission), or a folder"),
@@ -76,4 +76,4 @@ def export(
     """
     from teamformer.cli.verbs.records.export import export as command
 
-    raise typer.Exit(command(replay, wanted))
+    raise typer.Exit(command(record, wanted))

@@ -1,1 +1,1 @@
-"""Mission files, map importers and random scenarios."""
+"""Mission files, map importers and random missions."""

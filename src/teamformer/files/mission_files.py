@@ -1,4 +1,4 @@
-"""Mission files: YAML or JSON in and out (docs/reference/scenarios.md)."""
+"""Mission files: YAML or JSON in and out (docs/reference/mission.md)."""
 
 from __future__ import annotations
 
@@ -29,32 +29,32 @@ __all__ = [
 ]
 
 LARGEST_FILE = 20_000_000  # bytes
-"""A scenario of a hundred thousand robots fits; anything larger is not a scenario."""
+"""A mission of a hundred thousand robots fits; anything larger is not a mission."""
 MOST_LINES = 50
 """How many problems are told; nobody mends more at a time."""
 
 
 Finder = Callable[[Mission], Iterable[Problem]]
-"""Finds what keeps a scenario from being used for something."""
+"""Finds what keeps a mission from being used for something."""
 
 
 def read_mission(path: Path, find_problems: Finder | None = None) -> Mission:
-    """Read a scenario file; raises `MissionError` with every problem in it, each by line.
+    """Read a mission file; raises `MissionError` with every problem in it, each by line.
 
-    Maps are looked for beside the file. `find_problems` looks for more in a scenario that is good.
+    Maps are looked for beside the file. `find_problems` looks for more in a mission that is good.
     """
     tree = _parsed(path)
-    scenario = _read(tree, str(path), path.stem, path.parent)
+    mission = _read(tree, str(path), path.stem, path.parent)
     finders = [find_hopeless_windows, *([find_problems] if find_problems else ())]
-    for problem in (problem for find in finders for problem in find(scenario)):
+    for problem in (problem for find in finders for problem in find(mission)):
         tree.refuse(problem.where, problem.message)
     if tree.problems:
         raise error_of(tree, str(path))
-    return scenario
+    return mission
 
 
 def read_world_of(path: Path) -> World:
-    """Read the world of a scenario file, whatever is wrong with its other parts."""
+    """Read the world of a mission file, whatever is wrong with its other parts."""
     tree = _parsed(path)
     value = tree.value if isinstance(tree.value, dict) else {}
     world = None
@@ -66,20 +66,20 @@ def read_world_of(path: Path) -> World:
 
 
 def _parsed(path: Path) -> reader.Tree:
-    hint = "`teamformer generate -o FILE` writes a scenario to start from"
+    hint = "`teamformer generate -o FILE` writes a mission to start from"
     text = read_text(path, LARGEST_FILE, hint)
     is_json = path.suffix.lower() == ".json"
     return reader.parse_json(text) if is_json else reader.parse(text)
 
 
-def mission_from_tree(value: Any, source: str = "scenario") -> Mission:
-    """Build a scenario from a tree that is in memory already; `source` names it in errors."""
+def mission_from_tree(value: Any, source: str = "mission") -> Mission:
+    """Build a mission from a tree that is in memory already; `source` names it in errors."""
     return _read(reader.from_value(value), source, "unnamed", None)
 
 
-def write_mission(scenario: Mission, path: Path) -> None:
-    """Write a scenario that needs no other file; JSON if the name ends so, else YAML."""
-    tree = mission_to_tree(scenario)
+def write_mission(mission: Mission, path: Path) -> None:
+    """Write a mission that needs no other file; JSON if the name ends so, else YAML."""
+    tree = mission_to_tree(mission)
     if path.suffix.lower() == ".json":
         text = json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False, default=own_number)
         text += "\n"
@@ -95,13 +95,13 @@ def write_mission(scenario: Mission, path: Path) -> None:
 
 
 def _read(tree: reader.Tree, source: str, name: str, folder: Path | None) -> Mission:
-    scenario = None
+    mission = None
     if tree.value is not None or not tree.problems:  # else it has no value because it is broken
         with suppress(StopReadingError):
-            scenario = read_tree(Reader(tree), name, folder)
-    if scenario is None or tree.problems:
+            mission = read_tree(Reader(tree), name, folder)
+    if mission is None or tree.problems:
         raise error_of(tree, source)
-    return scenario
+    return mission
 
 
 def error_of(tree: reader.Tree, source: str) -> MissionError:

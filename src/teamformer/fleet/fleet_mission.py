@@ -1,4 +1,4 @@
-"""What every robot knows before it starts: the scenario as numbers, and how patient it is."""
+"""What every robot knows before it starts: the mission as numbers, and how patient it is."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import Plane
 
 Row = tuple[float, ...]
-"""How much there is of each capability, in the scenario's order."""
+"""How much there is of each capability, in the mission's order."""
 
 SLACK = 0.0005
 """Half of the last place of counts: sums of such fractions are not exact, but nearer than this."""
@@ -40,17 +40,17 @@ class Timers:
 
 @dataclass(frozen=True)
 class FleetMission:
-    """A scenario as agents need it; `step` is how many seconds a step of it takes."""
+    """A mission as agents need it; `step` is how many seconds a step of it takes."""
 
-    scenario: Mission
+    source: Mission
     step: float = 1.0
     timers: Timers = field(default_factory=Timers)
 
     def __post_init__(self) -> None:
-        tree = json.dumps([mission_to_tree(self.scenario), self.step], sort_keys=True)
+        tree = json.dumps([mission_to_tree(self.source), self.step], sort_keys=True)
         digest = hashlib.blake2b(tree.encode(), digest_size=8).digest()
-        caps, robots = self.scenario.capabilities, self.scenario.robots
-        world = self.scenario.world
+        caps, robots = self.source.capabilities, self.source.robots
+        world = self.source.world
         keep = object.__setattr__
         keep(self, "number", int.from_bytes(digest, "big") >> 2)
         keep(self, "counts", tuple(row_of(robot.can, caps) for robot in robots))
@@ -59,8 +59,8 @@ class FleetMission:
         keep(self, "regions", tuple(self.region(robot.at) for robot in robots))
         keep(self, "tasks", tuple(self._facts()))
         keep(self, "radius", world.arrival_radius if isinstance(world, Plane) else 0.0)
-        keep(self, "forming", self.scenario.forming_steps * self.step)
-        keep(self, "sight", max(self.radius, self.scenario.sensing_radius))
+        keep(self, "forming", self.source.forming_steps * self.step)
+        keep(self, "sight", max(self.radius, self.source.sensing_radius))
         keep(self, "ways", Ways(world))
         keep(self, "paces", tuple(world.pace(robot.speed) / self.step for robot in robots))
 
@@ -84,19 +84,19 @@ class FleetMission:
     @property
     def longest_walk(self) -> float:
         """Return how many seconds it takes the slowest robot to walk across the map."""
-        return (self.scenario.world.width + self.scenario.world.height) / min(self.paces)
+        return (self.source.world.width + self.source.world.height) / min(self.paces)
 
     def step_time(self, *robots: int) -> float:
         """Return for how long robots on their way stand in one place: in a cell, on a grid."""
         pace = min(self.paces[robot] for robot in robots)
-        return 1.0 / pace if isinstance(self.scenario.world, Grid) else 0.0
+        return 1.0 / pace if isinstance(self.source.world, Grid) else 0.0
 
     def base_of(self, robot: int) -> Place:
         """Return where a robot looks for others when it has nothing else to do.
 
         It is where the first of those starts that it can get to.
         """
-        return self.scenario.robots[self.regions.index(self.regions[robot])].at
+        return self.source.robots[self.regions.index(self.regions[robot])].at
 
     def is_same_place(self, x: float, y: float, other_x: float, other_y: float) -> bool:
         """Say whether two places are one."""
@@ -106,7 +106,7 @@ class FleetMission:
 
     def is_site(self, x: float, y: float) -> bool:
         """Say whether a task can be at a place: in a free cell of a grid, anywhere on a plane."""
-        world = self.scenario.world
+        world = self.source.world
         is_cell = float(x).is_integer() and float(y).is_integer()
         return world.is_free((x, y)) and (is_cell or not isinstance(world, Grid))
 
@@ -127,7 +127,7 @@ class FleetMission:
         """Return the connected part of the map that a place is in."""
         found = self._regions.get(place)
         if found is None:
-            found = self._regions[place] = self.scenario.world.region(place)
+            found = self._regions[place] = self.source.world.region(place)
         return found
 
     def can_do(self, robots: Iterable[int], task: TaskFact) -> bool:
@@ -140,13 +140,13 @@ class FleetMission:
         return self.can_do(range(self.robots), there)
 
     def in_units(self, counts: Sequence[float]) -> tuple[int, ...]:
-        """Return counts in the scenario's units, rounded up."""
-        named = dict(zip(self.scenario.capabilities, counts, strict=True))
-        return tuple(self.scenario.in_units(named).values())
+        """Return counts in the mission's units, rounded up."""
+        named = dict(zip(self.source.capabilities, counts, strict=True))
+        return tuple(self.source.in_units(named).values())
 
     def _facts(self) -> Iterable[TaskFact]:
-        for key, task in enumerate(self.scenario.tasks):
-            needs = row_of(task.needs, self.scenario.capabilities)
+        for key, task in enumerate(self.source.tasks):
+            needs = row_of(task.needs, self.source.capabilities)
             x, y = task.at
             duration, appears = task.duration * self.step, task.appears * self.step
             to = None if task.to is None else (float(task.to[0]), float(task.to[1]))

@@ -53,18 +53,18 @@ class CoordinatedPlanner:
         added = [task for task in situation.tasks if task.key >= own]
         news = [task for task in situation.tasks if task.key >= own or _is_moved(mission, task)]
         are_sane = all(_can_be_at(mission, robot, situation.places[robot]) for robot in robots)
-        scenario = self._as_it_is(mission, news) if are_sane else None
-        if scenario is None:
+        source = self._as_it_is(mission, news) if are_sane else None
+        if source is None:
             return _one_after_another(mission, situation, robots)
-        key_of = [*range(own), *(task.key for task in added)]  # of each task of the scenario
+        key_of = [*range(own), *(task.key for task in added)]  # of each task of the source
         number_of = {key: number for number, key in enumerate(key_of)}
-        is_grid = isinstance(mission.scenario.world, Grid)
-        places = [robot.at for robot in mission.scenario.robots]
+        is_grid = isinstance(mission.source.world, Grid)
+        places = [robot.at for robot in mission.source.robots]
         for robot in robots:
             places[robot] = _place(situation.places[robot], is_grid)
         old = _old_plan(situation, number_of)
         known = Known(
-            mission=scenario,
+            mission=source,
             step=0,
             open_tasks=tuple(number_of[task.key] for task in situation.tasks),
             places=tuple(places),
@@ -101,7 +101,7 @@ class CoordinatedPlanner:
         None if it could not be run so. The last such mission is kept.
         """
         if not news:
-            return mission.scenario
+            return mission.source
         if self._changed is None or self._changed[:2] != (mission.number, news):
             self._changed = (mission.number, news, _change(mission, news))
         return self._changed[2]
@@ -115,12 +115,12 @@ def _is_moved(mission: FleetMission, task: TaskFact) -> bool:
 
 def _can_be_at(mission: FleetMission, robot: int, place: tuple[float, float]) -> bool:
     """Say whether a robot can have got to where it says that it is."""
-    world = mission.scenario.world
+    world = mission.source.world
     return world.is_free(place) and world.region(place) == mission.regions[robot]
 
 
 def _old_plan(situation: FleetSituation, number_of: Mapping[int, int]) -> Plan | None:
-    """Return what is left of the plan before, in the numbers of the scenario."""
+    """Return what is left of the plan before, in the numbers of the mission."""
     open_keys = {task.key for task in situation.tasks}
     kept = [
         (number_of[key], tuple(robot for robot in coalition if robot in situation.places))
@@ -134,7 +134,7 @@ def _old_plan(situation: FleetSituation, number_of: Mapping[int, int]) -> Plan |
 
 
 def _change(mission: FleetMission, news: Sequence[TaskFact]) -> Mission | None:
-    whole = mission.scenario
+    whole = mission.source
     caps, is_grid = whole.capabilities, isinstance(whole.world, Grid)
     tasks = list(whole.tasks)
     for task in news:

@@ -124,13 +124,13 @@ def never_spoke(word: Word) -> bool:
     return word.version & ~LOST == 0
 
 
-def read_signatures(folder: Path, scenario: Mission, mission: int, who: int | None) -> Signatures:
+def read_signatures(folder: Path, source: Mission, mission: int, who: int | None) -> Signatures:
     """Return the keys in a folder: NAME.pub of every robot and of `operator`, and NAME.key of one.
 
     `who` is a robot's number, OPERATOR, or None for who only listens. Raises `TeamformerError` with
     the file that is missing or no key.
     """
-    names = {number: robot.name for number, robot in enumerate(scenario.robots)}
+    names = {number: robot.name for number, robot in enumerate(source.robots)}
     names[OPERATOR] = OPERATORS_NAME
     public = {}
     for number, name in names.items():

@@ -95,7 +95,7 @@ def _play(start: TeamFormation, policy: Policy) -> list[Tally]:
     policy.begin(None, np.random.default_rng(0))
     while env.is_running.any():
         env.step(policy.decide(env.view()))
-    return [env.tally(w) for w in range(len(env.scenarios))]
+    return [env.tally(w) for w in range(len(env.missions))]
 
 
 def torch_brain(

@@ -206,12 +206,12 @@ class Session:
             return await asyncio.to_thread(self._with_bound)
 
     def save(self) -> tuple[Path, ...]:
-        """Write the record and the scenario with all incidents; return their paths."""
+        """Write the record and the mission with all incidents; return their paths."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        record, scenario = self.folder / "replay.json", self.folder / "scenario.yaml"
+        record, mission = self.folder / "record.json", self.folder / "mission.yaml"
         save_record(self._with_bound(), record)
-        write_mission(self.mission.scenario, scenario)
-        return record, scenario
+        write_mission(self.mission.source, mission)
+        return record, mission
 
     @property
     def note(self) -> str:
@@ -233,7 +233,7 @@ class Session:
             self._tell_all("state", self._state())
         elif command == "happen":
             async with self.lock:
-                await self.happen(read_incident(message, self.mission.scenario))
+                await self.happen(read_incident(message, self.mission.source))
         elif command == "what_if":
             work = self._weigh(watcher, message)
             self._errands.begin(watcher, or_refuse(watcher, work, is_weighed=True))
@@ -286,7 +286,7 @@ class Session:
         """Tell a page what an incident would cost or gain if it happened now."""
         async with self.lock:
             now = self.mission.as_it_stands()
-        incident = read_incident(message, now.scenario)
+        incident = read_incident(message, now.source)
         weighed = await apart(partial(what_if, now, incident))
         watcher.tell(json.dumps({"kind": "what_if"} | weighed.to_tree()))
         if now.is_planned:

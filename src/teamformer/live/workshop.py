@@ -165,7 +165,7 @@ class Workshop:
         What was drawn on another drawing than the one that is kept is refused, and the page is
         shown that: so no page draws over what it has not seen.
         """
-        tree, own, after = (message.get(key) for key in ("scenario", "id", "after"))
+        tree, own, after = (message.get(key) for key in ("mission", "id", "after"))
         if own == self._draft.id:
             return tree
         if after not in (None, self._draft.id):
@@ -180,20 +180,20 @@ class Workshop:
         return tree
 
     def _tell_draft(self, *watchers: Watcher) -> None:
-        draft = {"scenario": self._draft.tree, "file": self._draft.file, "id": self._draft.id}
+        draft = {"mission": self._draft.tree, "file": self._draft.file, "id": self._draft.id}
         for watcher in watchers:
             watcher.tell(json.dumps({"kind": "editor"} | draft))
 
     def _tell_starting(self, *watchers: Watcher) -> None:
-        starting = {"kind": "starting", "scenario": self._draft.tree, "text": self._doing}
+        starting = {"kind": "starting", "mission": self._draft.tree, "text": self._doing}
         for watcher in watchers:
             watcher.tell(json.dumps(starting))
 
-    async def _run(self, scenario: Mission) -> None:
+    async def _run(self, source: Mission) -> None:
         """Begin a mission, and have all pages come to it; or tell them why it cannot be run."""
         async with self._lock:
             autosave = Autosave(self._folder / NAME, Identity(secrets.token_hex(8), self._draft))
-            mission = await self._made(lambda: self._start(scenario), FIRST_PLAN)
+            mission = await self._made(lambda: self._start(source), FIRST_PLAN)
             if mission is not None:
                 autosave.begin(mission)
                 self._have_run(mission, autosave)

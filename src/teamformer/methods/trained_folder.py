@@ -24,7 +24,7 @@ class PolicyDescription:
     """What a folder says of its policy."""
 
     network: str  # the kind: any, teamformer, deepset, gnn
-    capabilities: int | None  # the most that a scenario may have; None: any number
+    capabilities: int | None  # the most that a mission may have; None: any number
     format: int = FORMAT
 
 

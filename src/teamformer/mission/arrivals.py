@@ -18,21 +18,21 @@ MILLIMETRES = 1000
 """In a metre: places on a plane are drawn to one of them, as random missions have them."""
 
 
-def draw_arrivals(scenario: Mission, rng: np.random.Generator) -> tuple[Task, ...]:
-    """Return the tasks that appear by the arrivals of a scenario, in the order in which they do.
+def draw_arrivals(mission: Mission, rng: np.random.Generator) -> tuple[Task, ...]:
+    """Return the tasks that appear by the arrivals of a mission, in the order in which they do.
 
     None if it has none, or if it holds them already. All lie in the connected part of the map in
     which most robots start, and need only what robots that start there bring.
     """
-    arrivals = scenario.arrivals
-    if arrivals is None or any(task.has_arrived for task in scenario.tasks):
+    arrivals = mission.arrivals
+    if arrivals is None or any(task.has_arrived for task in mission.tasks):
         return ()
-    part = busiest_part(scenario)
-    caps, names = capabilities_in(scenario, part), _free_names(scenario)
+    part = busiest_part(mission)
+    caps, names = capabilities_in(mission, part), _free_names(mission)
     drawn = []
     for step in range(1, arrivals.until + 1):
         if rng.random() < arrivals.rate:
-            place = _draw_place(scenario, part, rng)
+            place = _draw_place(mission, part, rng)
             most = min(arrivals.most_needs or len(caps), len(caps))
             chosen = rng.permutation(len(caps))[: rng.integers(1, most + 1)]
             needs = {caps[cap]: 1 for cap in sorted(chosen.tolist())}
@@ -42,54 +42,54 @@ def draw_arrivals(scenario: Mission, rng: np.random.Generator) -> tuple[Task, ..
     return tuple(drawn)
 
 
-def once_appeared(scenario: Mission, truth: Mission, steps: int) -> Mission:
-    """Return a scenario in which what has appeared by a truth is known, as tasks like others.
+def once_appeared(mission: Mission, truth: Mission, steps: int) -> Mission:
+    """Return a mission in which what has appeared by a truth is known, as tasks like others.
 
     More appear as they would have.
     """
-    if scenario.arrivals is None:
-        return scenario
-    arrived = truth.tasks[len(scenario.tasks) :]
+    if mission.arrivals is None:
+        return mission
+    arrived = truth.tasks[len(mission.tasks) :]
     known = tuple(replace(task, has_arrived=False) for task in arrived if task.appears <= steps)
-    arrivals = replace(scenario.arrivals, since=max(scenario.arrivals.since, steps))
-    return replace(scenario, arrivals=arrivals, tasks=(*scenario.tasks, *known))
+    arrivals = replace(mission.arrivals, since=max(mission.arrivals.since, steps))
+    return replace(mission, arrivals=arrivals, tasks=(*mission.tasks, *known))
 
 
-def with_arrivals(scenario: Mission, truth: Mission) -> Mission:
-    """Return a scenario with the tasks that appear in it by a truth, as tasks that are late."""
-    if scenario.arrivals is None or len(scenario.tasks) == len(truth.tasks):
-        return scenario
-    return replace(scenario, tasks=(*scenario.tasks, *truth.tasks[len(scenario.tasks) :]))
+def with_arrivals(mission: Mission, truth: Mission) -> Mission:
+    """Return a mission with the tasks that appear in it by a truth, as tasks that are late."""
+    if mission.arrivals is None or len(mission.tasks) == len(truth.tasks):
+        return mission
+    return replace(mission, tasks=(*mission.tasks, *truth.tasks[len(mission.tasks) :]))
 
 
-def without_arrivals(scenario: Mission) -> Mission:
-    """Return a scenario as its file has it, without the tasks that appear in it by a truth."""
-    if scenario.arrivals is None:
-        return scenario
-    return replace(scenario, tasks=tuple(t for t in scenario.tasks if not t.has_arrived))
+def without_arrivals(mission: Mission) -> Mission:
+    """Return a mission as its file has it, without the tasks that appear in it by a truth."""
+    if mission.arrivals is None:
+        return mission
+    return replace(mission, tasks=tuple(t for t in mission.tasks if not t.has_arrived))
 
 
-def capabilities_in(scenario: Mission, part: int) -> list[str]:
+def capabilities_in(mission: Mission, part: int) -> list[str]:
     """Return what the robots that start in a part of the map bring, at least one of it."""
-    have = totals_by_region(scenario.world, scenario.robots)[part]
-    return [cap for cap in scenario.capabilities if have.get(cap, 0) >= 1]
+    have = totals_by_region(mission.world, mission.robots)[part]
+    return [cap for cap in mission.capabilities if have.get(cap, 0) >= 1]
 
 
-def most_tasks(scenario: Mission) -> int:
+def most_tasks(mission: Mission) -> int:
     """Return how many tasks there may be in the end."""
-    arrivals = scenario.arrivals
-    return len(scenario.tasks) + (max(0, arrivals.until - arrivals.since) if arrivals else 0)
+    arrivals = mission.arrivals
+    return len(mission.tasks) + (max(0, arrivals.until - arrivals.since) if arrivals else 0)
 
 
-def _free_names(scenario: Mission) -> Iterator[str]:
-    taken = {task.name for task in scenario.tasks}
+def _free_names(mission: Mission) -> Iterator[str]:
+    taken = {task.name for task in mission.tasks}
     names = (f"call-{number}" for number in itertools.count(1))
     return (name for name in names if name not in taken)
 
 
-def _draw_place(scenario: Mission, part: int, rng: np.random.Generator) -> Place:
+def _draw_place(mission: Mission, part: int, rng: np.random.Generator) -> Place:
     """Return any free place of a part of the map, each as likely as any other."""
-    world = scenario.world
+    world = mission.world
     if isinstance(world, Plane):
         x, y = (np.floor(rng.uniform(0, world.corner) * MILLIMETRES) / MILLIMETRES).tolist()
         return x, y

@@ -1,4 +1,4 @@
-"""The words of the project: robot, task and scenario, checked when built."""
+"""The words of the project: robot, task and mission, checked when built."""
 
 from __future__ import annotations
 
@@ -198,12 +198,12 @@ def expected_steps(least: int, most: int) -> int:
 
 @dataclass(frozen=True)
 class Mission:
-    """A world with its robots, tasks and rules: what a scenario file holds.
+    """A world with its robots, tasks and rules: what a mission file holds.
 
     `teams` are the starting teams, as robot numbers; robots named in none start alone.
     Distances (`sensing_radius`, `join_radius`) are Euclidean, in cells or, on a plane, in metres.
     However small these are, teams in the same place sense each other and may join. Building an
-    impossible scenario raises `MissionError` with every problem found.
+    impossible mission raises `MissionError` with every problem found.
 
     `time` is `steps` or `continuous`. In continuous time a task starts when its last robot is
     there, and a coalition whose robots do not come from one place takes `forming` more. A mission
@@ -274,7 +274,7 @@ class Mission:
         return out_of_units(counts, self.units)
 
 
-def default_step_limit(scenario: Mission) -> int:
+def default_step_limit(mission: Mission) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 
     Four more are added for each load.
@@ -283,40 +283,40 @@ def default_step_limit(scenario: Mission) -> int:
     duration, every repair and the latest arrival are added; and where a task is to be looked for, a
     walk to every place that it may be in.
     """
-    slowest = min(scenario.world.pace(robot.speed) for robot in scenario.robots)
-    chances = (robot.delays.chance for robot in scenario.robots if robot.delays)
-    mends = ((r.breaks.rate, r.breaks.repair) for r in scenario.robots if r.breaks)
+    slowest = min(mission.world.pace(robot.speed) for robot in mission.robots)
+    chances = (robot.delays.chance for robot in mission.robots if robot.delays)
+    mends = ((r.breaks.rate, r.breaks.repair) for r in mission.robots if r.breaks)
     is_there = (1 / (1 + rate * repair[1]) for rate, repair in mends if repair)
     share = math.prod(1 - chance for chance in chances) * min(is_there, default=1)
     slowest *= max(LEAST_WALKED, share)
     looks = sum(
-        len(possible_places(scenario.world, task.at, task.within))
-        for task in scenario.tasks
+        len(possible_places(mission.world, task.at, task.within))
+        for task in mission.tasks
         if task.within
     )
-    count, latest = len(scenario.tasks), max(opening_step(task) for task in scenario.tasks)
-    if scenario.arrivals is not None:
-        mean, until = scenario.arrivals.rate * scenario.arrivals.until, scenario.arrivals.until
+    count, latest = len(mission.tasks), max(opening_step(task) for task in mission.tasks)
+    if mission.arrivals is not None:
+        mean, until = mission.arrivals.rate * mission.arrivals.until, mission.arrivals.until
         count += min(until, math.ceil(2 * mean) + MORE_ARRIVALS)
         latest = max(latest, until)
-    loads = sum(task.to is not None for task in scenario.tasks)
-    walks = (4 * (count + loads + 1) + looks) * _longest_walk(scenario)
-    waits = sum(task.longest + task.unload for task in scenario.tasks)
-    waits += sum(r.breaks.repair[1] for r in scenario.robots if r.breaks and r.breaks.repair)
-    if scenario.arrivals is not None:
-        waits += (count - len(scenario.tasks)) * scenario.arrivals.duration
-    forming = 4 * (count + 1) * len(scenario.robots)
+    loads = sum(task.to is not None for task in mission.tasks)
+    walks = (4 * (count + loads + 1) + looks) * _longest_walk(mission)
+    waits = sum(task.longest + task.unload for task in mission.tasks)
+    waits += sum(r.breaks.repair[1] for r in mission.robots if r.breaks and r.breaks.repair)
+    if mission.arrivals is not None:
+        waits += (count - len(mission.tasks)) * mission.arrivals.duration
+    forming = 4 * (count + 1) * len(mission.robots)
     steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(forming, MOST_FORMING)
     return steps + min(math.ceil(waits + latest), MOST_WAITING)
 
 
-def _longest_walk(scenario: Mission) -> float:
+def _longest_walk(mission: Mission) -> float:
     """Return a length that suffices between any two places that a robot can walk between."""
-    world = scenario.world
+    world = mission.world
     if isinstance(world, Roads):
         return world.longest_way
     across = world.width + world.height
     if not world.rows:
         return across
-    begins = {world.region(r.at): (int(r.at[0]), int(r.at[1])) for r in scenario.robots}
+    begins = {world.region(r.at): (int(r.at[0]), int(r.at[1])) for r in mission.robots}
     return 2 * max(across, flood(world.rows, FREE, begins.values()))  # there and back

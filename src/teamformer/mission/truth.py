@@ -28,23 +28,23 @@ OF_TASKS, OF_ROBOTS, OF_DELAYS, OF_ARRIVALS = 1, 2, 3, 4
 about the others."""
 
 
-def draw_truth(scenario: Mission, seed: int) -> Mission:
+def draw_truth(mission: Mission, seed: int) -> Mission:
     """Return the mission as it really is: the same one where nothing about it is uncertain."""
-    if not scenario.has_surprises:
-        return scenario
+    if not mission.has_surprises:
+        return mission
     return replace(
-        scenario,
+        mission,
         arrivals=None,
         tasks=(
             *(
-                _true_task(task, scenario.world, np.random.default_rng([OF_TASKS, seed, number]))
-                for number, task in enumerate(scenario.tasks)
+                _true_task(task, mission.world, np.random.default_rng([OF_TASKS, seed, number]))
+                for number, task in enumerate(mission.tasks)
             ),
-            *draw_arrivals(scenario, np.random.default_rng([OF_ARRIVALS, seed])),
+            *draw_arrivals(mission, np.random.default_rng([OF_ARRIVALS, seed])),
         ),
         robots=tuple(
-            _true_robot(robot, scenario.step_limit, seed, number)
-            for number, robot in enumerate(scenario.robots)
+            _true_robot(robot, mission.step_limit, seed, number)
+            for number, robot in enumerate(mission.robots)
         ),
     )
 
@@ -94,19 +94,19 @@ def draw_absences(
     return tuple(absences)
 
 
-def truth_until(scenario: Mission, truth: Mission, steps: int) -> Mission:
+def truth_until(mission: Mission, truth: Mission, steps: int) -> Mission:
     """Return a truth without the breakdowns that come after so many steps."""
     robots = (
         replace(real, absences=tuple(away for away in real.absences if away.lost <= steps))
         if robot.breaks is not None
         else real
-        for robot, real in zip(scenario.robots, truth.robots, strict=True)
+        for robot, real in zip(mission.robots, truth.robots, strict=True)
     )
     return replace(truth, robots=tuple(robots))
 
 
 def believed_mission(
-    scenario: Mission,
+    mission: Mission,
     needs: Mapping[int, Counts],
     places: Mapping[int, Place] | None = None,
 ) -> Mission:
@@ -115,28 +115,28 @@ def believed_mission(
     `places` says where tasks are believed to be; left out, it is where they are before anybody has
     looked. Durations and speeds are what to expect; nobody breaks down, and no more tasks appear.
     """
-    if not scenario.has_surprises and not places:
-        return scenario
+    if not mission.has_surprises and not places:
+        return mission
     places = places or {}
     tasks = (
         task.once_known(
-            places[number] if number in places else believed_place(scenario.world, task),
+            places[number] if number in places else believed_place(mission.world, task),
             needs.get(number, task.needs),
             task.duration,
         )
-        for number, task in enumerate(scenario.tasks)
+        for number, task in enumerate(mission.tasks)
     )
     robots = (
         replace(robot, breaks=None, delays=None, speed=robot.expected_speed)
-        for robot in scenario.robots
+        for robot in mission.robots
     )
-    return replace(scenario, arrivals=None, tasks=tuple(tasks), robots=tuple(robots))
+    return replace(mission, arrivals=None, tasks=tuple(tasks), robots=tuple(robots))
 
 
-def expected_mission(scenario: Mission) -> Mission:
+def expected_mission(mission: Mission) -> Mission:
     """Return an uncertain mission as it is believed before it begins; see `expected_needs`."""
-    needs = (expected_needs(task, "scouting") for task in scenario.tasks)
-    return believed_mission(scenario, dict(enumerate(needs)))
+    needs = (expected_needs(task, "scouting") for task in mission.tasks)
+    return believed_mission(mission, dict(enumerate(needs)))
 
 
 def expected_needs(task: Task, foresight: str) -> Counts:

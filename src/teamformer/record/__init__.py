@@ -1,1 +1,1 @@
-"""The record of a trial, and its file (docs/reference/replay.md)."""
+"""The record of a trial, and its file (docs/reference/record.md)."""

@@ -55,15 +55,15 @@ def work_on(task: Task, is_up: bool, step: int, done_in: float) -> str:
     return UNLOADING if step > done_in - task.unload else CARRYING
 
 
-def believed_places(replay: Record) -> list[Place]:
+def believed_places(record: Record) -> list[Place]:
     """Return where each task is believed to be before anybody has looked."""
-    scenario, mission = replay.scenario, replay.mission
-    believed = [believed_place(scenario.world, task) for task in scenario.tasks]
+    source, mission = record.mission, record.true_mission
+    believed = [believed_place(source.world, task) for task in source.tasks]
     return [*believed, *(task.at for task in mission.tasks[len(believed) :])]
 
 
-def is_same_place(scenario: Mission, one: Place, other: Place) -> bool:
+def is_same_place(mission: Mission, one: Place, other: Place) -> bool:
     """Say whether two places are one: the same cell, or points within the arrival radius."""
-    if isinstance(scenario.world, Plane):
-        return math.dist(one, other) <= scenario.world.arrival_radius + 1e-9
+    if isinstance(mission.world, Plane):
+        return math.dist(one, other) <= mission.world.arrival_radius + 1e-9
     return one == other

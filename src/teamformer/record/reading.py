@@ -50,25 +50,28 @@ from teamformer.record.values import (
 LARGEST_FILE = 1_000_000_000  # bytes
 """A thousand robots on the move for three thousand steps take 40 MB."""
 REASONS = (*NEWS, TAKEN_OVER)
-RUN_AGAIN = "run the scenario again to have it written anew"
+RUN_AGAIN = "run the mission again to have it written anew"
 
 STEP_KEYS = tuple(field.name for field in fields(Step))
 ENDING_KEYS = tuple(field.name for field in fields(Ending))
 ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
-REPLAY_KEYS = (RECORD, *(field.name for field in fields(Record)))
+RECORD_BEFORE = "teamformer_replay"
+"""The key of a record's version in formats 1 and 2."""
+
+RECORD_KEYS = (RECORD, *(field.name for field in fields(Record)))
 OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight", "heeds")
-NEEDED_KEYS = tuple(key for key in REPLAY_KEYS if key not in OPTIONAL_KEYS)
+NEEDED_KEYS = tuple(key for key in RECORD_KEYS if key not in OPTIONAL_KEYS)
 
 
 def read_record(path: Path) -> Record:
-    """Read a replay file.
+    """Read a record file.
 
     Raises `RecordError` saying what is wrong with the file and what to do, `MissionError` where
-    the scenario in it is what is wrong.
+    the mission in it is what is wrong.
     """
     if path.is_dir():
         raise RecordError(
-            f"{path}: this is a folder", f"name the file in it: {path / 'replay.json'}"
+            f"{path}: this is a folder", f"name the file in it: {path / 'record.json'}"
         )
     try:
         text = read_text(path, LARGEST_FILE, "`teamformer run MISSION --out DIR` writes one")
@@ -84,7 +87,7 @@ def _parse(text: str, source: str) -> Any:
         raise RecordError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
     except json.JSONDecodeError as error:
         if any(line.startswith("teamformer:") for line in text.splitlines()):
-            hint = "run it with --out FOLDER: that writes its record, replay.json"
+            hint = "run it with --out FOLDER: that writes its record, record.json"
             raise RecordError(f"{source}: this is a mission, not a record", hint) from None
         is_cut = _is_unfinished(text[error.pos :].strip()) or error.msg.startswith("Unterminated")
         what = "it breaks off" if is_cut else f"this is not JSON: {error.msg}"
@@ -92,7 +95,7 @@ def _parse(text: str, source: str) -> Any:
     except (ValueError, RecursionError) as error:
         is_deep = isinstance(error, RecursionError)
         what = "lists lie in lists in lists" if is_deep else "a number has thousands of digits"
-        raise RecordError(f"{source}: this is no replay: {what}", RUN_AGAIN) from None
+        raise RecordError(f"{source}: this is no record: {what}", RUN_AGAIN) from None
 
 
 def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -111,29 +114,32 @@ def _is_unfinished(rest: str) -> bool:
 
 
 def record_from_tree(tree: Any, source: str) -> Record:
-    """Build a replay from the tree of its file; `source` names it in errors.
+    """Build a record from the tree of its file; `source` names it in errors.
 
     Raises what `read_record` raises.
     """
     _check_version(tree, source)
     try:
-        check_keys(tree, REPLAY_KEYS, NEEDED_KEYS)
-        scenario = mission_from_tree(tree["scenario"], f"{source}: scenario")
-        return _replay(tree, scenario)
+        check_keys(tree, RECORD_KEYS, NEEDED_KEYS)
+        mission = mission_from_tree(tree["mission"], f"{source}: mission")
+        return _record(tree, mission)
     except DamageError as damage:
         raise RecordError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
 
 
 def _check_version(tree: Any, source: str) -> None:
+    if isinstance(tree, dict) and RECORD_BEFORE in tree:
+        what = f"its format is of an earlier teamformer, which called a record '{RECORD_BEFORE}'"
+        raise RecordError(f"{source}: {what}", RUN_AGAIN)
     if not isinstance(tree, dict) or RECORD not in tree:
-        hint = "name the replay.json that `teamformer run` wrote"
-        raise RecordError(f"{source}: this is not a replay: it has no '{RECORD}'", hint)
+        hint = "name the record.json that `teamformer run` wrote"
+        raise RecordError(f"{source}: this is not a record: it has no '{RECORD}'", hint)
     version = tree[RECORD]
     if not is_whole(version) or version < 1:
         what = f"the format version is {short(version)}, not a number from 1 on"
         raise RecordError(f"{source}: {what}", RUN_AGAIN)
     if version < VERSION:
-        what = f"format {version} is of an earlier teamformer, which knew no methods"
+        what = f"format {version} is of an earlier teamformer, which wrote other keys"
         raise RecordError(f"{source}: {what}", RUN_AGAIN)
     if version > VERSION:
         what = f"format {short(version)} is newer than {VERSION}"
@@ -144,15 +150,15 @@ Coordinate = Callable[[Any], float]
 """Reads a coordinate: whole on a grid."""
 
 
-def _replay(tree: Mapping[str, Any], scenario: Mission) -> Record:
+def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
     with inside("truth"):
         truth = None
-        if scenario.has_surprises or "truth" in tree:
-            truth = truth_from_tree(scenario, tree.get("truth"))
-            scenario = with_arrivals(scenario, truth)
-    robots, tasks = len(scenario.robots), len(scenario.tasks)
+        if mission.has_surprises or "truth" in tree:
+            truth = truth_from_tree(mission, tree.get("truth"))
+            mission = with_arrivals(mission, truth)
+    robots, tasks = len(mission.robots), len(mission.tasks)
     bound = tree["lower_bound"]
-    along = metres if isinstance(scenario.world, Plane) else number_of
+    along = metres if isinstance(mission.world, Plane) else number_of
     with inside("orders"):
         orders = tuple(
             (count_of(at), numbers_below(order, tasks)) for at, order in rows_of(tree["orders"], 2)
@@ -177,7 +183,7 @@ def _replay(tree: Mapping[str, Any], scenario: Mission) -> Record:
     if method != FLEET and any(slot is None for step in steps for _, slot in step.done):
         raise DamageError("a task is done by nobody, which only the record of a fleet may say")
     return Record(
-        scenario=scenario,
+        mission=mission,
         method=method,
         seed=whole_number(tree["seed"]),
         orders=orders,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from teamformer.mission.model import Mission
 
-VERSION = 2
+VERSION = 3
 FLEET = "fleet"
 """The method in records of fleets, whose robots decide for themselves and keep no steps."""
 HEARD = ("beat", "facts", "plan")
@@ -77,9 +77,9 @@ class Ending:
 
 @dataclass(frozen=True)
 class Record:
-    """A whole trial; scenario, method and seed determine the rest."""
+    """A whole trial; mission, method and seed determine the rest."""
 
-    scenario: Mission
+    mission: Mission
     method: str
     seed: int
     orders: tuple[tuple[int, tuple[int, ...]], ...]  # steps made, open tasks in order
@@ -100,6 +100,6 @@ class Record:
         return bool(self.plans or self.heeds)
 
     @property
-    def mission(self) -> Mission:
+    def true_mission(self) -> Mission:
         """Return the mission as it really was."""
-        return self.scenario if self.truth is None else self.truth
+        return self.mission if self.truth is None else self.truth

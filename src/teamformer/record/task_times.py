@@ -9,70 +9,70 @@ from teamformer.record.record import Record
 from teamformer.world.rules.constants import NEVER
 
 
-def done_steps(replay: Record) -> dict[int, int]:
+def done_steps(record: Record) -> dict[int, int]:
     """Return the step in which each task was done, by number."""
     return {
-        task: number for number, step in enumerate(replay.steps, start=1) for task, _ in step.done
+        task: number for number, step in enumerate(record.steps, start=1) for task, _ in step.done
     }
 
 
-def cancelled_steps(replay: Record) -> dict[int, int]:
+def cancelled_steps(record: Record) -> dict[int, int]:
     """Return the step in which each task was called off that was, by number."""
-    made = len(replay.steps)
+    made = len(record.steps)
     due = {
         number: task.cancelled
-        for number, task in enumerate(replay.scenario.tasks)
+        for number, task in enumerate(record.mission.tasks)
         if task.cancelled is not None and task.cancelled <= made
     }
-    done = done_steps(replay) if due else {}
+    done = done_steps(record) if due else {}
     return {number: step for number, step in due.items() if number not in done}
 
 
-def over_steps(replay: Record) -> dict[int, int]:
+def over_steps(record: Record) -> dict[int, int]:
     """Return the step in which each task was done or called off, by number."""
-    return done_steps(replay) | cancelled_steps(replay)
+    return done_steps(record) | cancelled_steps(record)
 
 
-def known_steps(replay: Record) -> list[int]:
+def known_steps(record: Record) -> list[int]:
     """Return how many steps were made when each task became known; NEVER if it did not."""
     return [
         NEVER if task.cancelled is not None and task.cancelled <= task.appears else task.appears
-        for task in replay.scenario.tasks
+        for task in record.mission.tasks
     ]
 
 
-def opening_steps(replay: Record) -> list[int]:
+def opening_steps(record: Record) -> list[int]:
     """Return how many steps were made when each task could begin, had nobody called it off.
 
     It is known then, its window has begun, and every task that it comes after is over. NEVER if it
     did not get known, or one of these was not over.
     """
-    tasks, over = replay.scenario.tasks, over_steps(replay)
+    tasks, over = record.mission.tasks, over_steps(record)
     before = tasks_before(tasks)
     return [
         max([known, window_opens(task), *(over.get(k, NEVER) for k in before.get(number, ()))])
-        for number, (task, known) in enumerate(zip(tasks, known_steps(replay), strict=True))
+        for number, (task, known) in enumerate(zip(tasks, known_steps(record), strict=True))
     ]
 
 
-def cost_of_record(replay: Record) -> float | None:
+def cost_of_record(record: Record) -> float | None:
     """Return what a mission cost; None if it has no cost, or is not over."""
-    return cost_in_steps(replay.mission, done_steps(replay), replay.end.makespan)
+    return cost_in_steps(record.true_mission, done_steps(record), record.end.makespan)
 
 
-def judged_value(replay: Record) -> float | None:
+def judged_value(record: Record) -> float | None:
     """Return what plans of the mission are judged by, the less the better; None if it is not over.
 
     It is the cost, the mean of makespan and lateness if there are windows, or the makespan.
     """
-    weights, makespan = judged_by(replay.mission), replay.end.makespan
+    weights, makespan = judged_by(record.true_mission), record.end.makespan
     if weights is None or makespan is None:
         return makespan
-    return weighed(replay.mission, weights, done_steps(replay), makespan)
+    return weighed(record.true_mission, weights, done_steps(record), makespan)
 
 
-def lateness(replay: Record) -> dict[str, float]:
+def lateness(record: Record) -> dict[str, float]:
     """Return by how many steps tasks were done after their window, by name, for those that were."""
-    tasks, done = replay.scenario.tasks, done_steps(replay)
+    tasks, done = record.mission.tasks, done_steps(record)
     by = {tasks[task].name: step - latest_end(tasks[task].between) for task, step in done.items()}
     return {name: steps for name, steps in by.items() if steps > 0}

@@ -17,15 +17,15 @@ class Teams:
     holds the slot of each robot's team, NOBODY while the robot is lost.
     """
 
-    def __init__(self, replay: Record) -> None:
+    def __init__(self, record: Record) -> None:
         """Begin where the record begins, before its first step."""
-        fleet = replay.scenario.robots
+        fleet = record.mission.robots
         self.slot = [NOBODY] * len(fleet)
         self.robots: dict[int, tuple[int, ...]] = {}
         self.at: dict[int, Place] = {}
         self.task: dict[int, int] = {}
         self._left_at: list[Place] = [robot.at for robot in fleet]  # of robots that are lost
-        for _, robots, x, y in replay.start:
+        for _, robots, x, y in record.start:
             self._found(robots, (x, y), NOBODY)
 
     def follow(self, step: Step) -> set[int]:
@@ -92,10 +92,10 @@ class Teams:
         return self.robots.pop(slot), self.at.pop(slot), self.task.pop(slot)
 
 
-def completions(replay: Record) -> Iterator[tuple[int, int, tuple[int, ...]]]:
+def completions(record: Record) -> Iterator[tuple[int, int, tuple[int, ...]]]:
     """Yield step, task and robots of every task that was done, in the order of the record."""
-    teams = Teams(replay)
-    for number, step in enumerate(replay.steps, start=1):
+    teams = Teams(record)
+    for number, step in enumerate(record.steps, start=1):
         teams.follow(step)
         for task, slot in step.done:
             yield number, task, teams.doers(slot)

@@ -1,4 +1,4 @@
-"""What an uncertain mission really was, as records keep it: only what the scenario leaves open."""
+"""What an uncertain mission really was, as records keep it: only what the mission leaves open."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from teamformer.record.values import (
 )
 
 
-def truth_to_tree(scenario: Mission, truth: Mission) -> dict[str, Any]:
+def truth_to_tree(mission: Mission, truth: Mission) -> dict[str, Any]:
     """Return, by name, what tasks took and needed, where they were, and when robots were lost."""
     tasks, robots = {}, {}
-    for task, true in zip(scenario.tasks, truth.tasks, strict=True):
+    for task, true in zip(mission.tasks, truth.tasks, strict=True):
         said: dict[str, Any] = {}
         if task.lasts is not None:
             said["duration"] = true.duration
@@ -39,38 +39,38 @@ def truth_to_tree(scenario: Mission, truth: Mission) -> dict[str, Any]:
             said["at"] = list(true.at)
         if said:
             tasks[task.name] = said
-    for robot, real in zip(scenario.robots, truth.robots, strict=True):
+    for robot, real in zip(mission.robots, truth.robots, strict=True):
         if robot.has_surprises:
             said = absences_to_tree(real) if robot.breaks else {}
             if robot.delays is not None and robot.delays.seed is None and real.delays is not None:
                 said["delays"] = real.delays.seed
             robots[robot.name] = said
     tree: dict[str, Any] = {"tasks": tasks, "robots": robots}
-    if scenario.arrivals is not None:
+    if mission.arrivals is not None:
         tree["arrivals"] = [
-            task_to_tree(task, scenario.world) for task in scenario.tasks if task.has_arrived
+            task_to_tree(task, mission.world) for task in mission.tasks if task.has_arrived
         ]
     return tree
 
 
-def truth_from_tree(scenario: Mission, tree: Any) -> Mission:
+def truth_from_tree(mission: Mission, tree: Any) -> Mission:
     """Return the mission as a record says that it was; raises `DamageError`."""
-    parts = ("tasks", "robots", *(("arrivals",) if scenario.arrivals else ()))
+    parts = ("tasks", "robots", *(("arrivals",) if mission.arrivals else ()))
     check_keys(tree, parts, parts)
     open_tasks = [
         task.name
-        for task in scenario.tasks
+        for task in mission.tasks
         if task.lasts is not None or task.may_need or task.within
     ]
-    open_robots = [robot.name for robot in scenario.robots if robot.has_surprises]
+    open_robots = [robot.name for robot in mission.robots if robot.has_surprises]
     check_keys(tree["tasks"], open_tasks, open_tasks)
     check_keys(tree["robots"], open_robots, open_robots)
-    along = metres if isinstance(scenario.world, Plane) else number_of
-    tasks = (_task(task, tree["tasks"].get(task.name), along) for task in scenario.tasks)
-    robots = (_robot(robot, tree["robots"].get(robot.name)) for robot in scenario.robots)
+    along = metres if isinstance(mission.world, Plane) else number_of
+    tasks = (_task(task, tree["tasks"].get(task.name), along) for task in mission.tasks)
+    robots = (_robot(robot, tree["robots"].get(robot.name)) for robot in mission.robots)
     arrived = (_arrived(said, along) for said in list_of(tree.get("arrivals", [])))
     try:
-        return replace(scenario, arrivals=None, tasks=(*tasks, *arrived), robots=tuple(robots))
+        return replace(mission, arrivals=None, tasks=(*tasks, *arrived), robots=tuple(robots))
     except MissionError as error:
         raise DamageError(error.problems[0].message) from None
 

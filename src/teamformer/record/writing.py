@@ -14,29 +14,29 @@ from teamformer.record.record import VERSION, Record, Step
 from teamformer.record.truths import truth_to_tree
 
 
-def record_to_tree(replay: Record) -> dict[str, Any]:
-    """Return the replay as the tree of its file."""
+def record_to_tree(record: Record) -> dict[str, Any]:
+    """Return the record as the tree of its file."""
     tree = {
         RECORD: VERSION,
-        "scenario": mission_to_tree(replay.scenario),
-        "method": replay.method,
-        "seed": replay.seed,
-        "orders": _lists(replay.orders),
-        "start": _lists(replay.start),
-        "steps": [step_to_tree(step) for step in replay.steps],
-        "end": {key: _lists(value) for key, value in vars(replay.end).items()},
-        "lower_bound": replay.lower_bound,
+        "mission": mission_to_tree(record.mission),
+        "method": record.method,
+        "seed": record.seed,
+        "orders": _lists(record.orders),
+        "start": _lists(record.start),
+        "steps": [step_to_tree(step) for step in record.steps],
+        "end": {key: _lists(value) for key, value in vars(record.end).items()},
+        "lower_bound": record.lower_bound,
     }
-    if replay.truth is not None:
-        tree["truth"] = truth_to_tree(replay.scenario, replay.truth)
-    if replay.plans:
-        tree["plans"] = _lists(replay.plans)
-    if replay.scouts:
-        tree["scouts"] = _lists(replay.scouts)
-    if replay.heeds:
-        tree["heeds"] = list(replay.heeds)
-    if replay.foresight != "scouting":
-        tree["foresight"] = replay.foresight
+    if record.truth is not None:
+        tree["truth"] = truth_to_tree(record.mission, record.truth)
+    if record.plans:
+        tree["plans"] = _lists(record.plans)
+    if record.scouts:
+        tree["scouts"] = _lists(record.scouts)
+    if record.heeds:
+        tree["heeds"] = list(record.heeds)
+    if record.foresight != "scouting":
+        tree["foresight"] = record.foresight
     return tree
 
 
@@ -50,12 +50,12 @@ def _lists(value: Any) -> Any:
     return [_lists(part) for part in value] if isinstance(value, tuple) else value
 
 
-def save_record(replay: Record, path: Path) -> None:
-    """Write a replay, one step a line, whole or not at all.
+def save_record(record: Record, path: Path) -> None:
+    """Write a record, one step a line, whole or not at all.
 
     Raises OSError where the folder cannot be written.
     """
-    write_whole(path, "".join(_lines(record_to_tree(replay))))
+    write_whole(path, "".join(_lines(record_to_tree(record))))
 
 
 def _lines(tree: Mapping[str, Any]) -> Iterator[str]:

@@ -33,8 +33,8 @@ def bench_robotarium(
     """
     for size, (robots, tasks, capabilities) in SIZES.items():
         for seed in range(first_seed, first_seed + trials):
-            scenario = random_mission(robots, tasks, capabilities, np.random.default_rng(seed))
-            fly = partial(_fly, scenario, method, seed)
+            mission = random_mission(robots, tasks, capabilities, np.random.default_rng(seed))
+            fly = partial(_fly, mission, method, seed)
             calm = fly("plant")
             yield _row(size, "plant", calm)
             yield _row(size, "plant, late and blurred", fly("plant", ROUGH))
@@ -45,14 +45,14 @@ def bench_robotarium(
 
 
 def _fly(
-    scenario: Mission,
+    mission: Mission,
     method: str,
     seed: int,
     simulator: Simulator,
     weather: Weather | None = None,
 ) -> Experiment:
     """Fly a mission by a method that begins anew, since it may remember an earlier one."""
-    return run_experiment(scenario, load_method(method), seed, simulator, weather)
+    return run_experiment(mission, load_method(method), seed, simulator, weather)
 
 
 def count_missions(trials: int, with_rps: bool) -> int:

@@ -29,7 +29,7 @@ TEAM_COLOURS = ("#7a7a7a", "#b0b0b0", "#404040", "#949494")
 
 @dataclass(frozen=True)
 class Palette:
-    """The colours of a scenario's capabilities and tasks."""
+    """The colours of a mission's capabilities and tasks."""
 
     capabilities: dict[str, Any]
     tasks: list[Any]
@@ -53,19 +53,19 @@ class Film:
             self._state = state
         self._last = moment
 
-    def write(self, scenario: Mission, folder: Path) -> list[Path]:
+    def write(self, mission: Mission, folder: Path) -> list[Path]:
         """Write `mission.gif` and numbered stills; return the files."""
         plt = _load_pyplot()
-        palette = _palette(scenario, plt)
+        palette = _palette(mission, plt)
         written = []
         stills = self._phases()
         for number, moment in enumerate(stills):
             path = folder / f"phase-{number:02d}-at-{moment.tick * TICK:05.1f}-s.png"
-            figure = _draw(plt, scenario, palette, moment)
+            figure = _draw(plt, mission, palette, moment)
             figure.savefig(path, dpi=2 * DOTS)
             plt.close(figure)
             written.append(path)
-        return [*written, self._write_film(plt, scenario, palette, folder / "mission.gif")]
+        return [*written, self._write_film(plt, mission, palette, folder / "mission.gif")]
 
     def _phases(self) -> list[Snapshot]:
         """Return the first still, the last, and as many of those between as there is room for."""
@@ -75,12 +75,12 @@ class Film:
         kept = np.unique(np.linspace(0, len(stills) - 1, MOST_STILLS).round().astype(int))
         return [stills[i] for i in kept]
 
-    def _write_film(self, plt: Any, scenario: Mission, palette: Palette, path: Path) -> Path:
+    def _write_film(self, plt: Any, mission: Mission, palette: Palette, path: Path) -> Path:
         from PIL import Image
 
         pictures = []
         for moment in self._frames:
-            figure = _draw(plt, scenario, palette, moment)
+            figure = _draw(plt, mission, palette, moment)
             figure.set_dpi(DOTS)
             figure.canvas.draw()
             picture = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
@@ -103,29 +103,29 @@ def _load_pyplot() -> Any:
     return pyplot
 
 
-def _palette(scenario: Mission, plt: Any) -> Palette:
+def _palette(mission: Mission, plt: Any) -> Palette:
     """Return strong colours for tasks, and a circle of hues for capabilities."""
-    hues = np.linspace(0, 1, len(scenario.capabilities), endpoint=False)
+    hues = np.linspace(0, 1, len(mission.capabilities), endpoint=False)
     soft = plt.get_cmap("hsv")(hues)[:, :3] * 0.75 + 0.10
-    strong = plt.get_cmap("tab10")(np.arange(len(scenario.tasks)) % 10)[:, :3]
-    return Palette(dict(zip(scenario.capabilities, soft, strict=True)), list(strong))
+    strong = plt.get_cmap("tab10")(np.arange(len(mission.tasks)) % 10)[:, :3]
+    return Palette(dict(zip(mission.capabilities, soft, strict=True)), list(strong))
 
 
-def _draw(plt: Any, scenario: Mission, palette: Palette, moment: Snapshot) -> Any:
+def _draw(plt: Any, mission: Mission, palette: Palette, moment: Snapshot) -> Any:
     figure, axes = plt.subplots(figsize=(10, 6.6), layout="constrained")
     axes.set(xlim=(0, WIDTH), ylim=(0, HEIGHT), aspect="equal", xticks=[], yticks=[])
     done = int(moment.is_done.sum())
     title = f"{moment.tick * TICK:.1f} s: {len(moment.teams)} teams, {done} of "
-    axes.set_title(f"{scenario.name}, {title}{len(scenario.tasks)} tasks done", fontsize=13)
-    _draw_tasks(axes, scenario, palette, moment)
+    axes.set_title(f"{mission.name}, {title}{len(mission.tasks)} tasks done", fontsize=13)
+    _draw_tasks(axes, mission, palette, moment)
     for number, team in enumerate(moment.teams):
-        _draw_team(plt, axes, scenario, palette, moment, number, team.robots, team.task)
+        _draw_team(plt, axes, mission, palette, moment, number, team.robots, team.task)
     _draw_legend(plt, axes, palette)
     return figure
 
 
-def _draw_tasks(axes: Any, scenario: Mission, palette: Palette, moment: Snapshot) -> None:
-    for number, task in enumerate(scenario.tasks):
+def _draw_tasks(axes: Any, mission: Mission, palette: Palette, moment: Snapshot) -> None:
+    for number, task in enumerate(mission.tasks):
         colour, is_done = palette.tasks[number], bool(moment.is_done[number])
         marker = "x" if is_done else "s"
         axes.plot(*task.at, marker, color=colour, markersize=13, markeredgewidth=3, zorder=1)
@@ -151,7 +151,7 @@ def _draw_tasks(axes: Any, scenario: Mission, palette: Palette, moment: Snapshot
 def _draw_team(
     plt: Any,
     axes: Any,
-    scenario: Mission,
+    mission: Mission,
     palette: Palette,
     moment: Snapshot,
     number: int,
@@ -159,7 +159,7 @@ def _draw_team(
     task: int | None,
 ) -> None:
     """Draw the robots of a team, and thin lines that say that they belong together."""
-    is_met = task is not None and _covers(scenario, robots, task)
+    is_met = task is not None and _covers(mission, robots, task)
     colour = palette.tasks[task] if task is not None and is_met else TEAM_COLOURS[number % 4]
     places = moment.poses[list(robots), :2] + MIDDLE
     middle = places.mean(axis=0)
@@ -172,22 +172,22 @@ def _draw_team(
         axes.add_patch(
             circle((x, y), 0.075, fill=False, edgecolor=colour, linewidth=width, zorder=4)
         )
-        inner = _colour_of(scenario, palette, robot)
+        inner = _colour_of(mission, palette, robot)
         axes.add_patch(circle((x, y), 0.045, fill=False, edgecolor=inner, linewidth=5, zorder=4))
         nose = np.array([np.cos(heading), np.sin(heading)]) * DIAMETER / 2
         axes.plot([x, x + nose[0]], [y, y + nose[1]], color="black", linewidth=1.5, zorder=5)
 
 
-def _covers(scenario: Mission, robots: Sequence[int], task: int) -> bool:
+def _covers(mission: Mission, robots: Sequence[int], task: int) -> bool:
     """Say whether some robots bring together what a task needs."""
-    has = [scenario.robots[robot].can for robot in robots]
-    needs = scenario.tasks[task].needs
+    has = [mission.robots[robot].can for robot in robots]
+    needs = mission.tasks[task].needs
     return all(sum(can.get(name, 0) for can in has) >= n for name, n in needs.items())
 
 
-def _colour_of(scenario: Mission, palette: Palette, robot: int) -> Any:
+def _colour_of(mission: Mission, palette: Palette, robot: int) -> Any:
     """Return the colour of a robot's first capability."""
-    return palette.capabilities[next(iter(scenario.robots[robot].can))]
+    return palette.capabilities[next(iter(mission.robots[robot].can))]
 
 
 def _draw_legend(plt: Any, axes: Any, palette: Palette) -> None:

@@ -1,4 +1,4 @@
-"""One experiment: a scenario, a method and robots, simulated by the plant or Robotarium's own."""
+"""One experiment: a mission, a method and robots, simulated by the plant or Robotarium's own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Simulator = Literal["plant", "rps"]
 class Experiment:
     """What came of one; `report` is what Robotarium's own simulator said, if it was asked."""
 
-    scenario: Mission
+    mission: Mission
     method: str
     seed: int
     outcome: FlightOutcome
@@ -45,7 +45,7 @@ class Experiment:
         last = max((tick for tick in outcome.done_at if tick is not None), default=None)
         makespan = last if outcome.is_completed and last is not None else None
         return {
-            "scenario": self.scenario.name,
+            "mission": self.mission.name,
             "method": self.method,
             "seed": self.seed,
             "completed": outcome.is_completed,
@@ -56,9 +56,9 @@ class Experiment:
             "ticks": outcome.ticks,
             "done_at_tick": list(outcome.done_at),
             "tasks_done": tally.tasks_done,
-            "tasks": len(self.scenario.tasks),
-            "robots": len(self.scenario.robots),
-            "capabilities": len(self.scenario.capabilities),
+            "tasks": len(self.mission.tasks),
+            "robots": len(self.mission.robots),
+            "capabilities": len(self.mission.capabilities),
             "joins": tally.joins,
             "splits": tally.splits,
             "illegal_decisions": tally.illegal_decisions,
@@ -75,33 +75,33 @@ class Experiment:
 
 
 def run_experiment(
-    scenario: Mission,
+    mission: Mission,
     player: Player,
     seed: int = 0,
     simulator: Simulator = "plant",
     weather: Weather | None = None,
     watch: Watch | None = None,
 ) -> Experiment:
-    """Run one experiment; raises `MissionError` for a scenario that robots have no room for."""
-    check_mission(scenario)
+    """Run one experiment; raises `MissionError` for a mission that robots have no room for."""
+    check_mission(mission)
     method = as_method(player)
     policy, coordinator = method.policy, method.coordinator
     begun = time.perf_counter()
-    poses, report = start_poses(scenario, seed), ""
+    poses, report = start_poses(mission, seed), ""
     if simulator == "plant":
         plant = Plant(poses, weather, seed)
-        outcome = fly(scenario, policy, plant, with_daqp(), seed, watch, coordinator)
+        outcome = fly(mission, policy, plant, with_daqp(), seed, watch, coordinator)
         faults = plant.faults
     else:
         robots = RpsRobots(poses)
-        outcome = fly(scenario, policy, robots, with_daqp(), seed, watch, coordinator)
+        outcome = fly(mission, policy, robots, with_daqp(), seed, watch, coordinator)
         faults, report = robots.faults, robots.finish()
     seconds = time.perf_counter() - begun
-    return Experiment(scenario, method.name, seed, outcome, faults, seconds, report)
+    return Experiment(mission, method.name, seed, outcome, faults, seconds, report)
 
 
-def start_poses(scenario: Mission, seed: int) -> Array:
+def start_poses(mission: Mission, seed: int) -> Array:
     """Return where the robots start, as (robots, 3): headings are random."""
-    starts = np.array([robot.at for robot in scenario.robots]) - MIDDLE
+    starts = np.array([robot.at for robot in mission.robots]) - MIDDLE
     headings = np.random.default_rng(seed).uniform(-np.pi, np.pi, len(starts))
     return np.column_stack((starts, headings))

@@ -1,4 +1,4 @@
-"""A mission: real or simulated robots form teams and do the tasks of a scenario.
+"""A mission: real or simulated robots form teams and do the tasks of a mission.
 
 Teams decide once a step by their own views. The rules of the environment say what follows from
 decisions and from where the robots have got to; the controller moves the robots, tick by tick.
@@ -67,17 +67,17 @@ class FlightOutcome:
 Watch = Callable[[Snapshot], None]
 
 
-def as_flown(scenario: Mission, steering: Steering) -> Mission:
-    """Return a scenario as the environment is to see it: with real paces and Robotarium's limit."""
-    plane = scenario.world
+def as_flown(mission: Mission, steering: Steering) -> Mission:
+    """Return a mission as the environment is to see it: with real paces and Robotarium's limit."""
+    plane = mission.world
     assert isinstance(plane, Plane)
     step = ticks_per_step(plane) * TICK
-    robots = (replace(r, speed=min(r.speed, steering.speed)) for r in scenario.robots)
+    robots = (replace(r, speed=min(r.speed, steering.speed)) for r in mission.robots)
     return replace(
-        scenario,
+        mission,
         world=replace(plane, step=step),
         robots=tuple(robots),
-        step_limit=min(scenario.step_limit, int(LONGEST / step)),
+        step_limit=min(mission.step_limit, int(LONGEST / step)),
     )
 
 
@@ -87,7 +87,7 @@ def ticks_per_step(plane: Plane) -> int:
 
 
 def fly(
-    scenario: Mission,
+    source: Mission,
     policy: Policy | None,
     robots: Robots,
     solve: Solver,
@@ -99,7 +99,7 @@ def fly(
 
     A policy decides for the teams, or, without one, the plans of a coordinator do.
     """
-    mission = _Mission(scenario, policy, coordinator, robots, solve, seed)
+    mission = _Mission(source, policy, coordinator, robots, solve, seed)
     return mission.run(watch or (lambda moment: None))
 
 
@@ -108,7 +108,7 @@ class _Mission:
 
     def __init__(
         self,
-        scenario: Mission,
+        mission: Mission,
         policy: Policy | None,
         coordinator: Coordinator | None,
         robots: Robots,
@@ -116,18 +116,18 @@ class _Mission:
         seed: int,
     ) -> None:
         steering = Steering()
-        self._env = TeamFormation([as_flown(scenario, steering)], coordinator=coordinator)
+        self._env = TeamFormation([as_flown(mission, steering)], coordinator=coordinator)
         self._policy = policy
         self._robots = robots
-        self._controller = Controller(len(scenario.robots), solve, steering)
-        self._tasks = np.array([task.at for task in scenario.tasks])  # (tasks, 2)
+        self._controller = Controller(len(mission.robots), solve, steering)
+        self._tasks = np.array([task.at for task in mission.tasks])  # (tasks, 2)
         worlds = self._env.worlds
         self._work = Work(self._tasks - MIDDLE, worlds.needs[0], worlds.brings[0])
-        plane = scenario.world
+        plane = mission.world
         assert isinstance(plane, Plane)
         self._radius, self._ticks_per_step = plane.arrival_radius, ticks_per_step(plane)
         self._ticks = 0
-        self._under_way = np.zeros(len(scenario.robots), dtype=np.int64)  # see choose_goals
+        self._under_way = np.zeros(len(mission.robots), dtype=np.int64)  # see choose_goals
         self._seconds: dict[str, list[float]] = {"decision": [], "tick": []}
         if policy is not None:
             policy.begin(None, np.random.default_rng(seed))

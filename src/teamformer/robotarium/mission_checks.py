@@ -1,4 +1,4 @@
-"""What a scenario must be so that it can be flown: size, distances, robots that have room."""
+"""What a mission must be so that it can be flown: size, distances, robots that have room."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ LEAST_APART = 0.25  # metres between the centres of two robots at the start
 SHORTEST_STEP = 10 * TICK  # seconds: decisions take their time
 
 
-def check_mission(scenario: Mission) -> None:
-    """Raise `MissionError` with everything that keeps a scenario from being flown."""
-    problems = list(find_problems(scenario))
+def check_mission(mission: Mission) -> None:
+    """Raise `MissionError` with everything that keeps a mission from being flown."""
+    problems = list(find_problems(mission))
     if problems:
         raise MissionError(problems)
 
 
-def find_problems(scenario: Mission) -> Iterator[Problem]:
+def find_problems(mission: Mission) -> Iterator[Problem]:
     """Return what is wrong, with the distance needed."""
-    yield from rules_of_simulated_missions(scenario)
-    yield from rules_without_loads(scenario, "the Robotarium")
-    world = scenario.world
+    yield from rules_of_simulated_missions(mission)
+    yield from rules_without_loads(mission, "the Robotarium")
+    world = mission.world
     if not isinstance(world, Plane) or (world.width, world.height) != (WIDTH, HEIGHT):
         size = f"plane: [{WIDTH:g}, {HEIGHT:g}], step: 0.99"
         yield Problem(("world",), f"Robotarium's arena is a plane; use world: {{{size}}}")
@@ -39,33 +39,33 @@ def find_problems(scenario: Mission) -> Iterator[Problem]:
     if world.step < SHORTEST_STEP:
         message = f"the step is {world.step:g} s; robots need {SHORTEST_STEP:g} s or more"
         yield Problem(("world",), message)
-    if len(scenario.robots) > MOST_ROBOTS:
-        message = f"there are {len(scenario.robots)} robots; Robotarium has {MOST_ROBOTS}"
+    if len(mission.robots) > MOST_ROBOTS:
+        message = f"there are {len(mission.robots)} robots; Robotarium has {MOST_ROBOTS}"
         yield Problem(("robots",), message)
-    fractions = list(_problems_of_fractions(scenario))
+    fractions = list(_problems_of_fractions(mission))
     yield from fractions
     if fractions:
         return
-    yield from _problems_of_starts(scenario)
-    for number, task in enumerate(scenario.tasks):
+    yield from _problems_of_starts(mission)
+    for number, task in enumerate(mission.tasks):
         yield from _problems_of_walls(number, task)
-    yield from _problems_between_tasks(scenario)
-    if any(robot.absences for robot in scenario.robots):
+    yield from _problems_between_tasks(mission)
+    if any(robot.absences for robot in mission.robots):
         yield Problem(("robots",), "a robot is to be lost, which missions do not stage; drop it")
-    if scenario.teams:
+    if mission.teams:
         yield Problem(("teams",), "robots start alone here, in places of their own; drop teams")
 
 
-def _problems_of_fractions(scenario: Mission) -> Iterator[Problem]:
+def _problems_of_fractions(mission: Mission) -> Iterator[Problem]:
     """Return what is needed in fractions: how many robots that is, nobody can say."""
-    for number, task in enumerate(scenario.tasks):
+    for number, task in enumerate(mission.tasks):
         if not all(float(count).is_integer() for count in task.needs.values()):
             yield Problem(
                 ("tasks", number, "needs"),
                 f"task '{task.name}' needs {describe(task.needs)}; robots stand in a ring around "
                 "it, one for each count, so use whole numbers",
             )
-    for number, robot in enumerate(scenario.robots):
+    for number, robot in enumerate(mission.robots):
         if not all(float(count).is_integer() for count in robot.can.values()):
             yield Problem(
                 ("robots", number, "can"),
@@ -73,15 +73,15 @@ def _problems_of_fractions(scenario: Mission) -> Iterator[Problem]:
             )
 
 
-def _problems_of_starts(scenario: Mission) -> Iterator[Problem]:
-    for number, robot in enumerate(scenario.robots):
+def _problems_of_starts(mission: Mission) -> Iterator[Problem]:
+    for number, robot in enumerate(mission.robots):
         room = _room(robot.at)
         if room < FROM_WALLS:
             yield Problem(
                 ("robots", number, "at"),
                 f"robot '{robot.name}' starts {room:.3f} m from a wall; it needs {FROM_WALLS:g} m",
             )
-    for (first, one), (second, other) in combinations(enumerate(scenario.robots), 2):
+    for (first, one), (second, other) in combinations(enumerate(mission.robots), 2):
         apart = float(np.hypot(one.at[0] - other.at[0], one.at[1] - other.at[1]))
         if apart < LEAST_APART - 1e-9:
             yield Problem(
@@ -108,8 +108,8 @@ def _problems_of_walls(number: int, task: Task) -> Iterator[Problem]:
         )
 
 
-def _problems_between_tasks(scenario: Mission) -> Iterator[Problem]:
-    for (_, one), (number, other) in combinations(enumerate(scenario.tasks), 2):
+def _problems_between_tasks(mission: Mission) -> Iterator[Problem]:
+    for (_, one), (number, other) in combinations(enumerate(mission.tasks), 2):
         apart = float(np.hypot(one.at[0] - other.at[0], one.at[1] - other.at[1]))
         needed = apart_needed(robots_needed(one), robots_needed(other))
         if apart < needed - 1e-9:

@@ -28,9 +28,9 @@ team that is: both are in the same place then, and only one is at the task."""
 def team_places(
     teams: Sequence[RobotTeam], robots: Array, goals: Goals, tasks: Array, radius: float
 ) -> Array:
-    """Return where each team counts as being, as (robots, 2) by slot, in a scenario's coordinates.
+    """Return where each team counts as being, as (robots, 2) by slot, in a mission's coordinates.
 
-    `robots` (robots, 2) are in the arena's coordinates; `tasks` (tasks, 2) are in the scenario's,
+    `robots` (robots, 2) are in the arena's coordinates; `tasks` (tasks, 2) are in the mission's,
     and `radius` is its arrival radius in metres.
     """
     is_there = {team.slot: is_at_task(team, robots, goals) for team in teams}

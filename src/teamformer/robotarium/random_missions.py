@@ -1,4 +1,4 @@
-"""Random scenarios for Robotarium: robots anywhere, tasks where a ring of robots has room."""
+"""Random missions for Robotarium: robots anywhere, tasks where a ring of robots has room."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Point = tuple[float, float]
 
 
 def random_mission(robots: int, tasks: int, capabilities: int, rng: np.random.Generator) -> Mission:
-    """Return a scenario with so many robots, each with one of the capabilities, dealt out evenly.
+    """Return a mission with so many robots, each with one of the capabilities, dealt out evenly.
 
     Each task needs 2 to 5 different ones (fewer if there are fewer), the last one all that no
     other needs, as far as 5 go.

@@ -61,8 +61,8 @@ class _Check:
         """Send it to the task, have it serve, send it back, and close it."""
         from teamformer.fleet.bodies.body import Command
 
-        scenario = self._mission.scenario
-        task, home = scenario.tasks[0].at, scenario.robots[0].at
+        mission = self._mission.source
+        task, home = mission.tasks[0].at, mission.robots[0].at
         self._until("reports where it is", lambda report: True, Command())
         there = Command(1, task, 0, 0)
         self._until(f"takes up leg 1 and goes to {task}", self._is_at(task, 1), there)

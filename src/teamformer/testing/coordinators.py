@@ -60,14 +60,14 @@ class _Watched:
 
 def _record(coordinator: Coordinator, name: str, mission: Mission) -> Record:
     try:
-        replay = run_trial(mission, Method(name, coordinator=coordinator)).replay
+        record = run_trial(mission, Method(name, coordinator=coordinator)).record
     except TeamformerError as error:
         what = f"robots can go by every plan, and in {mission.name}: {error}"
         raise AssertionError(what) from error
-    assert replay.end.status == "completed", (
+    assert record.end.status == "completed", (
         f"a mission that can be done is completed, and by {name} {mission.name} ended as"
-        f" '{replay.end.status}'"
+        f" '{record.end.status}'"
     )
-    findings = judge(replay).findings
+    findings = judge(record).findings
     assert not findings, f"a record is legal, and by {name} in {mission.name}: {findings[0]}"
-    return replay
+    return record

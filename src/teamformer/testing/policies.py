@@ -32,14 +32,14 @@ def check_policy(make: Callable[[], Policy], missions: Sequence[Mission] = ()) -
     _check_what_it_needs(policy)
     _check_decisions(policy, missions)
     for mission in missions[:2]:
-        first = run_trial(mission, make(), seed=4).replay
-        again, other = run_trial(mission, make(), seed=4).replay, make()
+        first = run_trial(mission, make(), seed=4).record
+        again, other = run_trial(mission, make(), seed=4).record, make()
         run_trial(missions[-1], other, seed=2)
         assert first == again, (
             f"the same seed gives the same record, and {_name(policy)} did otherwise the second"
             f" time in {mission.name}; draw from the rng of begin(), and read no clock"
         )
-        assert first == run_trial(mission, other, seed=4).replay, (
+        assert first == run_trial(mission, other, seed=4).record, (
             f"begin() forgets earlier trials, and {_name(policy)} did otherwise in {mission.name}"
             " after another mission"
         )
@@ -62,18 +62,18 @@ def _begin(policy: Policy, missions: Sequence[Mission]) -> TeamFormation:
 
 
 def _check_what_it_needs(policy: Policy) -> None:
-    """Without scenarios it begins, or refuses to if it says that it needs them."""
+    """Without missions it begins, or refuses to if it says that it needs them."""
     needs = ""
     try:
         policy.begin(None, np.random.default_rng(0))
     except Exception as error:
         needs = f"{type(error).__name__}: {error}"
     assert policy.needs_everything or not needs, (
-        "a policy with needs_everything = False begins without scenarios, and"
+        "a policy with needs_everything = False begins without missions, and"
         f" {_name(policy)} raised {needs}"
     )
     assert needs or not policy.needs_everything, (
-        "a policy with needs_everything = True refuses to begin without scenarios, and"
+        "a policy with needs_everything = True refuses to begin without missions, and"
         f" {_name(policy)} did not"
     )
 

@@ -50,7 +50,7 @@ class Comparison:
     def rows(self) -> list[dict[str, Any]]:
         """Return a row for each trial; of one that came to nothing, why."""
         return [
-            result_row(trial, self.bars[trial.replay.seed])
+            result_row(trial, self.bars[trial.record.seed])
             if isinstance(trial, PlayedTrial)
             else _row_of_failure(trial)
             for trial in self.ran
@@ -108,22 +108,22 @@ def _find_bars(trials: Sequence[PlayedTrial], is_uncertain: bool) -> dict[int, B
 
     Else each seed is a mission of its own.
     """
-    seeds = dict.fromkeys(trial.replay.seed for trial in trials)
+    seeds = dict.fromkeys(trial.record.seed for trial in trials)
     return {
-        seed: bars_of([it for it in trials if it.replay.seed == seed or not is_uncertain])
+        seed: bars_of([it for it in trials if it.record.seed == seed or not is_uncertain])
         for seed in seeds
     }
 
 
 def _knowing(trial: PlayedTrial, bars: Mapping[int, Bars]) -> PlayedTrial:
     """Return a trial that knows the bound of its seed."""
-    bound = bars[trial.replay.seed].bound
-    return replace(trial, replay=replace(trial.replay, lower_bound=bound))
+    bound = bars[trial.record.seed].bound
+    return replace(trial, record=replace(trial.record, lower_bound=bound))
 
 
 def _row_of_failure(failure: Failure) -> dict[str, Any]:
     return {
-        "scenario": failure.mission.name,
+        "mission": failure.mission.name,
         "method": failure.method,
         "seed": failure.seed,
         "completed": False,

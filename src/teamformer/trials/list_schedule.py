@@ -9,13 +9,13 @@ from teamformer.planning.relaxation.schedule import schedule_tasks
 from teamformer.world.env import TeamFormation
 
 
-def list_schedule(scenario: Mission) -> int | None:
+def list_schedule(mission: Mission) -> int | None:
     """Return the makespan of the list schedule along the task order, if joining is free.
 
     None where tasks appear later: the order is not all known then.
     """
-    if not all(map(may_begin_at_once, scenario.tasks)):
+    if not all(map(may_begin_at_once, mission.tasks)):
         return None
-    order = TeamFormation([scenario]).worlds.order[0, : len(scenario.tasks)]
-    schedule = schedule_tasks(relax(scenario), order.tolist())
+    order = TeamFormation([mission]).worlds.order[0, : len(mission.tasks)]
+    schedule = schedule_tasks(relax(mission), order.tolist())
     return schedule.makespan if schedule else None

@@ -9,9 +9,9 @@ from teamformer.record.writing import record_to_tree, save_record
 from teamformer.viewer.html import write_page
 
 
-def write_record(replay: Record, folder: Path) -> tuple[Path, Path]:
-    """Write `replay.json` and its page `replay.html` into a folder; return both paths."""
-    record, page = folder / "replay.json", folder / "replay.html"
-    save_record(replay, record)
-    write_page(record_to_tree(replay), page)
-    return record, page
+def write_record(record: Record, folder: Path) -> tuple[Path, Path]:
+    """Write `record.json` and its page `record.html` into a folder; return both paths."""
+    written, page = folder / "record.json", folder / "record.html"
+    save_record(record, written)
+    write_page(record_to_tree(record), page)
+    return written, page

@@ -63,7 +63,7 @@ class PlannedMission(MissionPlan):
         """Return what `teamformer plan --json` prints; times are in the mission's unit."""
         tasks, robots = self.mission.tasks, self.mission.robots
         return {
-            "scenario": self.mission.name,
+            "mission": self.mission.name,
             "makespan": round(self.makespan, DIGITS),
             **({} if self.cost is None else {"cost": round(self.cost, DIGITS)}),
             "bound": round(self.bound, DIGITS),
@@ -114,7 +114,7 @@ def plan_mission(
         )
     player = load_method(method, seconds) if start is None else Central(seconds, start=start)
     trial = run_trial(expected_mission(mission), player)
-    end, bound = trial.replay.end, trial.replay.lower_bound or 0
+    end, bound = trial.record.end, trial.record.lower_bound or 0
     if end.blocked_tasks:
         raise UndoableError(
             f"{mission.name}: {', '.join(end.blocked_tasks)} can never be done: since step "
@@ -129,11 +129,11 @@ def plan_mission(
         makespan=end.makespan,
         bound=bound,
         is_proven=end.makespan <= bound and judged_by(mission) is None,
-        routes=routes_of(trial.replay),
-        late={number_of[name]: by for name, by in lateness(trial.replay).items()},
+        routes=routes_of(trial.record),
+        late={number_of[name]: by for name, by in lateness(trial.record).items()},
         curve=() if trial.plan is None else trial.plan.curve,
-        cost=cost_of_record(trial.replay),
-        critical_path=path_of_record(trial.replay),
+        cost=cost_of_record(trial.record),
+        critical_path=path_of_record(trial.record),
     )
 
 

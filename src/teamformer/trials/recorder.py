@@ -1,4 +1,4 @@
-"""Writes down a trial while it runs: what each step changed, as a replay."""
+"""Writes down a trial while it runs: what each step changed, as a record."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ class Recorder:
 
     def __init__(self, env: TeamFormation) -> None:
         self._env = env
-        self._scenario, self._truth = env.scenarios[0], env.truths[0]
+        self._mission, self._truth = env.missions[0], env.truths[0]
         self._is_coordinated = bool(env.is_coordinated[0])
         self._foresight = FORESIGHTS[env.worlds.rules["foresight"][0]]
-        self._along = float if isinstance(self._scenario.world, Plane) else int
+        self._along = float if isinstance(self._mission.world, Plane) else int
         self._steps: list[Step] = []
         self._orders: list[tuple[int, tuple[int, ...]]] = []
         self._shared_plans: list[tuple[int, SharedPlanMade]] = []
@@ -49,7 +49,7 @@ class Recorder:
         self._orders_made = 0
         self._before = self._snapshot()
         self._start = tuple(
-            (slot, robots, *self._scenario.robots[slot].at)
+            (slot, robots, *self._mission.robots[slot].at)
             for slot, robots in sorted(self._before.groups.items())
         )
         self._write_order(0)
@@ -111,9 +111,9 @@ class Recorder:
 
     def finish(self, method: str, seed: int, lower_bound: int | None) -> Record:
         """Return the record so far: one of a trial that still runs is of an interrupted one."""
-        made, is_uncertain = self._before.tally.steps, self._scenario.has_surprises
+        made, is_uncertain = self._before.tally.steps, self._mission.has_surprises
         return Record(
-            scenario=self._scenario,
+            mission=self._mission,
             method=method,
             seed=seed,
             orders=tuple(order for order in self._orders if order[0] <= made),
@@ -122,7 +122,7 @@ class Recorder:
             end=self._ending(),
             lower_bound=lower_bound,
             plans=tuple(plan for plan in self._shared_plans if plan[0] <= made),
-            truth=truth_until(self._scenario, self._truth, made + 1) if is_uncertain else None,
+            truth=truth_until(self._mission, self._truth, made + 1) if is_uncertain else None,
             scouts=tuple(row for row in self._scouts if row[0] <= made),
             foresight=self._foresight,
             heeds=self._env.heeds(),
@@ -190,16 +190,16 @@ class Recorder:
 
     def _blocked_tasks(self) -> tuple[str, ...]:
         """Name the tasks that the robots left and those due back can never do."""
-        scenario, made = self._truth, self._before.tally.steps
+        mission, made = self._truth, self._before.tally.steps
         left = {robot for robots in self._before.groups.values() for robot in robots}
-        left |= {r for r, robot in enumerate(scenario.robots) if robot.is_due(made)}
-        have = totals_by_region(scenario.world, (scenario.robots[r] for r in left))
+        left |= {r for r, robot in enumerate(mission.robots) if robot.is_due(made)}
+        have = totals_by_region(mission.world, (mission.robots[r] for r in left))
         return tuple(
             task.name
-            for k, task in enumerate(scenario.tasks)
+            for k, task in enumerate(mission.tasks)
             if self._env.worlds.tasks["done_at"][0, k] == NOBODY
             and task.cancelled is None
-            and not covers(have[scenario.world.region(task.at)], task.needs)
+            and not covers(have[mission.world.region(task.at)], task.needs)
         )
 
 

@@ -7,25 +7,25 @@ from teamformer.record.record import Record
 from teamformer.record.teams import Teams
 
 
-def routes_of(replay: Record) -> tuple[Route, ...]:
+def routes_of(record: Record) -> tuple[Route, ...]:
     """Return each robot's stops, in steps.
 
     A robot arrives in the step in which it comes to the task's place; work begins when it has the
     whole team there, as many steps before the end, or before the load is up, as the task takes.
     """
-    teams = Teams(replay)
-    robots = range(len(replay.scenario.robots))
+    teams = Teams(record)
+    robots = range(len(record.mission.robots))
     place, since = [teams.place(robot) for robot in robots], [0 for _ in robots]
     stops: list[list[Stop]] = [[] for _ in robots]
     taken: dict[int, int] = {}  # load -> the step in which it was last taken up
-    for number, step in enumerate(replay.steps, 1):
+    for number, step in enumerate(record.steps, 1):
         taken |= dict.fromkeys((task for task, _ in step.taken), number)
         teams.follow(step)
         for robot in robots:
             if teams.place(robot) != place[robot] or robot in step.back:
                 place[robot], since[robot] = teams.place(robot), number
         for task, slot in step.done:
-            start = taken.get(task, number) - replay.mission.tasks[task].duration
+            start = taken.get(task, number) - record.true_mission.tasks[task].duration
             for robot in teams.doers(slot):
                 earlier = stops[robot][-1].end if stops[robot] else 0
                 came = since[robot] if task not in taken else start

@@ -29,63 +29,63 @@ class Bars:
 
 def bars_of(trials: Sequence[PlayedTrial]) -> Bars:
     """Return the bars of several trials of one mission."""
-    replays = [trial.replay for trial in trials]
-    makespans = [replay.end.makespan for replay in replays]
+    records = [trial.record for trial in trials]
+    makespans = [record.end.makespan for record in records]
     makespans += [trial.plan.makespan for trial in trials if trial.plan]
-    bounds = (replay.lower_bound for replay in replays)
+    bounds = (record.lower_bound for record in records)
     best = min((steps for steps in makespans if steps is not None), default=None)
     bound = max((steps for steps in bounds if steps is not None), default=None)
-    if all(judged_by(replay.mission) is None for replay in replays):
+    if all(judged_by(record.true_mission) is None for record in records):
         return Bars(best, bound, best)
-    judged = (judged_value(replay) for replay in replays)
+    judged = (judged_value(record) for record in records)
     least = min((value for value in judged if value is not None), default=None)
     return Bars(best, bound, least)
 
 
 def result_row(trial: PlayedTrial, bars: Bars) -> dict[str, Any]:
     """Return the row of a trial; `bars` are those of all trials of its mission."""
-    replay, end = trial.replay, trial.replay.end
+    record, end = trial.record, trial.record.end
     return {
-        "scenario": replay.scenario.name,
-        "method": replay.method,
-        "seed": replay.seed,
+        "mission": record.mission.name,
+        "method": record.method,
+        "seed": record.seed,
         "completed": end.status == "completed",
         "status": end.status,
         "makespan": end.makespan,
-        **({} if replay.mission.cost is None else {"cost": rounded_cost(replay)}),
-        "makespan_seconds": seconds_of(replay.scenario, end.makespan),
+        **({} if record.true_mission.cost is None else {"cost": rounded_cost(record)}),
+        "makespan_seconds": seconds_of(record.mission, end.makespan),
         "steps": end.steps,
         "tasks_done": end.tasks_done,
-        "tasks": len(replay.scenario.tasks),
-        "robots": len(replay.scenario.robots),
-        "capabilities": len(replay.scenario.capabilities),
+        "tasks": len(record.mission.tasks),
+        "robots": len(record.mission.robots),
+        "capabilities": len(record.mission.capabilities),
         "joins": end.joins,
         "splits": end.splits,
         "illegal_decisions": end.illegal_decisions,
         "blocked_tasks": list(end.blocked_tasks),
-        "late": lateness(replay),
+        "late": lateness(record),
         "planning_seconds": round(trial.planning_seconds, 6),
         "decision_seconds": round(trial.decision_seconds, 6),
         "simulating_seconds": round(trial.simulating_seconds, 6),
         "compiling_seconds": round(trial.compiling_seconds, 6),
         "total_seconds": round(trial.total_seconds, 6),
         "best_known": bars.best,
-        "lower_bound": replay.lower_bound,
-        "percent_over_best": percent_over_least(replay, bars),
-        "percent_over_bound": percent_over(end.makespan, replay.lower_bound),
+        "lower_bound": record.lower_bound,
+        "percent_over_best": percent_over_least(record, bars),
+        "percent_over_bound": percent_over(end.makespan, record.lower_bound),
         **_plan_row(trial.plan),
     }
 
 
-def rounded_cost(replay: Record) -> float | None:
+def rounded_cost(record: Record) -> float | None:
     """Return what a mission cost, to six places; None if not everything was done."""
-    cost = cost_of_record(replay)
+    cost = cost_of_record(record)
     return None if cost is None else round(cost, 6)
 
 
-def percent_over_least(replay: Record, bars: Bars) -> float | None:
+def percent_over_least(record: Record, bars: Bars) -> float | None:
     """Return by how many percent a trial is above the best one, by what plans are judged by."""
-    return percent_over(judged_value(replay), bars.least)
+    return percent_over(judged_value(record), bars.least)
 
 
 def percent_over(value: float | None, bar: float | None) -> float | None:
@@ -93,11 +93,11 @@ def percent_over(value: float | None, bar: float | None) -> float | None:
     return None if value is None or not bar else round(100 * (value / bar - 1), 2)
 
 
-def seconds_of(scenario: Mission, steps: int | None) -> float | None:
+def seconds_of(mission: Mission, steps: int | None) -> float | None:
     """Return how long steps take on a plane; None on grids, whose steps have no length."""
-    if steps is None or not isinstance(scenario.world, Plane):
+    if steps is None or not isinstance(mission.world, Plane):
         return None
-    return round(steps * scenario.world.step, 3)
+    return round(steps * mission.world.step, 3)
 
 
 def _plan_row(plan: CentralPlan | None) -> dict[str, Any]:

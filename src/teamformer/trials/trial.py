@@ -32,7 +32,7 @@ class PlayedTrial:
     step.
     """
 
-    replay: Record
+    record: Record
     planning_seconds: float
     decision_seconds: float
     total_seconds: float

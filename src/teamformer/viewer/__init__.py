@@ -1,1 +1,1 @@
-"""The replay page."""
+"""The record page."""

@@ -50,7 +50,7 @@ def write_advice(advice: Mapping[str, Any], path: Path) -> None:
 
 def advice_page(advice: Mapping[str, Any]) -> str:
     """Return the page."""
-    name = html.escape(str(advice["scenario"]))
+    name = html.escape(str(advice["mission"]))
     said = "".join(f"<p>{html.escape(line)}</p>" for line in _sentences(advice))
     body = f"<main><h1>{name}: what would help</h1>{said}{_drawing(advice)}</main>"
     return plain_page(f"{name}, advice", STYLE, body)

@@ -46,7 +46,7 @@ def write_gantt(plan: Mapping[str, Any], path: Path) -> None:
 
 def gantt_page(plan: Mapping[str, Any]) -> str:
     """Return the page."""
-    name = html.escape(str(plan["scenario"]))
+    name = html.escape(str(plan["mission"]))
     said = f"<h1>{name}</h1><p>{html.escape(_summary(plan))}</p>"
     chosen = '<p id="said" role="status"></p>'
     body = f"<main>{said}{chosen}{_drawing(plan)}{table_of_tasks(plan)}</main>"

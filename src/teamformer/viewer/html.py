@@ -1,4 +1,4 @@
-"""The replay page: one HTML file that holds the replay, its styles and its scripts."""
+"""The record page: one HTML file that holds the record, its styles and its scripts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from teamformer.base.whole_files import own_number, write_whole
 from teamformer.viewer.page_keys import keys_script
 
 SCRIPTS = (
-    *("record/scenario", "record/plane", "record/counts", "record/history", "record/services"),
+    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
     *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
     *("record/reasons", "record/critical_path", "record/over_time", "record/checking"),
     *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
@@ -66,7 +66,7 @@ def _small_page(title: str, style: str, body: str, policy: str) -> str:
 
 
 def record_page(tree: Mapping[str, object]) -> str:
-    """Return the page of a replay: the JSON tree that `docs/reference/replay.md` describes.
+    """Return the page of a record: the JSON tree that `docs/reference/record.md` describes.
 
     The page needs nothing else: it loads nothing, and its own policy forbids it to.
     """
@@ -76,7 +76,7 @@ def record_page(tree: Mapping[str, object]) -> str:
 def comparison_page(
     trees: Sequence[Mapping[str, object]], failed: Sequence[Mapping[str, object]] = ()
 ) -> str:
-    """Return one page of several replays in step, the first of them in front.
+    """Return one page of several records in step, the first of them in front.
 
     `failed` has the `method`, the `seed` and the reason, `why`, of each trial that left no record.
     """
@@ -99,12 +99,12 @@ def _page(title: str, scripts: Sequence[str], tree: object, allowed: str) -> str
         policy=allowed + _content_policy(style, script),
         style=style,
         script=script,
-        replay=_json_for_html(tree),
+        record=_json_for_html(tree),
     )
 
 
 def write_page(tree: Mapping[str, object], path: Path) -> None:
-    """Write the page of a replay to a file."""
+    """Write the page of a record to a file."""
     write_whole(path, record_page(tree))
 
 
@@ -113,7 +113,7 @@ def write_comparison(
     path: Path,
     failed: Sequence[Mapping[str, object]] = (),
 ) -> None:
-    """Write one page of several replays to a file."""
+    """Write one page of several records to a file."""
     write_whole(path, comparison_page(trees, failed))
 
 
@@ -126,9 +126,9 @@ def _title(tree: Mapping[str, object]) -> str:
 
 
 def _name(tree: Mapping[str, object]) -> str:
-    scenario = tree["scenario"]
-    name = scenario.get("name") if isinstance(scenario, Mapping) else None
-    return str(name or "unnamed scenario")
+    mission = tree["mission"]
+    name = mission.get("name") if isinstance(mission, Mapping) else None
+    return str(name or "unnamed mission")
 
 
 def _content_policy(style: str, script: str) -> str:
@@ -157,5 +157,5 @@ def _without_infinity(tree: object) -> object:
     if not isinstance(tree, Mapping):
         return tree
     return {key: None if value == math.inf else value for key, value in tree.items()} | {
-        key: _without_infinity(value) for key, value in tree.items() if key == "scenario"
+        key: _without_infinity(value) for key, value in tree.items() if key == "mission"
     }

@@ -1,1 +1,1 @@
-"""The Team Formation Environment: exact steps, views, rewards and replays."""
+"""The Team Formation Environment: exact steps, views, rewards and records."""

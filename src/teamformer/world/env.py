@@ -59,7 +59,7 @@ class Tally:
 class TeamFormation:
     """Many worlds in one: `view()` what the teams know, `step(decision)` what they want.
 
-    Scenarios of different sizes may be mixed. The same scenarios and decisions give the same
+    Missions of different sizes may be mixed. The same missions and decisions give the same
     results with any number of threads. `rewards` (worlds, robots) holds the rewards of the last
     step, by slot. `truths` says what uncertain missions really are; left out, it is drawn by the
     seed 0. With more than one thread, `close()` it, or use it in a `with`, to end them.
@@ -74,7 +74,7 @@ class TeamFormation:
 
     def __init__(
         self,
-        scenarios: Sequence[Mission],
+        missions: Sequence[Mission],
         reward: Reward | None = None,
         threads: int = 1,
         truths: Sequence[Mission] | None = None,
@@ -82,21 +82,21 @@ class TeamFormation:
         new_tasks: str = "resolve",
         foresight: str = "scouting",
     ) -> None:
-        self.scenarios = tuple(scenarios)
-        if not self.scenarios:
-            raise ValueError("there is no scenario; give one or more")
+        self.missions = tuple(missions)
+        if not self.missions:
+            raise ValueError("there is no mission; give one or more")
         if threads < 1:
             raise ValueError(f"threads is {threads}; use 1 or more")
-        drawn = (draw_truth(scenario, 0) for scenario in self.scenarios)
+        drawn = (draw_truth(mission, 0) for mission in self.missions)
         self.truths = tuple(drawn if truths is None else truths)
-        both = zip(self.scenarios, self.truths, strict=True)
-        self.scenarios = tuple(with_arrivals(scenario, truth) for scenario, truth in both)
-        coordinators = _for_each(coordinator, len(self.scenarios))
+        both = zip(self.missions, self.truths, strict=True)
+        self.missions = tuple(with_arrivals(mission, truth) for mission, truth in both)
+        coordinators = _for_each(coordinator, len(self.missions))
         is_coordinated = [coordinator is not None for coordinator in coordinators]
-        self._start = pack_worlds(self.scenarios, self.truths, is_coordinated, new_tasks, foresight)
+        self._start = pack_worlds(self.missions, self.truths, is_coordinated, new_tasks, foresight)
         self._has_order = not all(is_coordinated)
         self._guide = (
-            Guide(self._start, self.scenarios, coordinators) if any(is_coordinated) else None
+            Guide(self._start, self.missions, coordinators) if any(is_coordinated) else None
         )
         self.planning_seconds = 0.0  # of plans and orders
         self._bring_up_to_date(self._start)
@@ -109,7 +109,7 @@ class TeamFormation:
             room.shape[1] > 0 for room in (self.worlds.may_need, self.worlds.spots)
         )
         tasks = self.worlds.needs.shape[1]
-        if any(scenario.arrivals for scenario in self.scenarios):  # nobody knows how many
+        if any(mission.arrivals for mission in self.missions):  # nobody knows how many
             tasks = max(tasks, NEXT_TASKS)
         has_loads = bool(self.worlds.rules["has_loads"].any())
         self._room = make_view(count, robots, tasks, caps, hides_needs, hides_places, has_loads)
@@ -207,7 +207,7 @@ class TeamFormation:
             raise ValueError(f"places has {places.shape}, not {(*self.rewards.shape, 2)}")
         if not np.isfinite(places[self.worlds.teams["size"] > 0]).all():
             raise ValueError("places has no finite place for some team")
-        corners = np.array([scenario.world.corner for scenario in self.scenarios])
+        corners = np.array([mission.world.corner for mission in self.missions])
         inside = np.clip(np.round(places, DECIMALS), 0.0, corners[:, None])
         finish_worlds(self.worlds, inside, self._weights, self.rewards)
         self._bring_up_to_date(self.worlds)
@@ -223,7 +223,7 @@ class TeamFormation:
 
     def known(self, w: int = 0) -> Known:
         """Return what everybody knows of a world now."""
-        return known_of(self.worlds, w, self.scenarios[w], 0)
+        return known_of(self.worlds, w, self.missions[w], 0)
 
     def plan(self, w: int = 0) -> Plan:
         """Return the plan that a coordinated world goes by now."""
@@ -309,7 +309,7 @@ class TeamFormation:
 
     def _in_chunks(self, work: Callable[[int, int], None]) -> None:
         if self._pool is None:
-            work(0, len(self.scenarios))
+            work(0, len(self.missions))
         else:
             list(self._pool.map(work, *zip(*self._chunks, strict=True)))
 
@@ -321,7 +321,7 @@ def _for_each(
     if not isinstance(coordinator, Sequence):
         return [coordinator] * count
     if len(coordinator) != count:
-        raise ValueError(f"there are {len(coordinator)} coordinators for {count} scenarios")
+        raise ValueError(f"there are {len(coordinator)} coordinators for {count} missions")
     return list(coordinator)
 
 

@@ -32,11 +32,11 @@ def drawn(seed: int, forming_steps: int = 1) -> tuple[Mission, Situation]:
     In every third one tasks come after others.
     """
     rng = np.random.default_rng(seed)
-    scenario = random_world(rng, with_losses=False) if seed % 2 else generate(Spec(6, 12, 3), rng)
+    mission = random_world(rng, with_losses=False) if seed % 2 else generate(Spec(6, 12, 3), rng)
     if seed % 3 == 0:
-        scenario = with_precedence_and_windows(scenario, rng, windows=0)
-    scenario = replace(scenario, forming_steps=forming_steps)
-    return scenario, situation_in_hindsight(scenario)._replace(crossings=no_crossings())
+        mission = with_precedence_and_windows(mission, rng, windows=0)
+    mission = replace(mission, forming_steps=forming_steps)
+    return mission, situation_in_hindsight(mission)._replace(crossings=no_crossings())
 
 
 def plan_of(arcs: TeamArcs, graph: Graph) -> TeamPlan:
@@ -53,13 +53,13 @@ def ends_of(arcs: TeamArcs) -> list[int]:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_times_of_a_plan_that_is_laid_out_are_those_of_a_slow_twin(seed: int) -> None:
-    scenario, situation = drawn(seed)
+    mission, situation = drawn(seed)
     searched = TeamArcs(situation, seed)
     assert searched.plan_anew(rounds=300) is not None
     plan = searched.plan
     arcs = TeamArcs(situation)
     arcs.begin_at(plan)
-    slow = slow_ends(scenario, situation.problem, plan)
+    slow = slow_ends(mission, situation.problem, plan)
     assert ends_of(arcs) == slow
     assert arcs.search.graph.total[MAKESPAN] // TICKS == max(slow)
     assert arcs.search.graph.total[END_SUM] // TICKS >= sum(slow)
@@ -68,7 +68,7 @@ def test_times_of_a_plan_that_is_laid_out_are_those_of_a_slow_twin(seed: int) ->
 @pytest.mark.parametrize("seed", SEEDS)
 def test_times_that_are_worked_out_as_they_change_are_those_of_the_whole_plan(seed: int) -> None:
     """Where parting is free: else the order in which groups part may be an old one."""
-    scenario, situation = drawn(seed, forming_steps=0)
+    mission, situation = drawn(seed, forming_steps=0)
     arcs = TeamArcs(situation, seed)
     assert arcs.begin_anew()
     best = arcs.search._best
@@ -76,12 +76,12 @@ def test_times_that_are_worked_out_as_they_change_are_those_of_the_whole_plan(se
         arcs.search.anneal(4 * TICKS, TICKS, turn * 5, turn * 5 + 5, 300)
         plan = plan_of(arcs, arcs.search.graph)
         arcs.search._best = best
-        assert ends_of(arcs) == slow_ends(scenario, situation.problem, plan)
+        assert ends_of(arcs) == slow_ends(mission, situation.problem, plan)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_searching_on_never_loses_the_best_and_every_coalition_is_able(seed: int) -> None:
-    scenario, situation = drawn(seed)
+    mission, situation = drawn(seed)
     arcs = TeamArcs(situation, seed)
     assert arcs.begin_anew()
     first = arcs.search.rank
@@ -92,14 +92,14 @@ def test_searching_on_never_loses_the_best_and_every_coalition_is_able(seed: int
         crew = plan.coalition[task, :size].tolist()
         assert len(set(crew)) == size
         assert (problem.counts[crew].sum(axis=0) >= problem.needs[task]).all()
-    assert max(slow_ends(scenario, problem, plan)) <= arcs.search._best.total[MAKESPAN] // TICKS + 1
+    assert max(slow_ends(mission, problem, plan)) <= arcs.search._best.total[MAKESPAN] // TICKS + 1
 
 
 def test_a_group_serves_what_it_passes_on_its_way() -> None:
     ann, bob = (Robot(name, (x, 0), {"a": 1}) for name, x in (("ann", 0), ("bob", 25)))
     tasks = (Task("far", (10, 0), {"a": 1}), Task("passed", (5, 0), {"a": 1}, duration=3))
-    scenario = Mission("corridor", Grid(30, 1), ("a",), (ann, bob), tasks)
-    arcs = TeamArcs(situation_in_hindsight(scenario))
+    mission = Mission("corridor", Grid(30, 1), ("a",), (ann, bob), tasks)
+    arcs = TeamArcs(situation_in_hindsight(mission))
     arcs.begin_at(plan_teams([0, 1], [[0], [1]]))
     assert ends_of(arcs)[0] == 13  # five cells, three steps of service, five cells
     arcs.begin_at(plan_teams([1, 0], [[0], [0]]))
@@ -108,14 +108,14 @@ def test_a_group_serves_what_it_passes_on_its_way() -> None:
 
 def test_large_coalitions_are_begun_without_robots_to_spare() -> None:
     robots = tuple(Robot(f"r{n}", (n, 0), {"a": 1}) for n in range(8))
-    scenario = Mission(
+    mission = Mission(
         "crowd",
         Grid(30, 1),
         ("a",),
         robots,
         (Task("t", (9, 0), {"a": 2}), Task("u", (1, 0), {"a": 1})),
     )
-    arcs = TeamArcs(situation_in_hindsight(scenario))
+    arcs = TeamArcs(situation_in_hindsight(mission))
     arcs.begin_at(plan_teams([0, 1], [list(range(8)), [7]]))
     assert arcs.plan.size.tolist() == [6, 1]  # two that are needed, and four riders
     assert arcs.search.graph.total[COST] > 0
@@ -139,8 +139,8 @@ def test_nobody_is_planned_for_what_ends_after_it_is_lost() -> None:
     lost = Robot("lost", (0, 0), {"a": 1}, absences=(Absence(5),))
     stays = Robot("stays", (20, 0), {"a": 1})
     tasks = (Task("near", (2, 0), {"a": 1}), Task("later", (6, 0), {"a": 1}))
-    scenario = Mission("corridor", Grid(30, 1), ("a",), (lost, stays), tasks)
-    situation = situation_in_hindsight(scenario)
+    mission = Mission("corridor", Grid(30, 1), ("a",), (lost, stays), tasks)
+    situation = situation_in_hindsight(mission)
     arcs = TeamArcs(situation)
     arcs.begin_at(plan_teams([0, 1], [[0], [0]]))
     assert arcs.search.graph.total[MAKESPAN] >= FAR * TICKS

@@ -38,8 +38,8 @@ def robot(name: str, *at: int, can: str = "a") -> Robot:
     return Robot(name, at, {can: 1})
 
 
-def planned(scenario: Mission, policy: str, seconds: float = 0.2) -> MissionPlan:
-    plan = plan_continuous(pose_mission(scenario), policy, seconds)
+def planned(mission: Mission, policy: str, seconds: float = 0.2) -> MissionPlan:
+    plan = plan_continuous(pose_mission(mission), policy, seconds)
     assert plan is not None
     return plan
 
@@ -49,16 +49,16 @@ def test_forming_costs_nothing_where_robots_stand_together(policy: str) -> None:
     """Who starts where a task is stands where those do who have done it."""
     tasks = [Task("here", (0, 0), {"a": 1}), Task("there", (3, 0), {"a": 1, "b": 1})]
     robots = [robot("r1", 0, 0), robot("r2", 0, 0, can="b")]
-    scenario = replace(mission(robots, tasks, Grid(4, 1)), forming=5.0)
-    assert planned(scenario, policy).makespan == 3
+    source = replace(mission(robots, tasks, Grid(4, 1)), forming=5.0)
+    assert planned(source, policy).makespan == 3
 
 
 @pytest.mark.parametrize("at", [(0, 0), (1, 0)])
 def test_forming_is_paid_for_where_robots_come_from_two_places(at: Place) -> None:
     tasks = [Task("there", (3, 0), {"a": 1, "b": 1})]
     robots = [robot("r1", 0, 0), Robot("r2", at, {"b": 1})]
-    scenario = replace(mission(robots, tasks, Grid(4, 1)), forming=5.0)
-    assert planned(scenario, "plan").makespan == (3 if at == (0, 0) else 8)
+    source = replace(mission(robots, tasks, Grid(4, 1)), forming=5.0)
+    assert planned(source, "plan").makespan == (3 if at == (0, 0) else 8)
 
 
 def test_two_tasks_in_one_place_are_one_place_to_form_at() -> None:
@@ -68,8 +68,8 @@ def test_two_tasks_in_one_place_are_one_place_to_form_at() -> None:
         Task("both", (5, 0), {"a": 1, "b": 1}, after=("one", "two")),
     ]
     robots = [robot("r1", 0, 0), robot("r2", 0, 0, can="b")]
-    scenario = replace(mission(robots, tasks, Grid(6, 1)), forming=4.0)
-    assert planned(scenario, "plan").makespan == 5
+    source = replace(mission(robots, tasks, Grid(6, 1)), forming=4.0)
+    assert planned(source, "plan").makespan == 5
 
 
 def at_one_moment() -> CoalitionProblem:
@@ -146,9 +146,9 @@ def test_central_is_never_worse_than_the_shared_plan(seed: int) -> None:
         for n, (x, y) in enumerate(spots)
     ]
     robots = [robot(f"r{n}", 15, 15, can="ab"[n % 2]) for n in range(4)]
-    scenario = mission(robots, tasks, Grid(30, 30))
-    scenario = replace(scenario, cost={"tardiness": 3000.0, "travel": 1.0, "makespan": 0.5})
-    central, shared = (planned(scenario, policy, 0.0).cost for policy in ("central", "plan"))
+    source = mission(robots, tasks, Grid(30, 30))
+    source = replace(source, cost={"tardiness": 3000.0, "travel": 1.0, "makespan": 0.5})
+    central, shared = (planned(source, policy, 0.0).cost for policy in ("central", "plan"))
     assert central is not None
     assert shared is not None
     assert central <= shared + 1e-9
@@ -165,11 +165,9 @@ def test_a_plan_in_which_robots_go_where_no_way_leads_is_refused(policy: str) ->
         Task("one", (1, 0), {"a": 1}),
         Task("two", (1, 1), {"a": 1}, starts={"one": (0.0, 1.0)}),
     ]
-    scenario = mission(
-        [robot("r1", 0, 0), robot("r2", 4, 0)], tasks, Grid(5, 2, rows=("..@..",) * 2)
-    )
+    source = mission([robot("r1", 0, 0), robot("r2", 4, 0)], tasks, Grid(5, 2, rows=("..@..",) * 2))
     with pytest.raises(TeamformerError, match="all can get to their tasks") as raised:
-        planned(scenario, policy)
+        planned(source, policy)
     assert "drop a link" in raised.value.hint
 
 
@@ -177,8 +175,8 @@ def test_a_plan_in_which_robots_go_where_no_way_leads_is_refused(policy: str) ->
 def test_robots_that_are_apart_do_what_they_can_get_to(policy: str) -> None:
     tasks = [Task("left", (1, 0), {"a": 1}), Task("right", (3, 0), {"a": 1})]
     robots = [robot("r1", 0, 0), robot("r2", 4, 0)]
-    scenario = mission(robots, tasks, Grid(5, 1, rows=("..@..",)))
-    assert planned(scenario, policy).makespan == 1
+    source = mission(robots, tasks, Grid(5, 1, rows=("..@..",)))
+    assert planned(source, policy).makespan == 1
 
 
 def test_the_best_plan_is_over_first_however_early_robots_are_home_on_average() -> None:
@@ -221,8 +219,8 @@ def on_roads(world: Roads, robots: list[Robot], at: list[str], **more: Any) -> M
 def test_roads_are_taken_in_the_direction_that_is_shorter(policy: str) -> None:
     """Round one way 1 + 2 + 3, round the other 20 + 30 + 10."""
     world = roads(ground=[[0, 1, 10], [20, 0, 2], [3, 30, 0]])
-    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1", "p2"], ends="home")
-    made = planned(scenario, policy)
+    mission = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1", "p2"], ends="home")
+    made = planned(mission, policy)
     assert (made.makespan, made.order) == (6, (0, 1))
 
 
@@ -237,9 +235,9 @@ def test_the_way_to_where_a_mission_ends_is_not_the_way_from_there(policy: str) 
 def test_movers_have_roads_of_their_own() -> None:
     world = roads(ground=[[0, 9, 9]] * 3, air=[[0, 2, 4], [5, 0, 9], [6, 9, 0]])
     robots = [Robot("r", world.at("p0"), {"a": 1}), Robot("d", world.at("p0"), {"b": 1})]
-    scenario = on_roads(world, [robots[0], replace(robots[1], moves="air")], ["p1"], ends="home")
-    both = replace(scenario.tasks[0], needs={"a": 1, "b": 1})
-    made = planned(replace(scenario, tasks=(both,)), "plan")
+    mission = on_roads(world, [robots[0], replace(robots[1], moves="air")], ["p1"], ends="home")
+    both = replace(mission.tasks[0], needs={"a": 1, "b": 1})
+    made = planned(replace(mission, tasks=(both,)), "plan")
     assert [route.back for route in made.routes] == [9 + 0, 9 + 5]
     assert [route.stops[0].arrive for route in made.routes] == [9, 2]
 
@@ -264,16 +262,16 @@ def test_where_there_is_no_direct_way_robots_go_by_other_places(policy: str) -> 
 def test_no_robot_goes_first_to_where_no_way_leads_on(policy: str) -> None:
     """p1 is near, but who is there stays there; round by p2 it is 5 + 7."""
     world = roads(ground=[[0, 1, 5], [NONE, 0, NONE], [NONE, 7, 0]])
-    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1", "p2"])
-    made = planned(scenario, policy)
+    mission = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1", "p2"])
+    made = planned(mission, policy)
     assert (made.makespan, made.order) == (12, (1, 0))
 
 
 def test_a_mission_that_nobody_comes_home_from_is_refused() -> None:
     world = roads(ground=[[0, 1, 5], [NONE, 0, NONE], [NONE, 7, 0]])
-    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1"], ends="home")
+    mission = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1"], ends="home")
     with pytest.raises(TeamformerError, match="no plan was found in which all can get to") as told:
-        planned(scenario, "central")
+        planned(mission, "central")
     assert "give ways a time under roads" in told.value.hint
 
 
@@ -294,9 +292,9 @@ def test_a_lane_may_be_closed_to_a_mover() -> None:
 
 def test_roads_with_gaps_are_written_and_read_back(tmp_path: Path) -> None:
     world = roads(ground=[[NONE, 1, NONE], [4.5, 0, 2], [NONE, 3, 0]])
-    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p2"])
+    mission = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p2"])
     for name in ("m.yaml", "m.json"):
-        write_mission(scenario, tmp_path / name)
+        write_mission(mission, tmp_path / name)
         assert read_mission(tmp_path / name).world == world
     text = (tmp_path / "m.yaml").read_text()
     for way in ("inf", ".inf", "Infinity"):
@@ -307,7 +305,7 @@ def test_roads_with_gaps_are_written_and_read_back(tmp_path: Path) -> None:
 def test_no_bound_forgets_that_a_detour_may_be_shorter() -> None:
     """Home from t1 takes 50, by way of t0 2: a plan that is over at 3 is there, and proven."""
     world = roads(ground=[[0, 10, 1], [1, 0, 60], [50, 1, 0]])
-    scenario = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1", "p2"], ends="home")
-    made = planned(scenario, "central")
+    mission = on_roads(world, [Robot("r", world.at("p0"), {"a": 1})], ["p1", "p2"], ends="home")
+    made = planned(mission, "central")
     assert (made.makespan, made.is_proven) == (3, True)
     assert made.bound == pytest.approx(3, abs=1e-5)

@@ -22,9 +22,9 @@ DEFAULT = {"makespan": 1.0, "tardiness": 2.0}
 
 
 def planned(
-    scenario: Mission, method: str = "plan", seconds: float = 0.0, start: Plan | None = None
+    mission: Mission, method: str = "plan", seconds: float = 0.0, start: Plan | None = None
 ) -> MissionPlan:
-    plan = plan_continuous(pose_mission(scenario), method, seconds, start)
+    plan = plan_continuous(pose_mission(mission), method, seconds, start)
     assert plan is not None
     return plan
 
@@ -72,8 +72,8 @@ def test_reactive_knows_windows_but_no_cost() -> None:
 
 
 def test_a_plan_in_time_that_is_over_at_the_bound_is_proven() -> None:
-    scenario = replace(urgent(), tasks=(Task("t", (6, 0), {"a": 1}, between=(7, 9)),))
-    for one in (scenario, replace(scenario, cost=DEFAULT)):
+    mission = replace(urgent(), tasks=(Task("t", (6, 0), {"a": 1}, between=(7, 9)),))
+    for one in (mission, replace(mission, cost=DEFAULT)):
         made = planned(one, "central", 5.0)
         assert (made.makespan, made.is_proven) == (7, True)
         assert made.bound == pytest.approx(7, abs=1e-5)
@@ -84,7 +84,7 @@ def test_a_shorter_plan_is_not_lost_for_one_that_has_all_home_sooner_on_average(
     between: tuple[float, float] | None,
 ) -> None:
     """One robot does both from 2 to 102; two are over at 52 and 101, which is later on average."""
-    scenario = Mission(
+    mission = Mission(
         "both",
         Grid(101, 1),
         ("a",),
@@ -93,14 +93,14 @@ def test_a_shorter_plan_is_not_lost_for_one_that_has_all_home_sooner_on_average(
         time="continuous",
     )
     for method in ("plan", "central"):
-        assert planned(scenario, method).makespan == 101
+        assert planned(mission, method).makespan == 101
 
 
 def test_a_window_far_away_does_not_make_the_others_coarse() -> None:
     """First to the right, which is due first, then to the left: both are in time."""
     tasks = [("q", (4.6, 5.0), (0.0, 1.3)), ("p", (5.4, 5.0), (0.0, 0.9))]
     tasks.append(("audit", (5.0, 5.0), (9e8, 1e9)))
-    scenario = Mission(
+    mission = Mission(
         "far",
         Plane(10, 10),
         ("a",),
@@ -109,7 +109,7 @@ def test_a_window_far_away_does_not_make_the_others_coarse() -> None:
         time="continuous",
         cost={"tardiness": 1},
     )
-    assert planned(scenario).late == {}
+    assert planned(mission).late == {}
 
 
 def test_a_gap_that_is_just_long_enough_is_kept() -> None:
@@ -169,16 +169,16 @@ def carried() -> Mission:
     return Mission("carried", Grid(10, 1), ("a",), robots, (load,), time="continuous")
 
 
-@pytest.mark.parametrize("scenario", [carried(), urgent()])
-def test_what_begins_with_a_plan_is_never_worse_by_true_times(scenario: Mission) -> None:
+@pytest.mark.parametrize("mission", [carried(), urgent()])
+def test_what_begins_with_a_plan_is_never_worse_by_true_times(mission: Mission) -> None:
     """A plan that is handed in is judged as any other, and is what comes out if it is the best."""
-    posed = pose_mission(scenario)
-    robots, tasks = range(len(scenario.robots)), range(len(scenario.tasks))
+    posed = pose_mission(mission)
+    robots, tasks = range(len(mission.robots)), range(len(mission.tasks))
     for robot in robots:
         for order in (tuple(tasks), tuple(reversed(tasks))):
             given = Plan(order, ((robot,),) * len(order))
             worth = posed.worth_of(posed.time(posed.as_arrays(given)))
-            assert posed.worth_of(planned(scenario, "central", 0.0, given)) <= worth
+            assert posed.worth_of(planned(mission, "central", 0.0, given)) <= worth
 
 
 def test_robots_that_wait_for_one_another_for_ever_make_no_plan() -> None:
@@ -189,8 +189,8 @@ def test_robots_that_wait_for_one_another_for_ever_make_no_plan() -> None:
         replace(second, starts={"last": (5, 5)}),
         replace(last, starts={"first": (0, 0)}),
     )
-    scenario = replace(in_a_row(), tasks=tasks)
-    posed = pose_mission(scenario)
+    mission = replace(in_a_row(), tasks=tasks)
+    posed = pose_mission(mission)
     given = Plan((1, 0, 2), ((0,), (0,), (1,)))
     assert posed.time(posed.as_arrays(given)).makespan == float("inf")
-    assert planned(scenario, "central", 0.0, given).makespan < float("inf")
+    assert planned(mission, "central", 0.0, given).makespan < float("inf")

@@ -16,8 +16,8 @@ from teamformer.planning.problem.routes import MissionPlan
 LIFT = {"lift": 1}
 
 
-def planned(scenario: Mission, method: str = "plan", start: Plan | None = None) -> MissionPlan:
-    made = plan_continuous(pose_mission(scenario), method, 0.05, start)
+def planned(mission: Mission, method: str = "plan", start: Plan | None = None) -> MissionPlan:
+    made = plan_continuous(pose_mission(mission), method, 0.05, start)
     assert made is not None
     return made
 
@@ -55,8 +55,8 @@ def test_a_detour_by_a_task_may_be_the_quicker_road() -> None:
     at = [roads.at(name) for name in roads.places]
     robots = (Robot("a", at[1], {"scan": 1}), Robot("b", at[0], LIFT))
     tasks = (Task("look", at[1], {"scan": 1}), Task("crate", at[2], LIFT))
-    scenario = Mission("roads", roads, ("scan", "lift"), robots, tasks, time="continuous")
-    assert planned(scenario).makespan == 2.0
+    mission = Mission("roads", roads, ("scan", "lift"), robots, tasks, time="continuous")
+    assert planned(mission).makespan == 2.0
 
 
 def test_a_way_with_a_load_costs_no_travel() -> None:
@@ -64,8 +64,8 @@ def test_a_way_with_a_load_costs_no_travel() -> None:
     robots = (Robot("a", (0, 0), LIFT), Robot("b", (0, 0), {"scan": 1}))
     tasks = (Task("crate", (0, 0), LIFT, to=(9, 0)), Task("lamp", (9, 0), {"scan": 1}))
     parts = (Grid(10, 1), ("lift", "scan"), robots, tasks)
-    scenario = Mission("ride", *parts, time="continuous", cost={"travel": 1.0})
-    assert planned(scenario).cost == 0.0
+    mission = Mission("ride", *parts, time="continuous", cost={"travel": 1.0})
+    assert planned(mission).cost == 0.0
 
 
 def test_nobody_comes_along_for_nothing() -> None:
@@ -79,5 +79,5 @@ def test_nobody_comes_along_for_nothing() -> None:
 def test_searches_have_seats_for_spares_only_where_they_may_pay() -> None:
     robots, tasks = (Robot("a", (0, 0), LIFT),), (Task("t", (5, 0), LIFT),)
     plain = Mission("plain", Grid(9, 1), ("lift",), robots, tasks, time="continuous")
-    spares = [pose_mission(scenario).problem.spares for scenario in (together(), plain)]
+    spares = [pose_mission(mission).problem.spares for mission in (together(), plain)]
     assert spares == [SPARES, 0]

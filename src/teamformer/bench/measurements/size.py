@@ -47,7 +47,7 @@ def measure_size(sides: dict[int, int] = SIDES) -> Iterator[SizeRow]:
                 write_mission(mission, path)
                 run = ["run", str(path), "--method", method, "--out", str(record), "--json"]
                 told, *ran = _measured(run)
-                _, *judged = _measured(["check", str(record / "replay.json")])
+                _, *judged = _measured(["check", str(record / "record.json")])
                 yield SizeRow(method, count, json.loads(told)["makespan"], *ran, *judged)
 
 

@@ -61,9 +61,9 @@ def _trial_of_default(name: str) -> float:
     """Return the processor seconds of a whole trial, the median of nine after a first one."""
     method, taken = teamformer(), []
     for seed in range(10):
-        scenario = world_of(name, seed)
+        mission = world_of(name, seed)
         begun = time.process_time()
-        run_trial(scenario, method)
+        run_trial(mission, method)
         taken.append(time.process_time() - begun)
     return float(np.median(taken[1:]))
 
@@ -84,15 +84,15 @@ def _worlds(count: int, robots: int, tasks: int, side: int, caps: int) -> list[M
     return [generate(spec, rng) for _ in range(count)]
 
 
-def _spread_out(scenario: Mission) -> Mission:
+def _spread_out(mission: Mission) -> Mission:
     """Put the robots anywhere: a crowd at one point would cost by its density, not its size."""
     rng = np.random.default_rng(1)
-    side = int(scenario.world.width)
-    places = rng.integers(side, size=(len(scenario.robots), 2))
+    side = int(mission.world.width)
+    places = rng.integers(side, size=(len(mission.robots), 2))
     robots = [
-        replace(r, at=(int(x), int(y))) for r, (x, y) in zip(scenario.robots, places, strict=True)
+        replace(r, at=(int(x), int(y))) for r, (x, y) in zip(mission.robots, places, strict=True)
     ]
-    return replace(scenario, robots=tuple(robots))
+    return replace(mission, robots=tuple(robots))
 
 
 def _join_all_rate() -> float:
@@ -132,9 +132,9 @@ def _maintain(env: TeamFormation) -> float:
 
 
 def _large_trial() -> tuple[float, float]:
-    scenario = _worlds(1, 1000, 1000, 100, 8)[0]
-    trial = run_trial(scenario, JoinAll())
-    return trial.total_seconds, float(trial.replay.end.makespan or np.nan)
+    mission = _worlds(1, 1000, 1000, 100, 8)[0]
+    trial = run_trial(mission, JoinAll())
+    return trial.total_seconds, float(trial.record.end.makespan or np.nan)
 
 
 def _peak_megabytes() -> float:

@@ -95,7 +95,7 @@ def measure(instance: Instance, method: str, time_limit: float) -> Result | None
     else:
         made = plan_continuous(mission, method, time_limit)
     seconds, worked = time.perf_counter() - begun, time.process_time() - worked
-    assert made is not None, "tasks that nobody can do are refused with the scenario"
+    assert made is not None, "tasks that nobody can do are refused with the mission"
     return Result(
         collection=instance.collection,
         instance=instance.name,

@@ -20,11 +20,11 @@ def check_foxglove(port: int) -> None:
     check_address(HostAndPort("127.0.0.1", port), "--foxglove")
 
 
-def play_in_foxglove(replay: Record, port: int) -> None:
+def play_in_foxglove(record: Record, port: int) -> None:
     """Serve a record, and play it when somebody looks, until Ctrl-C."""
     from teamformer.record.export.foxglove_server import Player
 
-    player = Player(replay, port)
+    player = Player(record, port)
     say(f"Foxglove: open a connection to {player.url}; Ctrl-C ends it")
     with suppress(KeyboardInterrupt):
         player.run()

@@ -9,8 +9,8 @@ from teamformer.record.record import Record
 from teamformer.trials.outputs import write_record
 
 
-def write_and_say(replay: Record, folder: Path) -> None:
+def write_and_say(record: Record, folder: Path) -> None:
     """Write a record and its page into a folder, and say where they are."""
-    record, page = write_record(replay, folder)
-    say(f"record: {record}")
+    kept, page = write_record(record, folder)
+    say(f"record: {kept}")
     say(f"page:   {page}")

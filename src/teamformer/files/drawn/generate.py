@@ -1,4 +1,4 @@
-"""Random scenarios with the paper's distributions (Boehme and Hollinger, ICRA 2026, section V)."""
+"""Random missions with the paper's distributions (Boehme and Hollinger, ICRA 2026, section V)."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Spec:
 
 
 def generate(spec: Spec, rng: np.random.Generator, name: str = "generated") -> Mission:
-    """Return a random scenario; the same spec and generator state give the same one.
+    """Return a random mission; the same spec and generator state give the same one.
 
     Robots start around a random spawn point, capabilities are dealt out evenly, and task places
     are uniform; on maps all lie in the largest connected part.

@@ -1,4 +1,4 @@
-"""Other people's instances as scenarios."""
+"""Other people's instances as missions."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ class AuthorsWorld:
 
     setting: str
     seed: int
-    scenario: Mission
+    mission: Mission
     heuristic: int | None
 
 
@@ -53,7 +53,7 @@ def read_world(path: Path, seed: int) -> AuthorsWorld:
 
 def _world(tree: dict[str, Any]) -> AuthorsWorld:
     names = tuple(f"c{number}" for number in range(tree["caps"]))
-    scenario = Mission(
+    mission = Mission(
         name=f"{tree['setting']}-{tree['seed']}",
         world=Grid(tree["cols"], tree["rows"]),
         capabilities=names,
@@ -66,4 +66,4 @@ def _world(tree: dict[str, Any]) -> AuthorsWorld:
             for number, (x, y, needs) in enumerate(tree["tasks"])
         ),
     )
-    return AuthorsWorld(tree["setting"], tree["seed"], scenario, tree["authors_heuristic"])
+    return AuthorsWorld(tree["setting"], tree["seed"], mission, tree["authors_heuristic"])

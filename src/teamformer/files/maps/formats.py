@@ -26,7 +26,7 @@ LARGEST_DESCRIPTION = 100_000  # bytes
 
 MOVINGAI_FREE = ".GS"  # ground, grass and swamp; trees, water and walls are not
 MOST_CELLS = 100  # a side
-HINT = "write the name as it is seen from the folder of the scenario"
+HINT = "write the name as it is seen from the folder of the mission"
 
 
 ROS_MAP = re.compile(r"^(image|resolution):", re.MULTILINE)
@@ -62,7 +62,7 @@ def read_coarse_map(path: Path) -> Grid:
 
 
 def read_movingai(path: Path) -> Grid:
-    """Read a MovingAI `.map`; the first row of the file is y = 0, as in its scenarios.
+    """Read a MovingAI `.map`; the first row of the file is y = 0, as in its missions.
 
     Raises `TeamformerError` where the file is broken.
     """

@@ -1,4 +1,4 @@
-"""Scenarios from the trees of their files (docs/reference/scenarios.md)."""
+"""Missions from the trees of their files (docs/reference/mission.md)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from teamformer.mission.keys.mission_keys import MISSION_KEYS, VERSION
 from teamformer.mission.model import Mission, Robot, World
 from teamformer.mission.parts.plane import DECIMALS, Plane
 
-RECORD = "teamformer_replay"
+RECORD = "teamformer_record"
 """The key that only records have."""
 
 READ_APART = ("teamformer", "world", "robots", "tasks")
@@ -40,9 +40,9 @@ KEYS_OF_METHODS = {
 
 
 def read_tree(reader: Reader, name: str, folder: Path | None) -> Mission | None:
-    """Return the scenario in a reader's tree, or None after noting what is wrong with it.
+    """Return the mission in a reader's tree, or None after noting what is wrong with it.
 
-    `name` is for a scenario without one; map files are looked for in `folder`.
+    `name` is for a mission without one; map files are looked for in `folder`.
     """
     if isinstance(reader.tree.value, dict) and RECORD in reader.tree.value:
         what = "this is the record of a run, and no mission"
@@ -79,7 +79,7 @@ def read_tree(reader: Reader, name: str, folder: Path | None) -> Mission | None:
 
 
 def _in_file(where: Where, entries: Sequence[int]) -> Where:
-    """Return where in the file something of the scenario is: an entry may be many robots."""
+    """Return where in the file something of the mission is: an entry may be many robots."""
     if len(where) < 2 or where[0] != "robots":
         return where
     return ("robots", entries[int(where[1])], *where[2:])

@@ -1,4 +1,4 @@
-"""The `robots` of a scenario file."""
+"""The `robots` of a mission file."""
 
 from __future__ import annotations
 

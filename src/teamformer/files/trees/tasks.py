@@ -1,4 +1,4 @@
-"""The `tasks` of a scenario file."""
+"""The `tasks` of a mission file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The `world` of a scenario file: a grid, rows of cells, a map in another file, a plane, or roads.
+"""The `world` of a mission file: a grid, rows of cells, a map in another file, a plane, or roads.
 
 And where something is in it: `read_at`.
 """

@@ -1,4 +1,4 @@
-"""Scenarios as the trees of their files (docs/reference/scenarios.md)."""
+"""Missions as the trees of their files (docs/reference/mission.md)."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND, Roads
 
 
-def mission_to_tree(scenario: Mission) -> dict[str, Any]:
-    """Return the tree of a scenario's file, with maps written out as rows."""
-    world, tasks = scenario.world, without_arrivals(scenario).tasks
+def mission_to_tree(mission: Mission) -> dict[str, Any]:
+    """Return the tree of a mission's file, with maps written out as rows."""
+    world, tasks = mission.world, without_arrivals(mission).tasks
     apart = {
         "teamformer": VERSION,
         "world": world_to_tree(world),
-        "robots": [robot_to_tree(robot, world) for robot in scenario.robots],
+        "robots": [robot_to_tree(robot, world) for robot in mission.robots],
         "tasks": [task_to_tree(task, world) for task in tasks],
-        "teams": tuple([scenario.robots[r].name for r in team] for team in scenario.teams),
+        "teams": tuple([mission.robots[r].name for r in team] for team in mission.teams),
     }
-    return part_to_tree(MISSION_KEYS, vars(scenario) | apart, world)
+    return part_to_tree(MISSION_KEYS, vars(mission) | apart, world)
 
 
 def part_to_tree(keys: Sequence[Key], held: Mapping[str, Any], world: World) -> dict[str, Any]:

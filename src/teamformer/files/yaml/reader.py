@@ -125,7 +125,7 @@ class _Builder:
     def document(self) -> Any:
         next(self.events)  # the stream begins
         if isinstance(next(self.events), ev.StreamEndEvent):
-            self.tree.refuse((), "the file is empty; write a scenario into it")
+            self.tree.refuse((), "the file is empty; write a mission into it")
             return None
         value = self.value(next(self.events), ())
         next(self.events)  # the document ends

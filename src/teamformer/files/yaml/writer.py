@@ -1,4 +1,4 @@
-"""A scenario's tree as YAML that people like to read: a line for each robot and each task."""
+"""A mission's tree as YAML that people like to read: a line for each robot and each task."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class Knowledge:
         self.me = me
         self.words = [
             Word(robot, 0, float(at.at[0]), float(at.at[1]), robot)
-            for robot, at in enumerate(mission.scenario.robots)
+            for robot, at in enumerate(mission.source.robots)
         ]
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
         self.done: set[int] = set()
@@ -97,7 +97,7 @@ class Knowledge:
         """Take in a task of an operator; say whether it is held now."""
         if task.key in self.tasks:
             return True
-        is_sound = len(task.needs) == len(self.mission.scenario.capabilities)
+        is_sound = len(task.needs) == len(self.mission.source.capabilities)
         is_sound = is_sound and self.mission.is_site(task.x, task.y) and task.key >= 1 << 24
         if not is_sound or len(self.tasks) >= len(self.mission.tasks) + MOST_ADDED:
             self.refused += 1

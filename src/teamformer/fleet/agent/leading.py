@@ -190,7 +190,7 @@ class Leading:
     def _seen(self, now: float, place: Place) -> Iterator[Company]:
         """Return the other teams within the sensing radius; in the same place all are."""
         mission, me = self._knowledge.mission, self._knowledge.me
-        reach = max(mission.scenario.sensing_radius, mission.radius) ** 2
+        reach = max(mission.source.sensing_radius, mission.radius) ** 2
         yield from companies(
             word
             for word in self._knowledge.words

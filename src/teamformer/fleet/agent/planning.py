@@ -58,7 +58,7 @@ class FleetPlan:
 def first_plan(mission: FleetMission, planner: FleetPlanner) -> FleetPlan:
     """Return plan 0, which every robot makes of the mission by itself before it starts."""
     tasks = tuple(task for task in mission.tasks if task.appears == 0)
-    places = {robot: at.at for robot, at in enumerate(mission.scenario.robots)}
+    places = {robot: at.at for robot, at in enumerate(mission.source.robots)}
     return FleetPlan(make_plan(mission, planner, FleetSituation(places, tasks), 0, 0))
 
 

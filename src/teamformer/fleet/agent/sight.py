@@ -50,8 +50,8 @@ def view_of(
     knowledge: Knowledge, own: Company, seen: Sequence[Company], order: Sequence[int]
 ) -> View:
     """Return the view of the team `own`; `seen` are others, `order` the open tasks in order."""
-    mission, scenario = knowledge.mission, knowledge.mission.scenario
-    caps, world = len(scenario.capabilities), scenario.world
+    mission, source = knowledge.mission, knowledge.mission.source
+    caps, world = len(source.capabilities), source.world
     number = {key: place for place, key in enumerate(knowledge.tasks)}
     has_loads = any(task.to is not None for task in mission.tasks)
     room = make_view(1, mission.robots, max(1, len(number)), caps, has_loads=has_loads)
@@ -101,7 +101,7 @@ def _write_seen(
     view.seen_task[0, column] = number.get(team.goal, NOBODY)
     view.is_here[0, column] = mission.is_same_place(*own.place, *team.place)
     is_busy = own.is_serving or team.is_serving
-    reach = max(mission.scenario.join_radius, mission.radius)
+    reach = max(mission.source.join_radius, mission.radius)
     view.can_join[0, column] = not is_busy and math.dist(own.place, team.place) <= reach
 
 

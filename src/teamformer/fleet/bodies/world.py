@@ -110,11 +110,11 @@ class FleetWorld:
     def __init__(self, mission: FleetMission) -> None:
         self.mission = mission
         self.now = 0.0
-        self._is_grid = isinstance(mission.scenario.world, Grid)
+        self._is_grid = isinstance(mission.source.world, Grid)
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
         self.done: dict[int, Done] = {}
         self.robots = [
-            SimulatedRobot(Leg([robot.at], 0.0, NEVER)) for robot in mission.scenario.robots
+            SimulatedRobot(Leg([robot.at], 0.0, NEVER)) for robot in mission.source.robots
         ]
         self.moves: list[Walked | Lifted] = []
         self._lies: dict[int, Place] = {}  # loads that were moved, by task

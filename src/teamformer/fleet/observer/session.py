@@ -66,7 +66,7 @@ class ObserverSession:
         self._incidents: list[tuple[int, str]] = []
         self._say_aloud = say
         self.on_step: Callable[[Record], None] | None = None  # given what was seen so far
-        names = tuple(robot.name for robot in watch.mission.scenario.robots)
+        names = tuple(robot.name for robot in watch.mission.source.robots)
         self._silence, self._alerts = Silence(names, time.monotonic()), Alerts(names)
         self._step, self._clock = watch.mission.step, MissionClock(MOST_PAST * watch.mission.step)
         self._has_begun = False  # to write down steps
@@ -112,7 +112,7 @@ class ObserverSession:
     def save(self) -> tuple[Path, ...]:
         """Write what has been seen; return the path."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        path = self.folder / "replay.json"
+        path = self.folder / "record.json"
         save_record(self.watch.record(), path)
         return (path,)
 
@@ -124,7 +124,7 @@ class ObserverSession:
         message = read_message(text)
         command = message["do"]
         if command == "happen":
-            incident = read_incident(message, self.watch.scenario)
+            incident = read_incident(message, self.watch.source)
             if not isinstance(incident, NewTask):
                 raise TeamformerError(
                     "a fleet's robots are lost and back by themselves; end or start their agents"
@@ -144,7 +144,7 @@ class ObserverSession:
     async def _add(self, new: NewTask) -> None:
         """Offer a task until enough robots hold it, and tell who does."""
         mission = self.watch.mission
-        caps, name = mission.scenario.capabilities, new.name
+        caps, name = mission.source.capabilities, new.name
         key = (1 + secrets.randbits(36)) << 24
         x, y = float(new.at[0]), float(new.at[1])
         task = TaskFact(key, name, x, y, row_of(new.needs, caps), new.duration * mission.step)
@@ -158,7 +158,7 @@ class ObserverSession:
             self._say(operator.offer())
             await asyncio.sleep(AGAIN)
         del self._operators[key]
-        holders = [mission.scenario.robots[robot].name for robot in sorted(operator.holders)]
+        holders = [mission.source.robots[robot].name for robot in sorted(operator.holders)]
         if not operator.is_accepted:
             have = f"only {', '.join(holders)} hold it" if holders else "no robot answered"
             raise TeamformerError(f"task {name} is not accepted, {have}; it may still be done")

@@ -7,7 +7,7 @@ from teamformer.fleet.observer.alerts import ALL, Alert, robot_key
 SILENCE = 10.0
 """Seconds without any word of a robot after which it counts as not heard."""
 
-QUESTION = "does the fleet run, and are its scenario, endpoint and --keys the same here?"
+QUESTION = "does the fleet run, and are its mission, endpoint and --keys the same here?"
 
 
 class Silence:

@@ -27,7 +27,7 @@ def troubles(watch: Watch, age: float) -> list[Alert]:
 def _robots(watch: Watch) -> Iterator[Alert]:
     timers = watch.mission.timers
     for robot, word in sorted(watch.words.items()):
-        name, key = watch.scenario.robots[robot].name, robot_key(robot)
+        name, key = watch.source.robots[robot].name, robot_key(robot)
         if word.is_lost:
             why = "it has left, or the others have not heard it for long"
             yield Alert(key, f"{name} is lost", why, "start its agent again; others do its tasks")
@@ -42,7 +42,7 @@ def _robots(watch: Watch) -> Iterator[Alert]:
 def _late_tasks(watch: Watch, age: float) -> Iterator[Alert]:
     step = watch.mission.step
     for number, task in watch.open_tasks():
-        between = watch.scenario.tasks[number].between
+        between = watch.source.tasks[number].between
         due = float("inf") if between is None else between[1] * step
         begun = min(watch.at_work(task.key).values(), default=float("inf")) * step
         ends = begun + task.duration + SLACK if task.to is None else float("inf")
@@ -58,7 +58,7 @@ def _late_tasks(watch: Watch, age: float) -> Iterator[Alert]:
 def _who_does(watch: Watch, task: TaskFact) -> str:
     """Return where to look for who is to do a task."""
     robots = [r for r, word in sorted(watch.words.items()) if word.goal == task.key]
-    names = _names(watch.scenario.robots[robot].name for robot in robots)
+    names = _names(watch.source.robots[robot].name for robot in robots)
     return f"look at {names}, which head for it or are there" if robots else "nobody heads for it"
 
 
@@ -69,8 +69,8 @@ def _end(watch: Watch) -> Iterator[Alert]:
     stuck = [task for _, task in watch.open_tasks() if not watch.mission.can_do(able, task)]
     if not stuck:
         return
-    robots, [first, *_] = watch.scenario.robots, stuck
-    needs = dict(zip(watch.scenario.capabilities, first.needs, strict=True))
+    robots, [first, *_] = watch.source.robots, stuck
+    needs = dict(zip(watch.source.capabilities, first.needs, strict=True))
     there = [robot for robot in able if watch.mission.reach(robot, first)]
     lack = missing(total(robots[robot].can for robot in there), needs)
     helpers = _names(robots[robot].name for robot in sorted(out) if lack.keys() & robots[robot].can)

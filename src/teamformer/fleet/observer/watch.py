@@ -66,7 +66,7 @@ class Watch:
 
     def __init__(self, mission: FleetMission) -> None:
         self.mission = mission
-        self.scenario = mission.scenario
+        self.source = mission.source
         self.words: dict[int, Word] = {}
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
         self.steps: list[Step] = []
@@ -119,14 +119,14 @@ class Watch:
 
     def learn(self, task: TaskFact) -> bool:
         """Take in an operator's task; say whether it was not known."""
-        if task.key in self.tasks or len(task.needs) != len(self.scenario.capabilities):
+        if task.key in self.tasks or len(task.needs) != len(self.source.capabilities):
             return False
-        if not self.scenario.world.is_free((task.x, task.y)):
+        if not self.source.world.is_free((task.x, task.y)):
             return False
         self._number[task.key] = len(self.tasks)
         self.tasks[task.key] = task
         added = self._as_task(task, len(self.steps))
-        self.scenario = replace(self.scenario, tasks=(*self.scenario.tasks, added))
+        self.source = replace(self.source, tasks=(*self.source.tasks, added))
         return True
 
     @property
@@ -152,7 +152,7 @@ class Watch:
         told = {key: deed for key, deed in told.items() if deed.robots}
         times = sorted((min(self._told[key].at, past * step), key) for key in told)
         rows = deeds_by_step((Finished(*each) for each in times), told, step)[:past]
-        places = {robot: at.at for robot, at in enumerate(self.scenario.robots)}
+        places = {robot: at.at for robot, at in enumerate(self.source.robots)}
         for deeds in rows:
             said = {robot: (robot, place) for robot, place in places.items()}
             self.steps.append(self._drawn(said, {}, deeds))
@@ -227,14 +227,14 @@ class Watch:
 
     def record(self) -> Record:
         """Return what has been seen so far."""
-        tasks, steps = self.scenario.tasks, len(self.steps)
+        tasks, steps = self.source.tasks, len(self.steps)
         done = sum(len(step.done) for step in self.steps)
         return Record(
-            scenario=replace(self.scenario, teams=()),
+            mission=replace(self.source, teams=()),
             method=FLEET,
             seed=0,
             orders=((0, tuple(k for k, task in enumerate(tasks) if task.appears == 0)),),
-            start=tuple((r, (r,), *at.at) for r, at in enumerate(self.scenario.robots)),
+            start=tuple((r, (r,), *at.at) for r, at in enumerate(self.source.robots)),
             steps=tuple(self.steps),
             end=Ending(
                 status="completed" if done == len(tasks) else "interrupted",
@@ -261,7 +261,7 @@ class Watch:
         """Note that a load was set down."""
         task, known = self.tasks.get(load.key), self._loads.get(load.key)
         is_news = task is not None and task.to is not None and (known is None or load > known)
-        if is_news and self.scenario.world.is_free((load.x, load.y)):
+        if is_news and self.source.world.is_free((load.x, load.y)):
             self._loads[load.key] = load
             self._carried.discard(load.key)
             number = self._number[load.key]
@@ -297,11 +297,11 @@ class Watch:
     def _place(self, robot: int) -> Place:
         word = self.words.get(robot)
         if word is None:
-            return self.scenario.robots[robot].at
+            return self.source.robots[robot].at
         return self._as_place(word.x, word.y)
 
     def _as_place(self, x: float, y: float) -> Place:
-        if isinstance(self.scenario.world, Grid):
+        if isinstance(self.source.world, Grid):
             return round(x), round(y)
         return round(x, DECIMALS), round(y, DECIMALS)
 
@@ -336,7 +336,7 @@ class Watch:
         robots = self._told[key].robots if key in self._told else self._heard_at_work(key)
         if not self.mission.covers(robots, self.tasks[key].needs):
             robots = ()
-        return deed_of(self._number[key], self.scenario.tasks, robots)
+        return deed_of(self._number[key], self.source.tasks, robots)
 
     def _heard_at_work(self, key: int) -> tuple[int, ...]:
         """Return who said last that they are at work on a task, as one team.
@@ -358,11 +358,11 @@ class Watch:
         return word.phase == SERVE and word.goal == key
 
     def _as_task(self, task: TaskFact, steps: int) -> Task:
-        names = {other.name for other in self.scenario.tasks}
+        names = {other.name for other in self.source.tasks}
         name = task.name if task.name not in names else f"{task.name} ({len(names) + 1})"
         at = (task.x, task.y)
-        if isinstance(self.scenario.world, Grid):
+        if isinstance(self.source.world, Grid):
             at = (int(task.x), int(task.y))
-        caps = dict(zip(self.scenario.capabilities, task.needs, strict=True))
+        caps = dict(zip(self.source.capabilities, task.needs, strict=True))
         needs = {cap: count for cap, count in caps.items() if count}
         return Task(name, at, needs, round(task.duration / self.mission.step), steps)

@@ -67,7 +67,7 @@ class LocalFleet:
 
     def run(self, seconds: float) -> FleetResult:
         """Run until all is done or so many seconds have passed."""
-        robots = self._mission.scenario.robots
+        robots = self._mission.source.robots
         self._tell("making the first plan ...")
         plan = first_plan(self._mission, planner_of(self._method))
         with TemporaryDirectory(prefix="teamformer-fleet-") as temporary:
@@ -75,7 +75,7 @@ class LocalFleet:
             keys = None if self._folder is None else str(self._folder)
             self._place = Path(temporary)
             start = Start(plan.note, endpoints, self._method, self._drop, keys)
-            write_start(self._place, self._mission.scenario, start)
+            write_start(self._place, self._mission.source, start)
             transport = ZenohTransport(self._mission.number, NOBODY, endpoints[-1], ())
             try:
                 secret = self._keys.secret
@@ -93,19 +93,19 @@ class LocalFleet:
         command, nowhere = [sys.executable, "-m", MODULE], subprocess.DEVNULL
         command += [str(self._place), str(robot)]
         agent = subprocess.Popen(command, stdin=nowhere, stdout=nowhere)
-        self._tell(f"agent {self._mission.scenario.robots[robot].name} pid {agent.pid}")
+        self._tell(f"agent {self._mission.source.robots[robot].name} pid {agent.pid}")
         return agent
 
     def _hold(self, server: WorldServer, seconds: float) -> FleetResult:
         mission, world = self._mission, server.world
-        absences = [(a, n) for n, at in enumerate(mission.scenario.robots) for a in at.absences]
+        absences = [(a, n) for n, at in enumerate(mission.source.robots) for a in at.absences]
         losses = _moments(((away.lost, robot) for away, robot in absences), mission.step)
         returns = _moments(((away.back, robot) for away, robot in absences), mission.step)
         told: set[int] = set()
         self._wait_for_all(server, told)
         while server.now < seconds and len(world.done) < len(world.tasks):
             for done in server.step():
-                who = ", ".join(mission.scenario.robots[robot].name for robot in done.robots)
+                who = ", ".join(mission.source.robots[robot].name for robot in done.robots)
                 self._tell(f"{done.at:.2f} s: {world.tasks[done.key].name} done by {who}")
             while losses and losses[-1][0] <= server.now:
                 self._agents[losses.pop()[1]].kill()
@@ -130,7 +130,7 @@ class LocalFleet:
     def _wait_for_all(self, server: WorldServer, told: set[int]) -> None:
         """Wait until time begins, and say who is ready meanwhile."""
         begun, ready = time.monotonic(), list[int]()
-        robots = self._mission.scenario.robots
+        robots = self._mission.source.robots
         while not server.has_begun:
             for robot in sorted(server.ready.difference(ready)):
                 ready.append(robot)
@@ -144,7 +144,7 @@ class LocalFleet:
         for robot, agent in enumerate(self._agents):
             if agent.poll() is not None and robot not in told:
                 told.add(robot)
-                name = self._mission.scenario.robots[robot].name
+                name = self._mission.source.robots[robot].name
                 self._tell(f"{server.now:.2f} s: agent {name} has ended ({agent.returncode})")
 
     def _end(self) -> None:

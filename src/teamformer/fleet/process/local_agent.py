@@ -38,9 +38,9 @@ class Start(Struct, array_like=True):
     keys: str | None
 
 
-def write_start(folder: Path, scenario: Mission, start: Start) -> None:
+def write_start(folder: Path, mission: Mission, start: Start) -> None:
     """Write what agents are told into a folder."""
-    write_mission(scenario, folder / MISSION)
+    write_mission(mission, folder / MISSION)
     (folder / START).write_bytes(encode(start))
 
 
@@ -49,8 +49,8 @@ def run_agent(folder: Path, robot: int) -> int:
 
     It dials the world and all agents before it.
     """
-    scenario = read_mission(folder / MISSION)
-    mission = FleetMission(scenario, scenario.seconds_a_step)
+    source = read_mission(folder / MISSION)
+    mission = FleetMission(source, source.seconds_a_step)
     start = decode((folder / START).read_bytes(), type=Start)
     keys = read_keys(None if start.keys is None else Path(start.keys))
     signatures = keys.signatures(mission, robot)

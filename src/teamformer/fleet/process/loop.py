@@ -96,7 +96,7 @@ class AgentProcess:
             for line in telling.news() if telling else ():
                 self._say(f"{agent.age(time.monotonic()):.1f} s: {line}")
             if agent.is_refused:
-                name = self.mission.scenario.robots[self.robot].name
+                name = self.mission.source.robots[self.robot].name
                 self._say(f"another agent speaks for '{name}', and has done so for longer; ending")
                 self.body.close()
                 return REFUSED
@@ -122,7 +122,7 @@ class AgentProcess:
     def _sense(self) -> Report | None:
         """Return what the body reports; None, told once a minute, where no robot can be."""
         report = self.body.report()
-        if report is None or self.mission.scenario.world.is_free((report.x, report.y)):
+        if report is None or self.mission.source.world.is_free((report.x, report.y)):
             return report
         if self._is_to_tell("place"):
             place = f"{report.x:g}, {report.y:g}"
@@ -152,7 +152,7 @@ class AgentProcess:
     def _tell_of(self, fault: str) -> None:
         if self._is_to_tell(fault):
             hint = {
-                "another mission": "; do all robots have the same scenario file?",
+                "another mission": "; do all robots have the same mission file?",
                 "bad seal": "; do all robots have the same shared.key in --keys?",
                 "not signed": "; do all robots have NAME.pub files in --keys?",
                 "bad signature": "; somebody speaks for another, or has another key",
@@ -181,4 +181,4 @@ class AgentProcess:
         self.is_ending = True
 
     def _say(self, message: str) -> None:
-        say(self.mission.scenario.robots[self.robot].name, message)
+        say(self.mission.source.robots[self.robot].name, message)

@@ -33,7 +33,7 @@ def nav2(mission: FleetMission, robot: int, address: str, line: Line) -> Body:
     """Return the body of a robot in a ROS graph, once ROS is found to be there."""
     from teamformer.fleet.bodies.ros2.address import read_address
 
-    where = read_address(address, mission.scenario.robots[robot].name)
+    where = read_address(address, mission.source.robots[robot].name)
     if find_spec("rclpy") is None:
         raise TeamformerError(
             "--body nav2 needs ROS 2: this Python has no rclpy",

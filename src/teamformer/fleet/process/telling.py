@@ -14,7 +14,7 @@ class Telling:
 
     def __init__(self, agent: Agent) -> None:
         self._agent = agent
-        self._names = [robot.name for robot in agent.mission.scenario.robots]
+        self._names = [robot.name for robot in agent.mission.source.robots]
         self._goal = NOBODY
         self._phase = -1
         self._fellows: dict[int, int] = {}  # by robot of its team at its task, the phase last heard

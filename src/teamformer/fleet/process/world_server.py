@@ -99,7 +99,7 @@ class WorldServer:
             return set()
         if not 0 <= order.robot < len(self._heard):
             return set()
-        place, world = order.place, self.world.mission.scenario.world
+        place, world = order.place, self.world.mission.source.world
         if place is not None and not world.is_free(place):
             return set()
         self._heard[order.robot] = self.now

@@ -32,8 +32,8 @@ def bench_fleet(settings: Sequence[str], seeds: Sequence[int]) -> Iterator[dict[
     """
     for setting in settings:
         for seed in seeds:
-            scenario = world_of(setting, seed)
-            mission = FleetMission(scenario, scenario.seconds_a_step)
+            source = world_of(setting, seed)
+            mission = FleetMission(source, source.seconds_a_step)
             stage, crashes = set_stage(mission), losses_of(mission)
             schedules = [Faults(crashes=crashes)]
             schedules += [Faults(number, LOSS, crashes=crashes) for number in range(SCHEDULES)]
@@ -45,7 +45,7 @@ def bench_fleet(settings: Sequence[str], seeds: Sequence[int]) -> Iterator[dict[
                 "suite": "fleet",
                 "setting": setting,
                 "world_seed": seed,
-                "simulator": run_trials([scenario], SharedPlan())[0].steps * mission.step,
+                "simulator": run_trials([source], SharedPlan())[0].steps * mission.step,
                 "agents": _end_of(calm),
                 "lossy": float(np.mean(spans)) if len(spans) == len(lossy) else None,
                 "bytes_per_robot_second": round(float(np.mean(told)), 1),

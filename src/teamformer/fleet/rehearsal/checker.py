@@ -78,11 +78,11 @@ class Checker:
     _loads: dict[int, Load] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        starts = [robot.at for robot in self.mission.scenario.robots]
+        starts = [robot.at for robot in self.mission.source.robots]
         self._robots = [
             TracedRobot(Walked(0.0, number, (at,), 0.0, 1.0)) for number, at in enumerate(starts)
         ]
-        self._is_grid = isinstance(self.mission.scenario.world, Grid)
+        self._is_grid = isinstance(self.mission.source.world, Grid)
         for key, task in self.tasks.items():
             if task.to is not None:
                 self._loads[key] = Load((task.x, task.y))
@@ -116,7 +116,7 @@ class Checker:
         return self.tasks[key].name
 
     def _who(self, robot: int) -> str:
-        return f"'{self.mission.scenario.robots[robot].name}'"
+        return f"'{self.mission.source.robots[robot].name}'"
 
     def _walk(self, event: Walked) -> None:
         robot = self._robots[event.robot]

@@ -95,7 +95,7 @@ class Faults:
     def lines(self, mission: FleetMission) -> Iterator[str]:
         """Say for people what goes wrong, a line for each fault."""
         yield from self._lines_of_network()
-        names = [robot.name for robot in mission.scenario.robots]
+        names = [robot.name for robot in mission.source.robots]
         for cut in self.cuts:
             if len(cut.senders | cut.receivers) == 1:
                 continue  # who hears nothing from itself misses nothing
@@ -157,7 +157,7 @@ def draw_faults(mission: FleetMission, seed: int, span: float) -> Faults:
 def _draw_network(rng: random.Random, mission: FleetMission) -> Faults:
     loss = rng.choice((0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)) if rng.random() < 0.6 else 0.0
     delay = rng.choice((0.1, 0.3, 1.0, 3.0)) if rng.random() < 0.4 else 0.0
-    across = max(mission.scenario.world.width, mission.scenario.world.height)
+    across = max(mission.source.world.width, mission.source.world.height)
     return Faults(
         seed=rng.getrandbits(32),
         loss=loss,
@@ -195,14 +195,14 @@ def losses_of(mission: FleetMission) -> tuple[Crash, ...]:
             None if away.back is None else (away.back - 1) * mission.step,
             keeps_facts=True,
         )
-        for robot, at in enumerate(mission.scenario.robots)
+        for robot, at in enumerate(mission.source.robots)
         for away in at.absences
     )
 
 
 def _draw_crashes(rng: random.Random, mission: FleetMission, span: float) -> Iterator[Crash]:
     yield from losses_of(mission)
-    robots = [r for r, at in enumerate(mission.scenario.robots) if not at.absences]
+    robots = [r for r, at in enumerate(mission.source.robots) if not at.absences]
     number = rng.randint(1, max(1, mission.robots // 2)) if rng.random() < 0.5 else 0
     for robot in rng.sample(robots, min(number, len(robots))):
         begin = rng.uniform(0, span)

@@ -53,17 +53,17 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     deeds = deeds_by_step(events, by_key, mission.step)
     deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
     robots = _robots_of(rehearsal, deeds)
-    scenario = replace(mission.scenario, tasks=tasks, robots=robots, teams=())
+    source = replace(mission.source, tasks=tasks, robots=robots, teams=())
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: step for robot, step in ends if step is not None}
-    rows = _Teller(scenario, mission.step, number).tell(events, deeds, lost)
+    rows = _Teller(source, mission.step, number).tell(events, deeds, lost)
     is_complete, steps = outcome.status == "ended", len(rows)
     return Record(
-        scenario=scenario,
+        mission=source,
         method=FLEET,
         seed=seed,
-        orders=((0, tuple(k for k, task in enumerate(scenario.tasks) if task.appears == 0)),),
-        start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(scenario.robots)),
+        orders=((0, tuple(k for k, task in enumerate(source.tasks) if task.appears == 0)),),
+        start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(source.robots)),
         steps=tuple(rows),
         end=Ending(
             status=STATUSES[outcome.status],
@@ -86,7 +86,7 @@ def deed_of(number: int, tasks: Sequence[Task], robots: tuple[int, ...]) -> Deed
 
 def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
     """Return the tasks with those that operators added, and the number of each by its key."""
-    mission, whole = rehearsal.mission, rehearsal.mission.scenario
+    mission, whole = rehearsal.mission, rehearsal.mission.source
     orders = [it for it in rehearsal.faults.orders if it.task.key in rehearsal.world.tasks]
     is_grid = isinstance(whole.world, Grid)
     added = [
@@ -119,7 +119,7 @@ def _robots_of(rehearsal: Rehearsal, deeds: Sequence[Sequence[Deed]]) -> tuple[R
     mission, faults = rehearsal.mission, rehearsal.faults
     return tuple(
         replace(robot, absences=_lost_at(faults, k, mission.step, busy_until.get(k, 0)))
-        for k, robot in enumerate(mission.scenario.robots)
+        for k, robot in enumerate(mission.source.robots)
     )
 
 
@@ -137,11 +137,11 @@ def _lost_at(faults: Faults, robot: int, step: float, busy_until: int) -> tuple[
 class _Teller:
     """Goes through a trace step by step."""
 
-    def __init__(self, scenario: Mission, step: float, number: dict[int, int]) -> None:
-        robots = range(len(scenario.robots))
+    def __init__(self, mission: Mission, step: float, number: dict[int, int]) -> None:
+        robots = range(len(mission.robots))
         self._step, self._number = step, number
-        self._is_grid = isinstance(scenario.world, Grid)
-        self._walks = [Walked(0.0, r, (scenario.robots[r].at,), 0.0, 1.0) for r in robots]
+        self._is_grid = isinstance(mission.world, Grid)
+        self._walks = [Walked(0.0, r, (mission.robots[r].at,), 0.0, 1.0) for r in robots]
         self._says = {robot: (robot, NOBODY) for robot in robots}
         self._teams: Teams = {robot: (robot,) for robot in robots}
         self._shown: dict[int, TeamAt] = {}

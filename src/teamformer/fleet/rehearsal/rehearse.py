@@ -81,7 +81,7 @@ def deadline(mission: FleetMission, faults: Faults) -> float:
     The slack grows as the messages that arrive become fewer: of ten, one arrives where nine are
     lost, and waiting for one takes ten times as long.
     """
-    world, across = mission.scenario.world, mission.longest_walk
+    world, across = mission.source.world, mission.longest_walk
     tasks = [*mission.tasks, *(order.task for order in faults.orders)]
     walks = sum(across + task.duration + mission.forming * 4 for task in tasks)
     carried = sum(task.to is not None for task in tasks)

@@ -52,17 +52,17 @@ def _smaller(mission: FleetMission, faults: Faults) -> Iterator[tuple[FleetMissi
         for number in range(len(items)):
             fewer: dict[str, Any] = {name: (*items[:number], *items[number + 1 :])}
             yield mission, replace(faults, **fewer)
-    scenario = mission.scenario
-    for half in _fewer_tasks(scenario):
+    source = mission.source
+    for half in _fewer_tasks(source):
         yield FleetMission(half, mission.step, mission.timers), faults
 
 
-def _fewer_tasks(scenario: Mission) -> Iterator[Mission]:
-    tasks = scenario.tasks
+def _fewer_tasks(mission: Mission) -> Iterator[Mission]:
+    tasks = mission.tasks
     if len(tasks) > 3:
         middle = len(tasks) // 2
-        yield replace(scenario, tasks=tasks[:middle])
-        yield replace(scenario, tasks=tasks[middle:])
+        yield replace(mission, tasks=tasks[:middle])
+        yield replace(mission, tasks=tasks[middle:])
     if len(tasks) > 1:
         for number in range(len(tasks)):
-            yield replace(scenario, tasks=(*tasks[:number], *tasks[number + 1 :]))
+            yield replace(mission, tasks=(*tasks[:number], *tasks[number + 1 :]))

@@ -54,7 +54,7 @@ class Keys:
         require("fleet", "cryptography")
         from teamformer.fleet.signatures import read_signatures
 
-        return read_signatures(self.signers, mission.scenario, mission.number, who)
+        return read_signatures(self.signers, mission.source, mission.number, who)
 
     def check(self, endpoints: Iterable[str]) -> None:
         """Refuse endpoints beyond this machine at which messages would not be protected.

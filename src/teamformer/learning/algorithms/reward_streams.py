@@ -67,7 +67,7 @@ class MissionReward:
 
     def values_of(self, env: TeamFormation) -> Array:
         """Return the world's only value, as (worlds, 1)."""
-        return np.zeros((len(env.scenarios), 1), dtype=np.int64)
+        return np.zeros((len(env.missions), 1), dtype=np.int64)
 
     def earned(self, env: TeamFormation, done_before: Array) -> Array:
         """Return the rewards as (worlds, 1)."""

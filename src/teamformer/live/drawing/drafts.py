@@ -1,4 +1,4 @@
-"""Drafts of scenarios: checked with the words of the file reader, opened, written."""
+"""Drafts of missions: checked with the words of the file reader, opened, written."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ EXAMPLE: Tree = EMPTY | {
 
 @dataclass(frozen=True)
 class Draft:
-    """What is drawn: the tree of a scenario file, the name of its file, and its text if YAML.
+    """What is drawn: the tree of a mission file, the name of its file, and its text if YAML.
 
     `id` is the drawing's own: pages say by it on what they have drawn.
     """
@@ -86,7 +86,7 @@ def can_be_drawn(tree: object) -> bool:
 
 
 def read_draft(tree: object) -> Mission:
-    """Return the scenario of a draft that can be run; TeamformerError says why it cannot."""
+    """Return the mission of a draft that can be run; TeamformerError says why it cannot."""
     problems = problems_of(tree)
     if problems:
         raise TeamformerError("; ".join(problem["message"] for problem in problems))
@@ -94,10 +94,10 @@ def read_draft(tree: object) -> Mission:
 
 
 def open_draft(name: str, text: str, beside: Mapping[str, bytes] | None = None) -> Tree:
-    """Return the draft in the text of a scenario file, or an empty one on a map.
+    """Return the draft in the text of a mission file, or an empty one on a map.
 
     `beside` holds the other files that were chosen with it, by name: the image of a ROS map, the
-    map that a scenario names. The tree is as the file has it, without what it left out, but with
+    map that a mission names. The tree is as the file has it, without what it left out, but with
     the map in place of its file.
     """
     kind = Path(name).suffix.lower()
@@ -119,17 +119,17 @@ def open_draft(name: str, text: str, beside: Mapping[str, bytes] | None = None) 
 
 
 def draft_of_file(path: Path, name: str) -> Tree:
-    """Return the draft in a scenario file, of that name if the file has none.
+    """Return the draft in a mission file, of that name if the file has none.
 
     TeamformerError says what is wrong with the file.
     """
-    scenario = read_mission(path)
+    mission = read_mission(path)
     text = path.read_text(encoding="utf-8")
     tree = reader.parse_json(text) if path.suffix.lower() == ".json" else reader.parse(text)
     assert isinstance(tree.value, dict)  # or it would have been refused
     draft = {"name": name} | tree.value
     if "map" in draft["world"]:
-        draft["world"] = mission_to_tree(scenario)["world"]
+        draft["world"] = mission_to_tree(mission)["world"]
     return _plain(draft)
 
 

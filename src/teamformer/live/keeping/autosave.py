@@ -63,7 +63,7 @@ class Autosave:
                 "draft": vars(self._identity.draft),
                 "method": mission.method_name,
                 "seed": mission.seed,
-                "scenario": mission_to_tree(mission.drawn),
+                "mission": mission_to_tree(mission.drawn),
             }
             self._write(header, mission)
 

@@ -24,7 +24,7 @@ from teamformer.mission.model import Mission
 from teamformer.record.writing import step_to_tree
 
 StartMission = Callable[..., RunningMission]
-"""Makes a mission of a scenario, and of the plans that were made for it before, if any were."""
+"""Has a mission run, by the plans that were made for it before, if any were."""
 
 NOT_FOUND = "name the file that a live mission kept: OUT/autosave.jsonl"
 
@@ -39,7 +39,7 @@ class Kept:
     identity: Identity
     method: str
     seed: int
-    scenario: Mission
+    mission: Mission
     first_plans: tuple[Plan, ...]
     entries: tuple[Tree, ...]
     is_ended: bool  # it was not cut off
@@ -55,7 +55,7 @@ class Kept:
         what = f"{self.steps} step{'s' * (self.steps != 1)}"
         if happened:
             what += f" and {happened} incident{'s' * (happened != 1)}"
-        return f"mission '{self.scenario.name}', {what}"
+        return f"mission '{self.mission.name}', {what}"
 
 
 def read_autosave(path: Path) -> Kept:
@@ -80,7 +80,7 @@ def read_autosave(path: Path) -> Kept:
             Identity(header["id"], Draft(**header["draft"])),
             method=header["method"],
             seed=header["seed"],
-            scenario=mission_from_tree(header["scenario"]),
+            mission=mission_from_tree(header["mission"]),
             first_plans=tuple(_plans_of(header)),
             entries=tuple(_without_undone(rows[1:])),
             is_ended="end" in rows[-1],
@@ -123,7 +123,7 @@ def play_again(kept: Kept, start: StartMission) -> RunningMission:
     Raises TeamformerError where a step comes out as another than it was.
     """
     plans: list[tuple[int, Plan]] = [(0, plan) for plan in kept.first_plans]
-    mission = start(kept.scenario, plans)
+    mission = start(kept.mission, plans)
     with _refusing_other_content(kept.path):
         for entry in kept.entries:
             _play_entry(kept, mission, entry, plans)
@@ -138,7 +138,7 @@ def _play_entry(
     at = mission.steps + ("step" in entry)
     plans[:] = [row for row in plans if row[0] < at] + [(at, it) for it in _plans_of(entry)]
     if "happen" in entry:
-        mission.happen(happening_from_tree(entry["happen"], mission.scenario))
+        mission.happen(happening_from_tree(entry["happen"], mission.source))
     elif not mission.is_running or _as_read(step_to_tree(mission.step())) != entry["step"]:
         raise TeamformerError(
             f"{kept.path}: step {at} comes out otherwise than it did, so that the mission "

@@ -38,7 +38,7 @@ BAND = (0.1, 0.9)
 class Past:
     """The present of a mission, and how it came about."""
 
-    scenario: Mission
+    mission: Mission
     env: TeamFormation
     begin: Callable[[], Method]
     decisions: Sequence[Decision]
@@ -116,7 +116,7 @@ def forecast(
     past: Past, is_over: Callable[[], bool] = lambda: False, seconds: float = SECONDS
 ) -> Forecast:
     """Return how the mission ends; `is_over` says that nobody wants to know any more."""
-    if not past.scenario.has_surprises:
+    if not past.mission.has_surprises:
         return _summed_up([play_ahead(past.env.fork(), past.begin(), is_over)], past.env)
     until = time.monotonic() + seconds
     played: list[Played] = []
@@ -137,7 +137,7 @@ def _summed_up(played: Sequence[Played], now: TeamFormation) -> Forecast:
     known = _tasks_known(now)
     rows = zip(*(one.done_at[:known] for one in played), strict=True)
     done_at = tuple(_mean([step for step in steps if step != NOBODY]) for steps in rows)
-    unknown = (None,) * (len(now.scenarios[0].tasks) - known)
+    unknown = (None,) * (len(now.missions[0].tasks) - known)
     return Forecast(len(tallies), tuple(done), others[0] if others else None, done_at + unknown)
 
 
@@ -146,7 +146,7 @@ def _tasks_known(env: TeamFormation) -> int:
 
     They are the last.
     """
-    steps, tasks = env.tally().steps, env.scenarios[0].tasks
+    steps, tasks = env.tally().steps, env.missions[0].tasks
     return sum(not task.has_arrived or task.appears <= steps for task in tasks)
 
 
@@ -156,9 +156,9 @@ def _mean(steps: Sequence[int]) -> float | None:
 
 def _future(past: Past, seed: int) -> TeamFormation | None:
     """Return the present under a truth that is drawn; None if the past would have been another."""
-    truth = possible_truth(past.scenario, past.env, seed)
+    truth = possible_truth(past.mission, past.env, seed)
     coordinator = replayed(past.env, past.begin().coordinator)
-    env = TeamFormation([past.scenario], truths=[truth], coordinator=coordinator)
+    env = TeamFormation([past.mission], truths=[truth], coordinator=coordinator)
     for made, decision in enumerate([*past.decisions, None]):
         for plan in (plan for steps, plan in past.plans if steps == made):
             env.take_over_plan(plan)
@@ -193,23 +193,23 @@ def _looks_alike(one: TeamFormation, other: TeamFormation) -> bool:
     )
 
 
-def possible_truth(scenario: Mission, env: TeamFormation, seed: int) -> Mission:
+def possible_truth(mission: Mission, env: TeamFormation, seed: int) -> Mission:
     """Draw a truth that could be behind what has been seen in an environment so far."""
-    drawn, known = draw_truth(scenario, seed), env.truths[0]
+    drawn, known = draw_truth(mission, seed), env.truths[0]
     rng, steps = np.random.default_rng(seed), env.tally().steps
     seen = env.worlds.tasks[0]
     tasks = (
         _possible_task(task, other, real, seen[number], _places_left(env, number), rng)
         for number, (task, other, real) in enumerate(
-            zip(scenario.tasks, drawn.tasks, known.tasks, strict=False)  # these have no arrivals
+            zip(mission.tasks, drawn.tasks, known.tasks, strict=False)  # these have no arrivals
         )
     )
-    now = once_appeared(scenario, known, steps)
-    arrived = known.tasks[len(scenario.tasks) : len(now.tasks)]
+    now = once_appeared(mission, known, steps)
+    arrived = known.tasks[len(mission.tasks) : len(now.tasks)]
     later = draw_truth(now, seed).tasks[len(now.tasks) :]
     robots = (
-        _possible_robot(scenario, robot, real, steps, rng)
-        for robot, real in zip(scenario.robots, known.robots, strict=True)
+        _possible_robot(mission, robot, real, steps, rng)
+        for robot, real in zip(mission.robots, known.robots, strict=True)
     )
     return replace(drawn, tasks=(*tasks, *arrived, *later), robots=tuple(robots))
 
@@ -241,14 +241,14 @@ def _possible_task(
 
 def _places_left(env: TeamFormation, task: int) -> list[Place]:
     """Return where a task may be whose place is not known."""
-    along = int if isinstance(env.scenarios[0].world, Grid) else float
+    along = int if isinstance(env.missions[0].world, Grid) else float
     spots = env.worlds.spots[0]
     left = spots[task][spots[task]["is_possible"]] if len(spots) else ()
     return [(along(spot["x"]), along(spot["y"])) for spot in left]
 
 
 def _possible_robot(
-    scenario: Mission, robot: Robot, real: Robot, steps: int, rng: np.random.Generator
+    mission: Mission, robot: Robot, real: Robot, steps: int, rng: np.random.Generator
 ) -> Robot:
     """Return a robot as it could be: lost and back when it was, and later when nobody knows."""
     if robot.breaks is None:
@@ -262,5 +262,5 @@ def _possible_robot(
         lasted = int(rng.integers(least, robot.breaks.repair[1], endpoint=True))
         sound_from = been[-1].lost + lasted
         been[-1] = Absence(been[-1].lost, sound_from)
-    later = draw_absences(robot.breaks, scenario.step_limit, rng, sound_from)
+    later = draw_absences(robot.breaks, mission.step_limit, rng, sound_from)
     return replace(real, absences=(*been, *later))

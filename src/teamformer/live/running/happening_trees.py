@@ -39,12 +39,12 @@ def happening_to_tree(happening: Happening) -> Tree:
             return {"back": happening.robot}
 
 
-def happening_from_tree(tree: Tree, scenario: Mission) -> Happening:
+def happening_from_tree(tree: Tree, mission: Mission) -> Happening:
     """Return what happened to a mission; TeamformerError says why it cannot."""
     plan = None if tree.get("plan") is None else plan_from_tree(tree["plan"])
     if plan is not None and "weighs" not in tree:
         return PlanTakenOver(plan, *(_forecast_from_tree(tree[key]) for key in ENDS))
-    incident = read_incident(tree, scenario)
+    incident = read_incident(tree, mission)
     if isinstance(incident, NewWeight):
         return NewWeight(incident.task, incident.weight, plan)
     return incident

@@ -42,10 +42,10 @@ class NewTask(_Told):
     name: str
     duration: int = 0
 
-    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
-        """Return the scenario in which this has happened."""
+    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+        """Return the mission in which this has happened."""
         task = Task(self.name, self.at, dict(self.needs), self.duration, now.tally().steps)
-        return _checked(scenario, tasks=(*scenario.tasks, task))
+        return _checked(mission, tasks=(*mission.tasks, task))
 
     def text(self) -> str:
         """Return the incident as words."""
@@ -62,16 +62,16 @@ class LostRobot(_Told):
 
     robot: str
 
-    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
-        """Return the scenario in which the robot is lost in the next step."""
-        number, steps = _number_of(scenario.robots, self.robot, "robot"), now.tally().steps
+    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+        """Return the mission in which the robot is lost in the next step."""
+        number, steps = _number_of(mission.robots, self.robot, "robot"), now.tally().steps
         been = [away for away in now.truths[0].robots[number].absences if away.lost <= steps]
         last = been[-1] if been else None
         if last is not None and (last.back is None or last.back > steps + 1):
             raise TeamformerError(f"robot '{self.robot}' was lost in step {last.lost} already")
         if last is not None and last.back == steps + 1:  # it is not back after all
-            return _with_absences(scenario, number, (*been[:-1], Absence(last.lost)))
-        return _with_absences(scenario, number, (*been, Absence(steps + 1)))
+            return _with_absences(mission, number, (*been[:-1], Absence(last.lost)))
+        return _with_absences(mission, number, (*been, Absence(steps + 1)))
 
     def text(self) -> str:
         """Return the incident as words."""
@@ -87,18 +87,18 @@ class RobotBack(_Told):
 
     robot: str
 
-    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
-        """Return the scenario in which the robot is back in the next step."""
-        number, steps = _number_of(scenario.robots, self.robot, "robot"), now.tally().steps
+    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+        """Return the mission in which the robot is back in the next step."""
+        number, steps = _number_of(mission.robots, self.robot, "robot"), now.tally().steps
         absences = now.truths[0].robots[number].absences
         been = [away for away in absences if away.lost <= steps]
         if not been:
             raise TeamformerError(f"robot '{self.robot}' is not lost")
         if been[-1].back is not None and been[-1].back <= steps:
             raise TeamformerError(f"robot '{self.robot}' is back since step {been[-1].back}")
-        later = scenario.robots[number].absences[len(been) :]
+        later = mission.robots[number].absences[len(been) :]
         again = (*been[:-1], replace(been[-1], back=steps + 1), *later)
-        return _with_absences(scenario, number, again)
+        return _with_absences(mission, number, again)
 
     def text(self) -> str:
         """Return the incident as words."""
@@ -114,13 +114,13 @@ class CancelledTask(_Told):
 
     task: str
 
-    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
-        """Return the scenario in which the task is called off in the next step."""
-        number, steps = _number_of_undone(scenario, self.task, now), now.tally().steps
-        task = scenario.tasks[number]
+    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+        """Return the mission in which the task is called off in the next step."""
+        number, steps = _number_of_undone(mission, self.task, now), now.tally().steps
+        task = mission.tasks[number]
         if task.cancelled is not None and task.cancelled <= steps + 1:
             raise TeamformerError(f"task '{self.task}' was called off already")
-        return _with_task(scenario, number, replace(task, cancelled=steps + 1))
+        return _with_task(mission, number, replace(task, cancelled=steps + 1))
 
     def text(self) -> str:
         """Return the incident as words."""
@@ -135,16 +135,16 @@ class NewWeight(_Told):
     weight: float
     plan: Plan | None = None
 
-    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
-        """Return the scenario in which the task has always had this weight."""
-        number = _number_of_undone(scenario, self.task, now)
-        if scenario.cost is None:
+    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+        """Return the mission in which the task has always had this weight."""
+        number = _number_of_undone(mission, self.task, now)
+        if mission.cost is None:
             raise TeamformerError("this mission has no cost, so that weights count for nothing")
         if not now.is_coordinated[0]:
             raise TeamformerError(
                 "by this method robots go by no plan, which a weight could change"
             )
-        return self._weighed(scenario, number)
+        return self._weighed(mission, number)
 
     def planned(self, now: TeamFormation, coordinator: Coordinator) -> NewWeight:
         """Return the same with the plan that a coordinator makes of it."""
@@ -157,8 +157,8 @@ class NewWeight(_Told):
         """Return the incident as words."""
         return f"task {self.task} has the weight {self.weight:g}"
 
-    def _weighed(self, scenario: Mission, number: int) -> Mission:
-        return _with_task(scenario, number, replace(scenario.tasks[number], weight=self.weight))
+    def _weighed(self, mission: Mission, number: int) -> Mission:
+        return _with_task(mission, number, replace(mission.tasks[number], weight=self.weight))
 
 
 Incident = NewTask | CancelledTask | LostRobot | RobotBack | NewWeight
@@ -172,9 +172,9 @@ class PlanTakenOver(_Told):
     forecast: Forecast
     without: Forecast  # how the mission was to end before
 
-    def apply(self, scenario: Mission, now: TeamFormation) -> Mission:
-        """Return the scenario as it is: it holds no plans."""
-        return scenario
+    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+        """Return the mission as it is: it holds no plans."""
+        return mission
 
     def text(self) -> str:
         """Return what happened as words."""
@@ -190,11 +190,11 @@ def plan_of(happening: Happening) -> Plan | None:
 
 
 def note_of_plans(happenings: Iterable[Happening]) -> str:
-    """Return what there is to know of a scenario if plans were brought; empty if none was."""
+    """Return what there is to know of a mission if plans were brought; empty if none was."""
     if all(plan_of(happening) is None for happening in happenings):
         return ""
     return (
-        "a scenario holds no plans: those that an operator had made are in the record, and "
+        "a mission holds no plans: those that an operator had made are in the record, and "
         "`run` makes plans of its own, so that its mission may end at another step"
     )
 
@@ -212,7 +212,7 @@ def search_plan(
             "a mission that runs by the method 'plan' can be planned anew"
         )
     known, old = past.env.known(), past.env.plan()
-    searches = 1 if past.scenario.has_surprises else SEARCHES
+    searches = 1 if past.mission.has_surprises else SEARCHES
     plans = [
         search_longer(known, old, seconds / searches, seed, is_over)
         for seed in range(searches)
@@ -233,39 +233,39 @@ def _number_of(those: Sequence[Robot | Task], name: str, what: str) -> int:
     return number
 
 
-def _number_of_undone(scenario: Mission, name: str, now: TeamFormation) -> int:
-    number = _number_of(scenario.tasks, name, "task")
+def _number_of_undone(mission: Mission, name: str, now: TeamFormation) -> int:
+    number = _number_of(mission.tasks, name, "task")
     done_in = now.ends().get(number)
     if done_in is not None:
         raise TeamformerError(f"task '{name}' was done in step {done_in}")
     return number
 
 
-def _with_task(scenario: Mission, number: int, task: Task) -> Mission:
-    """Return the scenario with another task in the place of one."""
-    tasks = list(scenario.tasks)
+def _with_task(mission: Mission, number: int, task: Task) -> Mission:
+    """Return the mission with another task in the place of one."""
+    tasks = list(mission.tasks)
     tasks[number] = task
-    return _checked(scenario, tasks=tuple(tasks))
+    return _checked(mission, tasks=tuple(tasks))
 
 
-def _with_absences(scenario: Mission, number: int, absences: tuple[Absence, ...]) -> Mission:
-    """Return the scenario with a robot whose absences are sure."""
-    robots = list(scenario.robots)
+def _with_absences(mission: Mission, number: int, absences: tuple[Absence, ...]) -> Mission:
+    """Return the mission with a robot whose absences are sure."""
+    robots = list(mission.robots)
     robots[number] = replace(robots[number], absences=absences, breaks=None)
-    return _checked(scenario, robots=tuple(robots))
+    return _checked(mission, robots=tuple(robots))
 
 
-def _checked(scenario: Mission, **changes: object) -> Mission:
-    """Return a changed scenario; TeamformerError says why it cannot be."""
+def _checked(mission: Mission, **changes: object) -> Mission:
+    """Return a changed mission; TeamformerError says why it cannot be."""
     try:
-        return replace(scenario, **changes)  # type: ignore[arg-type]
+        return replace(mission, **changes)  # type: ignore[arg-type]
     except MissionError as error:
         raise TeamformerError("; ".join(problem.message for problem in error.problems)) from None
 
 
-def free_name(scenario: Mission) -> str:
-    """Return a name for a new task that no task of a scenario has."""
-    names = {task.name for task in scenario.tasks}
+def free_name(mission: Mission) -> str:
+    """Return a name for a new task that no task of a mission has."""
+    names = {task.name for task in mission.tasks}
     number = len(names) + 1
     while f"t{number}" in names:
         number += 1

@@ -90,7 +90,7 @@ class TaskRefusedError(TeamformerError):
         self.keys = tuple(keys)
 
 
-def read_incident(message: Message, scenario: Mission) -> Incident:
+def read_incident(message: Message, mission: Mission) -> Incident:
     """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}`, `{"cancelled": NAME}`,
     `{"weighs": NAME, "weight": NUMBER}` or `{"task": TREE}`.
 
@@ -105,8 +105,8 @@ def read_incident(message: Message, scenario: Mission) -> Incident:
     if not isinstance(message.get("task"), dict):
         names = ", ".join(f"'{key}'" for key in (*WITH_A_NAME, "weighs"))
         raise TeamformerError(f"an incident needs {names}: a name, or 'task': a mapping")
-    task_tree = {"name": free_name(scenario)} | message["task"]
-    tree = mission_to_tree(scenario)
+    task_tree = {"name": free_name(mission)} | message["task"]
+    tree = mission_to_tree(mission)
     try:
         task = mission_from_tree(tree | {"tasks": [*tree["tasks"], task_tree]}).tasks[-1]
     except MissionError as error:

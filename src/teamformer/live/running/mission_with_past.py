@@ -1,10 +1,10 @@
 """A mission step by step, whose past stays as it was when incidents happen.
 
-An incident changes the scenario: a task that appears now, a task called off or a robot lost or back
+An incident changes the mission: a task that appears now, a task called off or a robot lost or back
 in the next step.
-The changed scenario is then played again up to now with the decisions and plans that were made, so
+The changed mission is then played again up to now with the decisions and plans that were made, so
 that nothing is planned but what follows from now on, and the record is at every moment what `run`
-makes of the mission's scenario. Of what was recorded, only
+makes of the mission with all its incidents. Of what was recorded, only
 the assignments after the latest step may change: whoever learns of a task thinks anew.
 
 Two incidents bring a plan: one that is taken over, and another weight of a task. The record holds
@@ -51,7 +51,7 @@ class _Standing(NamedTuple):
 
     env: TeamFormation
     recorder: Recorder
-    scenario: Mission
+    source: Mission
     bound: int | None
 
 
@@ -65,16 +65,16 @@ class RunningMission:
 
     def __init__(
         self,
-        scenario: Mission,
+        mission: Mission,
         make_method: MakeMethod,
         seed: int,
         plans: Sequence[tuple[int, Plan]] = (),
     ) -> None:
         if make_method().needs_everything:
-            scenario = draw_truth(scenario, seed)
-        self.scenario, self.seed = scenario, seed
+            mission = draw_truth(mission, seed)
+        self.source, self.seed = mission, seed
         self.incidents: list[tuple[int, Happening]] = []
-        self.drawn = scenario  # before anything happened
+        self.drawn = mission  # before anything happened
         self._make_method = make_method
         self._method = self._begin()
         if self._method.coordinator is not None:
@@ -82,7 +82,7 @@ class RunningMission:
             self._method = replace(self._method, coordinator=coordinator)
         self.method_name = self._method.name
         self._decisions: list[Decision] = []
-        self._env = self._stage(scenario, self._method.coordinator)
+        self._env = self._stage(mission, self._method.coordinator)
         self._recorder = Recorder(self._env)
         self._bound: int | None = None
         self._before: list[_Standing] = []  # by incident
@@ -122,11 +122,11 @@ class RunningMission:
     @property
     def has_shown_more(self) -> bool:
         """Say whether the latest step has told something of an uncertain mission."""
-        if not self.scenario.has_surprises:
+        if not self.source.has_surprises:
             return False
         latest = self.latest
         shown = latest.shown or latest.found or latest.moved or latest.done
-        tasks = self._env.scenarios[0].tasks
+        tasks = self._env.missions[0].tasks
         has_arrived = any(it.has_arrived and it.appears == self.steps for it in tasks)
         return bool(shown or latest.lost or latest.back or has_arrived)
 
@@ -140,13 +140,13 @@ class RunningMission:
 
     def happen(self, incident: Happening) -> None:
         """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""
-        incident, env, recorder, scenario = self._changed(incident)
-        before = _Standing(self._env, self._recorder, self.scenario, self._bound)
+        incident, env, recorder, mission = self._changed(incident)
+        before = _Standing(self._env, self._recorder, self.source, self._bound)
         self.incidents.append((self.steps, incident))
         self._before.append(before)
         self._env, self._recorder = env, recorder
-        if scenario is not self.scenario:
-            self.scenario, self._bound = scenario, None
+        if mission is not self.source:
+            self.source, self._bound = mission, None
 
     def undo(self) -> Happening:
         """Go back to just before the latest incident, and return it; the steps since are undone.
@@ -156,12 +156,12 @@ class RunningMission:
         if not self.incidents:
             raise TeamformerError("nothing has happened that could be undone")
         _, incident = self.incidents.pop()
-        self._env, self._recorder, self.scenario, self._bound = self._before.pop()
+        self._env, self._recorder, self.source, self._bound = self._before.pop()
         del self._decisions[self.steps :]
         return incident
 
     def mission_with(self, happening: Happening) -> Mission:
-        """Return the scenario if something happened now; TeamformerError says why it cannot.
+        """Return the mission if something happened now; TeamformerError says why it cannot.
 
         Nothing is planned or played for it. What has appeared at random until now is known then, as
         its tasks, which stand before the one that an operator adds.
@@ -172,16 +172,16 @@ class RunningMission:
                 "happen to it; run it by another method"
             )
         if isinstance(happening, PlanTakenOver):
-            return self.scenario
-        known = once_appeared(self.scenario, self._env.truths[0], self.steps)
+            return self.source
+        known = once_appeared(self.source, self._env.truths[0], self.steps)
         return happening.apply(known, self._env)
 
     def work_out_bound(self) -> int | None:
         """Return the steps that no plan can beat, as `run` tells them; the record has them then."""
-        scenario = self.scenario
+        mission = self.source
         if self._bound is None:
-            bound = lower_bound(draw_truth(scenario, self.seed))
-            if self.scenario is not scenario:  # an incident has happened meanwhile
+            bound = lower_bound(draw_truth(mission, self.seed))
+            if self.source is not mission:  # an incident has happened meanwhile
                 return None
             self._bound = bound
         return self._bound
@@ -203,7 +203,7 @@ class RunningMission:
     def past(self) -> Past:
         """Return the present and how it came about, to play it ahead while the mission goes on."""
         plans = _plans_of(self.incidents)
-        return Past(self.scenario, self._env.fork(), self._begin, tuple(self._decisions), plans)
+        return Past(self.source, self._env.fork(), self._begin, tuple(self._decisions), plans)
 
     @property
     def is_planned(self) -> bool:
@@ -221,22 +221,22 @@ class RunningMission:
 
         What then follows is planned in an order of robots and tasks.
         """
-        happening, env, _, scenario = self._changed(incident, order)
+        happening, env, _, mission = self._changed(incident, order)
         plans = _plans_of([*self.incidents, (self.steps, happening)])
-        return Past(scenario, env, self._begin, tuple(self._decisions), plans)
+        return Past(mission, env, self._begin, tuple(self._decisions), plans)
 
     def _begin(self) -> Method:
         method = self._make_method()
-        begin(method, [self.scenario], [self.scenario], self.seed)
+        begin(method, [self.source], [self.source], self.seed)
         return method
 
-    def _stage(self, scenario: Mission, coordinator: Coordinator | None) -> TeamFormation:
+    def _stage(self, mission: Mission, coordinator: Coordinator | None) -> TeamFormation:
         """Return the mission before its first step; a planner brings its own coordinator."""
         policy = self._method.policy
         if isinstance(policy, Planner):
             coordinator = policy.plans[0].coordinator
-        truth = draw_truth(scenario, self.seed)
-        return TeamFormation([scenario], truths=[truth], coordinator=coordinator)
+        truth = draw_truth(mission, self.seed)
+        return TeamFormation([mission], truths=[truth], coordinator=coordinator)
 
     def _coordinator(self, order: int = 0) -> Coordinator:
         assert self._method.coordinator is not None, "refused where robots go by no plan"
@@ -247,11 +247,11 @@ class RunningMission:
         self, happening: Happening, order: int = 0
     ) -> tuple[Happening, TeamFormation, Recorder, Mission]:
         """Return what happens, with its plan, and the mission as it would stand if it did now."""
-        scenario = self.mission_with(happening)
+        mission = self.mission_with(happening)
         if isinstance(happening, NewWeight) and happening.plan is None:
             happening = happening.planned(self._env, self._coordinator(order))
         coordinator = self._coordinator(order) if self.is_planned else None
-        env = self._stage(scenario, replayed(self._env, coordinator))
+        env = self._stage(mission, replayed(self._env, coordinator))
         recorder = Recorder(env)
         plans = _plans_of([*self.incidents, (self.steps, happening)])
         for made, decision in enumerate([*self._decisions, None]):
@@ -264,7 +264,7 @@ class RunningMission:
                 recorder.step()
         if not _is_same_past(recorder.finish(self.method_name, self.seed, None), self.record()):
             raise TeamformerError("this would change what has been; it has not happened")
-        return happening, env, recorder, scenario
+        return happening, env, recorder, mission
 
 
 def _plans_of(incidents: Sequence[tuple[int, Happening]]) -> list[tuple[int, Plan]]:

@@ -72,5 +72,5 @@ def done_at_to_tree(found: Forecast) -> list[float | None]:
 
 def finite(record: Tree) -> Tree:
     """Replace infinite radii, which JSON cannot say, by null; the page knows what it means."""
-    scenario = record["scenario"].items()
-    return record | {"scenario": {k: None if value == math.inf else value for k, value in scenario}}
+    mission = record["mission"].items()
+    return record | {"mission": {k: None if value == math.inf else value for k, value in mission}}

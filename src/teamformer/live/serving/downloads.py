@@ -48,11 +48,11 @@ def _write_mcap(record: Record, path: Path) -> None:
 
 
 DOWNLOADS: Mapping[str, Callable[[Record, Path], None]] = {
-    "mission.yaml": lambda record, path: write_mission(record.scenario, path),
-    "replay.json": save_record,
-    "replay.html": _write_page,
+    "mission.yaml": lambda record, path: write_mission(record.mission, path),
+    "record.json": save_record,
+    "record.html": _write_page,
     "tables.zip": _write_tables,
-    "replay.mcap": _write_mcap,
+    "record.mcap": _write_mcap,
 }
 """By name, what writes a file of a record: the mission with all that happened, the record, its
 page, tables, and MCAP."""

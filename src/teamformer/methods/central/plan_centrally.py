@@ -1,4 +1,4 @@
-"""What the central planner makes of one scenario: plans, their plays, and the best of these."""
+"""What the central planner makes of one mission: plans, their plays, and the best of these."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ FOLLOWED: tuple[tuple[str, Player], ...] = (("crews", Crews()), ("join-all", Joi
 
 
 def plan_centrally(
-    scenario: Mission,
+    mission: Mission,
     time_limit: float,
     seed: int = 0,
     workers: int = 2,
@@ -72,26 +72,26 @@ def plan_centrally(
     """Return the best plan found in `time_limit` seconds; the first one if that is 0.
 
     The default and simple rules are played too, so that the plan is never slower than theirs: the
-    shared plan, or crews where that would take too long, with what the scenario says and, in an
+    shared plan, or crews where that would take too long, with what the mission says and, in an
     uncertain mission, as by robots that know only what is `believed`. So is a `start`, a plan of
     all tasks, and the search may begin with it.
     """
-    plays = Plays(scenario, time.perf_counter(), time_limit)
-    shared = CoalitionLog(scenario)
-    name, default = ("crews", Crews()) if is_too_large(scenario) else ("plan", SharedPlan())
+    plays = Plays(mission, time.perf_counter(), time_limit)
+    shared = CoalitionLog(mission)
+    name, default = ("crews", Crews()) if is_too_large(mission) else ("plan", SharedPlan())
     plays.add(name, default, log=shared)  # the first play is never cut short
     if believed is not None and believed.has_surprises:
         plays.add_as_believed(name, default, believed)
     given = None if start is None else _team_plan(start)
     if given is not None:
-        plays.add("start", _player(scenario, given))
-    situation = situation_in_hindsight(scenario)
-    first = _first_plan(scenario, situation)
+        plays.add("start", _player(mission, given))
+    situation = situation_in_hindsight(mission)
+    first = _first_plan(mission, situation)
     if first is not None:
-        plays.add("search", _player(scenario, first.plan))
+        plays.add("search", _player(mission, first.plan))
     plays.add_simple_rules()
     if first is None or time_limit == 0:
-        solution = solve(scenario, plays.seconds_left, seed=seed, workers=workers)
+        solution = solve(mission, plays.seconds_left, seed=seed, workers=workers)
         bound, searched = solution.bound, list[tuple[float, int]]()
     else:
         race = begin_race(first, plays.begun, plays.begun + plays.limit)
@@ -99,41 +99,41 @@ def plan_centrally(
             if played is not None:
                 race.offer(time_team_plan(situation, played))
         for name, followed in FOLLOWED:
-            _follow(name, scenario, followed, situation, race, plays)
-        solution, bound, searched = _search(scenario, situation, race.plan, plays, seed, workers)
+            _follow(name, mission, followed, situation, race, plays)
+        solution, bound, searched = _search(mission, situation, race.plan, plays, seed, workers)
     if time_limit > 0 and solution.schedule is not None:
         order = keep_order(situation.problem.before, list(solution.schedule.order))
-        plays.add("schedule", _player(scenario, plan_teams(order, solution.schedule.coalitions)))
+        plays.add("schedule", _player(mission, plan_teams(order, solution.schedule.coalitions)))
     return plays.report(solution, bound, searched, is_first=time_limit == 0)
 
 
-def _first_plan(scenario: Mission, situation: Situation) -> TimedPlan | None:
+def _first_plan(mission: Mission, situation: Situation) -> TimedPlan | None:
     """Return a first plan; None if some task can never be done."""
-    if (earliest_starts(relax(scenario)) >= FAR).any():
+    if (earliest_starts(relax(mission)) >= FAR).any():
         return None
     return first_plan(situation)
 
 
 def _follow(
     name: str,
-    scenario: Mission,
+    mission: Mission,
     followed: Player,
     situation: Situation,
     race: Race[TimedPlan],
     plays: Plays,
 ) -> None:
     """Offer what a player does as a plan to begin at; leave it if time is short."""
-    tasks, kinds = len(scenario.tasks), max(1.0, len(scenario.capabilities) / FEW_CAPABILITIES)
-    if plays.seconds_left < CREW_SECONDS * kinds * tasks * (tasks + len(scenario.robots)):
+    tasks, kinds = len(mission.tasks), max(1.0, len(mission.capabilities) / FEW_CAPABILITIES)
+    if plays.seconds_left < CREW_SECONDS * kinds * tasks * (tasks + len(mission.robots)):
         return
-    plan = plan_from_play(scenario, followed, plays.begun + plays.limit)
+    plan = plan_from_play(mission, followed, plays.begun + plays.limit)
     if plan is not None:
         race.offer(time_team_plan(situation, plan))
-        plays.add(name, _player(scenario, plan))
+        plays.add(name, _player(mission, plan))
 
 
 def _search(
-    scenario: Mission,
+    mission: Mission,
     situation: Situation,
     first: TimedPlan,
     plays: Plays,
@@ -145,20 +145,20 @@ def _search(
     A plan may promise what no plan beats, on planes above all, and its play not keep that; and
     searches in small worlds end early. Then it is searched again from another seed.
     """
-    solution, race = _improve(scenario, situation, first, plays, seed, workers)
-    plays.add("search", _player(scenario, race.plan.plan))
+    solution, race = _improve(mission, situation, first, plays, seed, workers)
+    plays.add("search", _player(mission, race.plan.plan))
     bound, curve = race.bound, race.curve
     for number in range(1, SEARCHES):
         if plays.is_proven(bound) or plays.seconds_left == 0.0:
             break
-        _, race = _improve(scenario, situation, first, plays, seed + number, workers)
-        plays.add("search", _player(scenario, race.plan.plan))
+        _, race = _improve(mission, situation, first, plays, seed + number, workers)
+        plays.add("search", _player(mission, race.plan.plan))
         bound, curve = max(bound, race.bound), curve + race.curve
     return solution, bound, curve
 
 
 def _improve(
-    scenario: Mission,
+    mission: Mission,
     situation: Situation,
     first: TimedPlan,
     plays: Plays,
@@ -171,8 +171,8 @@ def _improve(
     """
     race = begin_race(first, plays.begun, time.perf_counter() + plays.seconds_left)
     jobs: list[Callable[[], RelaxedSolution | None]] = [
-        partial(_raise_bound, scenario, relax(scenario), race),
-        partial(_relax_and_search, scenario, situation, race, seed),
+        partial(_raise_bound, mission, relax(mission), race),
+        partial(_relax_and_search, mission, situation, race, seed),
     ]
     if workers > 1:  # begins when the bound is through
         jobs.append(partial(improve, race, situation, from_best(race), seed))
@@ -180,25 +180,25 @@ def _improve(
     return solution, race
 
 
-def _raise_bound(scenario: Mission, problem: Relaxed, race: Race[TimedPlan]) -> None:
+def _raise_bound(mission: Mission, problem: Relaxed, race: Race[TimedPlan]) -> None:
     """Prove what can be proven in a share of the time."""
     begun, seconds = time.perf_counter(), BOUNDING * race.seconds_left
 
     def is_over() -> bool:
         return race.is_over or time.perf_counter() - begun >= seconds
 
-    race.raise_bound(lower_bound(scenario))
+    race.raise_bound(lower_bound(mission))
     largest = AT_ONCE * seconds
-    bound = raise_by_routes(scenario, problem, race.bound, race.raise_bound, is_over, largest)
-    raise_by_windows(scenario, problem, bound, race.raise_bound, is_over)
+    bound = raise_by_routes(mission, problem, race.bound, race.raise_bound, is_over, largest)
+    raise_by_windows(mission, problem, bound, race.raise_bound, is_over)
 
 
 def _relax_and_search(
-    scenario: Mission, situation: Situation, race: Race[TimedPlan], seed: int
+    mission: Mission, situation: Situation, race: Race[TimedPlan], seed: int
 ) -> RelaxedSolution:
     """Solve the relaxed problem, then search from its coalitions and from others."""
     seconds = RELAXING * race.seconds_left
-    solution = solve(scenario, seconds, seed=seed, workers=1, is_stopped=race.is_stopped)
+    solution = solve(mission, seconds, seed=seed, workers=1, is_stopped=race.is_stopped)
     race.raise_bound(solution.bound)
     starts = from_coalitions(situation.problem, race, seed)
     if solution.schedule is not None:
@@ -213,5 +213,5 @@ def _team_plan(plan: Plan) -> TeamPlan:
     return plan_teams(plan.order, [coalition_of[task] for task in range(len(coalition_of))])
 
 
-def _player(scenario: Mission, plan: TeamPlan) -> PlanPlayer:
-    return PlanPlayer(scenario, routes_of(plan, len(scenario.robots)), plan.order.tolist())
+def _player(mission: Mission, plan: TeamPlan) -> PlanPlayer:
+    return PlanPlayer(mission, routes_of(plan, len(mission.robots)), plan.order.tolist())

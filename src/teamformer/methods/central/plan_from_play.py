@@ -17,9 +17,9 @@ from teamformer.world.rules.constants import NOBODY
 class CoalitionLog:
     """Who has done which task in a play, in the order in which they were done."""
 
-    def __init__(self, scenario: Mission) -> None:
+    def __init__(self, mission: Mission) -> None:
         self._order: list[int] = []
-        self._coalitions: list[list[int]] = [[] for _ in scenario.tasks]
+        self._coalitions: list[list[int]] = [[] for _ in mission.tasks]
 
     def note(self, env: TeamFormation) -> None:
         """Write down what is done since: every robot of the team that did it took part."""
@@ -37,14 +37,12 @@ class CoalitionLog:
         return plan_teams(self._order, self._coalitions)
 
 
-def plan_from_play(
-    scenario: Mission, player: Player, deadline: float = math.inf
-) -> TeamPlan | None:
+def plan_from_play(mission: Mission, player: Player, deadline: float = math.inf) -> TeamPlan | None:
     """Return the plan of a player's play; None if that does not complete, or not in time.
 
     `deadline` is what `time.perf_counter` then shows.
     """
-    env, log = stage_for(player, scenario, scenario), CoalitionLog(scenario)
+    env, log = stage_for(player, mission, mission), CoalitionLog(mission)
     while env.is_running[0] and time.perf_counter() < deadline:
         env.step(decision_of(player, env, env.view()))
         log.note(env)

@@ -28,21 +28,21 @@ class PlanPlayer:
 
     def __init__(
         self,
-        scenario: Mission,
+        mission: Mission,
         routes: Sequence[Sequence[int]],
         order: Sequence[int] | None = None,
     ) -> None:
-        order = range(len(scenario.tasks)) if order is None else order
+        order = range(len(mission.tasks)) if order is None else order
         self._rank = {task: place for place, task in enumerate(order)}
         self._routes = [list(route) for route in routes]
         self._at = [0] * len(routes)  # how far on its route each robot is
-        self._places = np.array([task.at for task in scenario.tasks], dtype=np.float64)
-        world = scenario.world
+        self._places = np.array([task.at for task in mission.tasks], dtype=np.float64)
+        world = mission.world
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
-        self._reach = max(scenario.join_radius, self._near)
-        kinds = [(sorted(r.can.items()), r.speed, r.flies, r.absences) for r in scenario.robots]
+        self._reach = max(mission.join_radius, self._near)
+        kinds = [(sorted(r.can.items()), r.speed, r.flies, r.absences) for r in mission.robots]
         self._kind = [repr(kind) for kind in kinds]
-        self._counts = count_table([robot.can for robot in scenario.robots], scenario)
+        self._counts = count_table([robot.can for robot in mission.robots], mission)
 
     def decide_in(self, env: TeamFormation) -> Decision:
         """Return every team's decision in the first world of an environment."""

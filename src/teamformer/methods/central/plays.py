@@ -46,7 +46,7 @@ MARGIN = 0.1
 
 @dataclass(frozen=True)
 class CentralPlan:
-    """What the planner found for a scenario.
+    """What the planner found for a mission.
 
     `solution` is the relaxed schedule, in which joining is free; no policy is faster than `bound`.
     `makespan` is what the plan takes under the step rules, None if it does not end. `played_by`
@@ -68,15 +68,15 @@ class CentralPlan:
 
 
 class Plays:
-    """What has been played of one scenario, and the time that is left."""
+    """What has been played of one mission, and the time that is left."""
 
-    def __init__(self, scenario: Mission, begun: float, time_limit: float) -> None:
+    def __init__(self, mission: Mission, begun: float, time_limit: float) -> None:
         self.begun = begun
         self.makespan: int | None = None
         self._cost = math.inf  # of the best play: its makespan, if that alone counts
-        self._weights = judged_by(scenario)
+        self._weights = judged_by(mission)
         self.limit = time_limit
-        self._scenario = self._mission = scenario
+        self._source = self._mission = mission
         self._played_by, self._script = "", Script()
         self._coordinator: Coordinator | None = None
         self._tasks_done = -1  # of the best play
@@ -100,7 +100,7 @@ class Plays:
             self.add(name, rule, until=min(until, self._end))
 
     def add_as_believed(self, name: str, default: Coordinator, believed: Mission) -> None:
-        """Play the default as by robots that know only what they believe of the scenario.
+        """Play the default as by robots that know only what they believe of the mission.
 
         That may be better than what the default does when it knows all.
         """
@@ -129,13 +129,13 @@ class Plays:
         Until one does all tasks, that is the one that does most.
 
         What is done is noted in `log`. With a `mission` it is played by robots that know no more
-        than that: it is the scenario with what is uncertain left open.
+        than that: it is the mission with what is uncertain left open.
 
         Once there is a play to show, others end early: when they are no faster, or at the second
         `until`, when time is up if left out.
         """
-        mission = mission or self._scenario
-        env = stage_for(player, mission, self._scenario)
+        mission = mission or self._source
+        env = stage_for(player, mission, self._source)
         begun = self.seconds
         end = self._end if until is None else until
         most = NEVER if self.makespan is None or self._weights else self.makespan
@@ -163,7 +163,7 @@ class Plays:
         """Return what a play that has done everything costs: its makespan, if that alone counts."""
         if self._weights is None:
             return env.tally().steps
-        return weighed(self._scenario, self._weights, env.ends(), env.tally().steps)
+        return weighed(self._source, self._weights, env.ends(), env.tally().steps)
 
     def is_proven(self, bound: int) -> bool:
         """Say whether nothing can be better than the best play."""

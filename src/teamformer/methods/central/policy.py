@@ -25,13 +25,13 @@ from teamformer.world.rules.constants import NOBODY
 from teamformer.world.view import View
 
 COMPILING = 600.0
-"""Seconds to plan the smallest scenario in: more than compiling takes, as it ends when proven."""
+"""Seconds to plan the smallest mission in: more than compiling takes, as it ends when proven."""
 
 
 class Central:
     """Knows everything, searches for a plan for a time, proves bounds with OR-Tools CP-SAT.
 
-    It plans for up to `time_limit` seconds a scenario, then plays what it found. A search over who
+    It plans for up to `time_limit` seconds a mission, then plays what it found. A search over who
     does what in which order counts what forming costs. Its best plan is played through the
     simulator beforehand, as are the relaxed schedule and simple rules; the fastest play becomes the
     script that `decide` reads out. A limit of 0 gives the first plan.
@@ -57,9 +57,9 @@ class Central:
         )
 
     def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
-        """Plan every scenario, for robots that know everything."""
+        """Plan every mission, for robots that know everything."""
         if everything is None:
-            raise ValueError("the central planner has to be given the scenarios")
+            raise ValueError("the central planner has to be given the missions")
         self.plan(everything, everything, rng)
 
     def plan(
@@ -68,14 +68,14 @@ class Central:
         believed: Sequence[Mission],
         rng: np.random.Generator,
     ) -> None:
-        """Plan every scenario; MissionError names what no plan made beforehand can count with."""
+        """Plan every source; MissionError names what no plan made beforehand can count with."""
         if problems := [it for mission in everything for it in rules_not_known_beforehand(mission)]:
             raise MissionError(problems)
         seed = int(rng.integers(2**31))
         _warm_up()
         self.plans = [
-            plan_centrally(scenario, self.time_limit, seed, self.workers, own, self.start)
-            for scenario, own in zip(everything, believed, strict=True)
+            plan_centrally(source, self.time_limit, seed, self.workers, own, self.start)
+            for source, own in zip(everything, believed, strict=True)
         ]
         self._steps = np.zeros(len(self.plans), dtype=np.int64)
 
@@ -96,10 +96,10 @@ class Central:
 def _warm_up() -> None:
     """Have everything compiled and imported before the clock starts."""
     make_solver(seed=0)
-    scenario = smallest_mission()
-    raise_by_routes(scenario, relax(scenario), 0, lambda _: None, lambda: False)
-    situation = situation_in_hindsight(scenario)
+    mission = smallest_mission()
+    raise_by_routes(mission, relax(mission), 0, lambda _: None, lambda: False)
+    situation = situation_in_hindsight(mission)
     plan = first_plan(situation)
-    assert plan is not None, "the smallest scenario can be done"
+    assert plan is not None, "the smallest mission can be done"
     TeamArcs(situation).improve(plan, rounds=1)
-    plan_centrally(scenario, time_limit=COMPILING)
+    plan_centrally(mission, time_limit=COMPILING)

@@ -71,7 +71,7 @@ class SpellingCodec:
         rows, caps = view.counts.shape
         if caps > self.capabilities:
             raise TeamformerError(
-                f"the network knows {self.capabilities} capabilities, the scenario has {caps}",
+                f"the network knows {self.capabilities} capabilities, the mission has {caps}",
                 "use teamformer, which serves any number",
             )
         seen, tasks = 1 + view.seen_slot.shape[1], view.task_number.shape[1]

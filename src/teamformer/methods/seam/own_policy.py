@@ -63,7 +63,7 @@ class OwnPlanner(OwnPolicy):
 
     @property
     def time_limit(self) -> float:
-        """Return how long it may plan, in seconds for each scenario."""
+        """Return how long it may plan, in seconds for each mission."""
         return self._planner.time_limit
 
     @property

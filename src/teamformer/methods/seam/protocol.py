@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class Policy(Protocol):
     """Turns the views of teams into their decisions.
 
-    A decentralised policy has `needs_everything = False`. It is not given any scenario, so it can
+    A decentralised policy has `needs_everything = False`. It is not given any mission, so it can
     know nothing but the views.
     """
 
@@ -27,7 +27,7 @@ class Policy(Protocol):
     def begin(self, everything: Sequence[Mission] | None, rng: np.random.Generator) -> None:
         """Prepare for a new batch of trials.
 
-        `everything` has the scenarios of the batch; it is None if `needs_everything` is False.
+        `everything` has the missions of the batch; it is None if `needs_everything` is False.
         `rng` is the only source of random numbers that the policy may use.
         """
 
@@ -37,21 +37,21 @@ class Policy(Protocol):
 
 @runtime_checkable
 class Planner(Policy, Protocol):
-    """A policy that plans every scenario of a batch before it decides; it is told everything.
+    """A policy that plans every mission of a batch before it decides; it is told everything.
 
     `begin` is for those who know of no planners: it plans for robots that know everything, too.
     """
 
     @property
     def time_limit(self) -> float:
-        """Return how long it may plan, in seconds for each scenario."""
+        """Return how long it may plan, in seconds for each mission."""
 
     @property
     def plans(self) -> Sequence[CentralPlan]:
-        """Return what was found since it last began: a plan for each scenario."""
+        """Return what was found since it last began: a plan for each mission."""
 
     def within(self, time_limit: float | None, workers: int | None) -> Self:
-        """Return one that may take so long for each scenario, with so many threads.
+        """Return one that may take so long for each mission, with so many threads.
 
         None leaves either as it is.
         """
@@ -62,7 +62,7 @@ class Planner(Policy, Protocol):
         believed: Sequence[Mission],
         rng: np.random.Generator,
     ) -> None:
-        """Begin with a plan for each scenario; `believed` is what robots know of each."""
+        """Begin with a plan for each mission; `believed` is what robots know of each."""
 
 
 @runtime_checkable

@@ -1,4 +1,4 @@
-"""What makes a scenario impossible to run, each with its place in the file."""
+"""What makes a mission impossible to run, each with its place in the file."""
 
 from __future__ import annotations
 
@@ -41,21 +41,21 @@ LONG = 60
 """Letters that a message shows of a capability, where it has to name several."""
 
 
-def find_problems(scenario: Mission) -> Iterator[Problem]:
-    """Return everything that makes a scenario impossible to run, in file order."""
-    spatial = list(_problems_of_world(scenario.world))
-    spatial = spatial or list(_problems_of_places(scenario))  # a broken map has no places
+def find_problems(mission: Mission) -> Iterator[Problem]:
+    """Return everything that makes a mission impossible to run, in file order."""
+    spatial = list(_problems_of_world(mission.world))
+    spatial = spatial or list(_problems_of_places(mission))  # a broken map has no places
     yield from spatial
-    yield from _problems_of_names(scenario)
-    yield from _problems_of_rules(scenario)
-    yield from _problems_of_robots(scenario)
-    yield from _problems_of_totals(scenario)
-    yield from _problems_of_teams(scenario)
-    yield from _problems_of_tasks(scenario, places_are_good=not spatial)
-    if scenario.arrivals is not None and scenario.robots and not spatial:
-        yield from _problems_of_what_appears(scenario)
-    yield from find_rule_problems(scenario)
-    yield from find_surprise_problems(scenario)
+    yield from _problems_of_names(mission)
+    yield from _problems_of_rules(mission)
+    yield from _problems_of_robots(mission)
+    yield from _problems_of_totals(mission)
+    yield from _problems_of_teams(mission)
+    yield from _problems_of_tasks(mission, places_are_good=not spatial)
+    if mission.arrivals is not None and mission.robots and not spatial:
+        yield from _problems_of_what_appears(mission)
+    yield from find_rule_problems(mission)
+    yield from find_surprise_problems(mission)
 
 
 def _problems_of_world(world: World) -> Iterator[Problem]:
@@ -75,15 +75,15 @@ def _problems_of_world(world: World) -> Iterator[Problem]:
         yield Problem(("world",), f"the map has {len(world.rows)} rows, not {world.height}")
 
 
-def _problems_of_names(scenario: Mission) -> Iterator[Problem]:
-    if not scenario.robots:
+def _problems_of_names(mission: Mission) -> Iterator[Problem]:
+    if not mission.robots:
         yield Problem(("robots",), "there is no robot; add one")
-    if not scenario.tasks:
+    if not mission.tasks:
         yield Problem(("tasks",), "there is no task; add one")
     lists = {
-        "capabilities": scenario.capabilities,
-        "robots": tuple(robot.name for robot in scenario.robots),
-        "tasks": tuple(task.name for task in scenario.tasks),
+        "capabilities": mission.capabilities,
+        "robots": tuple(robot.name for robot in mission.robots),
+        "tasks": tuple(task.name for task in mission.tasks),
     }
     for key, names in lists.items():
         seen: set[str] = set()
@@ -93,28 +93,28 @@ def _problems_of_names(scenario: Mission) -> Iterator[Problem]:
             seen.add(name)
 
 
-def _problems_of_rules(scenario: Mission) -> Iterator[Problem]:
+def _problems_of_rules(mission: Mission) -> Iterator[Problem]:
     for key in ("sensing_radius", "join_radius", "finding_radius"):
-        radius = getattr(scenario, key)
+        radius = getattr(mission, key)
         if not radius >= 0:  # NaN too; infinity is allowed, it means everybody
             yield Problem((key,), f"{key} is {radius}; it must be 0 or more")
-    if scenario.join_radius > scenario.sensing_radius >= 0:
+    if mission.join_radius > mission.sensing_radius >= 0:
         yield Problem(
             ("join_radius",),
-            f"join_radius {scenario.join_radius:g} is larger than sensing_radius "
-            f"{scenario.sensing_radius:g}; a team joins only what it senses, so raise the latter",
+            f"join_radius {mission.join_radius:g} is larger than sensing_radius "
+            f"{mission.sensing_radius:g}; a team joins only what it senses, so raise the latter",
         )
-    if scenario.forming_steps not in (0, 1):
-        yield Problem(("forming_steps",), f"forming_steps is {scenario.forming_steps}; use 0 or 1")
-    limit, where = scenario.step_limit, ("step_limit",)
+    if mission.forming_steps not in (0, 1):
+        yield Problem(("forming_steps",), f"forming_steps is {mission.forming_steps}; use 0 or 1")
+    limit, where = mission.step_limit, ("step_limit",)
     yield from _problems_of_steps(limit, 0, where, "step_limit is", "use 1 or more")
 
 
-def _problems_of_places(scenario: Mission) -> Iterator[Problem]:
-    world = scenario.world
+def _problems_of_places(mission: Mission) -> Iterator[Problem]:
+    world = mission.world
     groups: dict[str, tuple[Robot | Task, ...]] = {
-        "robots": scenario.robots,
-        "tasks": scenario.tasks,
+        "robots": mission.robots,
+        "tasks": mission.tasks,
     }
     for key, things in groups.items():
         for number, thing in enumerate(things):
@@ -127,7 +127,7 @@ def _problems_of_places(scenario: Mission) -> Iterator[Problem]:
                 yield from find_region_problems(
                     world, what, thing.at, within, (key, number, "within")
                 )
-    for number, task in enumerate(scenario.tasks):
+    for number, task in enumerate(mission.tasks):
         if task.to is None:
             continue
         fault = "" if isinstance(world, Roads) else _fault_of_place(world, task.to)
@@ -160,11 +160,11 @@ def _way_out(world: World, place: Place) -> str:
     return "move it" if free is None else f"the nearest free cell is [{free[0]}, {free[1]}]"
 
 
-def _problems_of_robots(scenario: Mission) -> Iterator[Problem]:
-    for number, robot in enumerate(scenario.robots):
+def _problems_of_robots(mission: Mission) -> Iterator[Problem]:
+    for number, robot in enumerate(mission.robots):
         where = ("robots", number)
         yield from _problems_of_counts(
-            robot.can, scenario.capabilities, (*where, "can"), f"robot '{robot.name}' can"
+            robot.can, mission.capabilities, (*where, "can"), f"robot '{robot.name}' can"
         )
         if not SLOWEST <= robot.speed <= FASTEST:
             yield Problem(
@@ -197,8 +197,8 @@ def _problems_of_absences(robot: Robot, where: tuple[str | int, ...]) -> Iterato
         before = away
 
 
-def _problems_of_totals(scenario: Mission) -> Iterator[Problem]:
-    counts = [robot.can for robot in scenario.robots]
+def _problems_of_totals(mission: Mission) -> Iterator[Problem]:
+    counts = [robot.can for robot in mission.robots]
     if not all(is_exact(count) for can in counts for count in can.values()):
         return  # which has been told
     units = units_of(counts)
@@ -253,34 +253,34 @@ def is_whole(number: float) -> bool:
     return number - number == 0 and number == int(number)
 
 
-def _problems_of_teams(scenario: Mission) -> Iterator[Problem]:
+def _problems_of_teams(mission: Mission) -> Iterator[Problem]:
     seen: set[int] = set()
-    for number, team in enumerate(scenario.teams):
+    for number, team in enumerate(mission.teams):
         where = ("teams", number)
         if not team:
             yield Problem(where, "this starting team has no robot; remove it")
         for robot in team:
-            if not 0 <= robot < len(scenario.robots):
+            if not 0 <= robot < len(mission.robots):
                 yield Problem(where, f"there is no robot number {robot}")
                 continue
             if robot in seen:
-                name = scenario.robots[robot].name
+                name = mission.robots[robot].name
                 yield Problem(where, f"robot '{name}' is in two starting teams; keep one")
             seen.add(robot)
-        places = {scenario.robots[r].at for r in team if 0 <= r < len(scenario.robots)}
+        places = {mission.robots[r].at for r in team if 0 <= r < len(mission.robots)}
         if len(places) > 1:
             yield Problem(where, "the robots of a starting team must start in the same place")
 
 
-def _problems_of_tasks(scenario: Mission, places_are_good: bool) -> Iterator[Problem]:
-    everybody = total(robot.can for robot in scenario.robots)
-    near = totals_there(scenario.world, scenario.robots if places_are_good else ())
-    for number, task in enumerate(scenario.tasks):
+def _problems_of_tasks(mission: Mission, places_are_good: bool) -> Iterator[Problem]:
+    everybody = total(robot.can for robot in mission.robots)
+    near = totals_there(mission.world, mission.robots if places_are_good else ())
+    for number, task in enumerate(mission.tasks):
         where, what = ("tasks", number), f"task '{task.name}'"
         yield from _problems_of_counts(
-            task.needs, scenario.capabilities, (*where, "needs"), f"{what} needs"
+            task.needs, mission.capabilities, (*where, "needs"), f"{what} needs"
         )
-        whole = ("duration", "unload", "appears") if scenario.time == "steps" else ("appears",)
+        whole = ("duration", "unload", "appears") if mission.time == "steps" else ("appears",)
         for key in whole:
             steps = getattr(task, key)
             said = f"{what} has {key}"
@@ -290,12 +290,12 @@ def _problems_of_tasks(scenario: Mission, places_are_good: bool) -> Iterator[Pro
             at = (*where, "cancelled")
             yield from _problems_of_steps(task.cancelled, 1, at, said, "use 1 or more")
         if places_are_good:
-            yield from find_load_problems(scenario, number)
-        known = {name: n for name, n in task.needs.items() if name in scenario.capabilities}
+            yield from find_load_problems(mission, number)
+        known = {name: n for name, n in task.needs.items() if name in mission.capabilities}
         if not covers(everybody, known):
             yield Problem((*where, "needs"), _impossible(what, everybody, known))
         elif places_are_good:
-            have = near(believed_place(scenario.world, task))
+            have = near(believed_place(mission.world, task))
             worst = {name: n for name, n in task.worst_needs.items() if name in everybody}
             need = known if not covers(everybody, worst) else worst
             if not covers(have, need):
@@ -303,12 +303,12 @@ def _problems_of_tasks(scenario: Mission, places_are_good: bool) -> Iterator[Pro
                     (*where, "at"),
                     f"{what} cannot be reached by robots that bring "
                     f"{describe(missing(have, need))}; "
-                    f"move it, {way_for(scenario.world, 'such robots')}",
+                    f"move it, {way_for(mission.world, 'such robots')}",
                 )
 
 
-def _problems_of_what_appears(scenario: Mission) -> Iterator[Problem]:
-    have = totals_by_region(scenario.world, scenario.robots)[busiest_part(scenario)]
+def _problems_of_what_appears(mission: Mission) -> Iterator[Problem]:
+    have = totals_by_region(mission.world, mission.robots)[busiest_part(mission)]
     if not any(count >= 1 for count in have.values()):
         yield Problem(
             ("arrivals",),

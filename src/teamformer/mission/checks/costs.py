@@ -71,18 +71,18 @@ def weighed(
     return cost_of(weights, {"makespan": makespan, **parts_of_ends(mission.tasks, ends)})
 
 
-def find_cost_problems(scenario: Mission) -> Iterator[Problem]:
+def find_cost_problems(mission: Mission) -> Iterator[Problem]:
     """Return what is wrong with the weights of the cost and of tasks."""
-    for number, task in enumerate(scenario.tasks):
+    for number, task in enumerate(mission.tasks):
         if not SMALLEST_WEIGHT <= task.weight <= LARGEST_WEIGHT:
             message = f"the weight of task '{task.name}' is {task.weight:g}"
             remedy = f"use {SMALLEST_WEIGHT:g} to {LARGEST_WEIGHT:g}"
             yield Problem(("tasks", number, "weight"), f"{message}; {remedy}")
-    if scenario.cost is None:
+    if mission.cost is None:
         return
-    if not scenario.cost:
+    if not mission.cost:
         yield Problem(("cost",), f"the cost weighs nothing; name {', '.join(COST_PARTS)}, or some")
-    for name, weight in scenario.cost.items():
+    for name, weight in mission.cost.items():
         if name not in COST_PARTS:
             choices = ", ".join(COST_PARTS)
             yield Problem(("cost", name), f"a cost has no '{name}'; use {choices}")

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from teamformer.mission.model import Mission, Task
 
 
-def is_linked(scenario: Mission) -> bool:
+def is_linked(mission: Mission) -> bool:
     """Say whether starts are linked or plans are judged by more than the makespan."""
-    return judged_by(scenario) is not None or any(task.starts for task in scenario.tasks)
+    return judged_by(mission) is not None or any(task.starts for task in mission.tasks)
 
 
 def groups_of(tasks: Sequence[Task]) -> list[list[int]]:
@@ -44,25 +44,25 @@ def linked_with(tasks: Sequence[Task]) -> list[set[int]]:
     return linked
 
 
-def find_link_problems(scenario: Mission) -> Iterator[Problem]:
+def find_link_problems(mission: Mission) -> Iterator[Problem]:
     """Return what is wrong with linked starts."""
-    problems = [*_problems_of_names(scenario), *_problems_of_gaps(scenario)]
+    problems = [*_problems_of_names(mission), *_problems_of_gaps(mission)]
     yield from problems
     if not problems:
-        yield from _problems_of_groups(scenario)
+        yield from _problems_of_groups(mission)
 
 
-def find_links(scenario: Mission) -> Iterator[Problem]:
-    """Return where a scenario has linked starts."""
-    for number, task in enumerate(scenario.tasks):
+def find_links(mission: Mission) -> Iterator[Problem]:
+    """Return where a mission has linked starts."""
+    for number, task in enumerate(mission.tasks):
         if task.starts:
             what = f"task '{task.name}' has starts, which are for continuous time"
             yield Problem(("tasks", number, "starts"), what)
 
 
-def _problems_of_names(scenario: Mission) -> Iterator[Problem]:
-    names = {task.name for task in scenario.tasks}
-    for number, task in enumerate(scenario.tasks):
+def _problems_of_names(mission: Mission) -> Iterator[Problem]:
+    names = {task.name for task in mission.tasks}
+    for number, task in enumerate(mission.tasks):
         for name in task.starts:
             where = ("tasks", number, "starts", name)
             if name not in names:
@@ -72,8 +72,8 @@ def _problems_of_names(scenario: Mission) -> Iterator[Problem]:
                 yield Problem(where, f"task '{name}' is linked with itself; name another")
 
 
-def _problems_of_gaps(scenario: Mission) -> Iterator[Problem]:
-    for number, task in enumerate(scenario.tasks):
+def _problems_of_gaps(mission: Mission) -> Iterator[Problem]:
+    for number, task in enumerate(mission.tasks):
         for name, (least, most) in task.starts.items():
             if not 0 <= least <= most <= 1e9:
                 message = f"task '{task.name}' starts {least:g} to {most:g} after '{name}'"
@@ -81,9 +81,9 @@ def _problems_of_gaps(scenario: Mission) -> Iterator[Problem]:
                 yield Problem(("tasks", number, "starts", name), f"{message}; {remedy}")
 
 
-def _problems_of_groups(scenario: Mission) -> Iterator[Problem]:
+def _problems_of_groups(mission: Mission) -> Iterator[Problem]:
     """Return what linked tasks cannot keep together."""
-    tasks = scenario.tasks
+    tasks = mission.tasks
     groups = [group for group in groups_of(tasks) if len(group) > 1]
     group_of = {number: at for at, group in enumerate(groups) for number in group}
     number_of = {task.name: number for number, task in enumerate(tasks)}
@@ -93,7 +93,7 @@ def _problems_of_groups(scenario: Mission) -> Iterator[Problem]:
         if _is_contradictory([tasks[number] for number in group]):
             yield Problem(where, f"the gaps between the starts of {listed} contradict one another")
         for apart in _all_apart(tasks, group):
-            yield from _problems_of_robots(scenario, apart)
+            yield from _problems_of_robots(mission, apart)
     for number, task in enumerate(tasks):
         for name in task.after:
             other = number_of.get(name, number)
@@ -102,7 +102,7 @@ def _problems_of_groups(scenario: Mission) -> Iterator[Problem]:
                 yield Problem(("tasks", number, "after"), f"{message}; say it by the gap alone")
                 return
     if groups:
-        yield from _problems_of_waiting(scenario, groups)
+        yield from _problems_of_waiting(mission, groups)
 
 
 def _all_apart(tasks: Sequence[Task], group: Sequence[int]) -> list[list[int]]:
@@ -122,16 +122,16 @@ def _all_apart(tasks: Sequence[Task], group: Sequence[int]) -> list[list[int]]:
     return [sorted(apart) for apart in found]
 
 
-def _problems_of_robots(scenario: Mission, apart: Sequence[int]) -> Iterator[Problem]:
+def _problems_of_robots(mission: Mission, apart: Sequence[int]) -> Iterator[Problem]:
     """Return why there are too few robots for tasks that are done by different ones."""
-    tasks = scenario.tasks
+    tasks = mission.tasks
     where = ("tasks", max(number for number in apart if tasks[number].starts), "starts")
     listed = ", ".join(f"'{tasks[number].name}'" for number in apart)
-    if len(apart) > len(scenario.robots):
+    if len(apart) > len(mission.robots):
         message = f"{listed} are done by different robots, of which there are"
-        yield Problem(where, f"{message} {len(scenario.robots)}; add some or drop a link")
+        yield Problem(where, f"{message} {len(mission.robots)}; add some or drop a link")
     needs = total(tasks[number].needs for number in apart)
-    have = total(robot.can for robot in scenario.robots)
+    have = total(robot.can for robot in mission.robots)
     if not covers(have, needs):
         short = describe(missing(have, needs))
         message = f"{listed} are done by different robots, and all together lack {short}"
@@ -153,9 +153,9 @@ def _is_contradictory(tasks: Sequence[Task]) -> bool:
     return any(longest[task.name, task.name] > 0 for task in tasks)
 
 
-def _problems_of_waiting(scenario: Mission, groups: Sequence[Sequence[int]]) -> Iterator[Problem]:
+def _problems_of_waiting(mission: Mission, groups: Sequence[Sequence[int]]) -> Iterator[Problem]:
     """Refuse groups that wait for one another, which is a circle that single tasks need not see."""
-    tasks = scenario.tasks
+    tasks = mission.tasks
     leader = {tasks[number].name: tasks[group[0]].name for group in groups for number in group}
     before: dict[str, set[str]] = {}
     for task in tasks:

@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from teamformer.mission.model import Mission
 
 
-def find_load_problems(scenario: Mission, number: int) -> Iterator[Problem]:
+def find_load_problems(mission: Mission, number: int) -> Iterator[Problem]:
     """Return why the load of a task cannot be brought to where it is to go."""
-    task, world = scenario.tasks[number], scenario.world
+    task, world = mission.tasks[number], mission.world
     if task.to is None:
         if task.unload:
             message = f"task '{task.name}' has unload {task.unload:g} but nothing to carry"
@@ -24,25 +24,25 @@ def find_load_problems(scenario: Mission, number: int) -> Iterator[Problem]:
     if world.region(place) != world.region(task.to):
         (x, y), (to_x, to_y) = place, task.to
         message = f"nobody can bring the load of task '{task.name}' from [{x}, {y}]"
-        is_flown_to = any(robot.flies for robot in scenario.robots)
+        is_flown_to = any(robot.flies for robot in mission.robots)
         fault = "no way leads there"
         if is_flown_to:
             fault += " on the ground, and robots do not fly loads over obstacles yet"
         remedy = "move one of the two or open the map"
-        if is_flown_to and scenario.time == "steps":
+        if is_flown_to and mission.time == "steps":
             remedy += ", and drop moves: air"
         yield Problem(("tasks", number, "to"), f"{message} to [{to_x}, {to_y}]: {fault}; {remedy}")
 
 
-def find_flown_loads(scenario: Mission) -> Iterator[Problem]:
+def find_flown_loads(mission: Mission) -> Iterator[Problem]:
     """Return the loads of a mission in steps in which robots fly over obstacles.
 
     A team that flies and loses robots might set a load down where nobody on the ground gets to.
     """
-    flying = [robot.name for robot in scenario.robots if robot.flies]
-    if not scenario.world.rows or not flying:
+    flying = [robot.name for robot in mission.robots if robot.flies]
+    if not mission.world.rows or not flying:
         return
-    for number, task in enumerate(scenario.tasks):
+    for number, task in enumerate(mission.tasks):
         if task.to is not None:
             message = f"task '{task.name}' has a load and robot '{flying[0]}' flies"
             fault = "on a map with obstacles a mission cannot have both yet"
@@ -50,9 +50,9 @@ def find_flown_loads(scenario: Mission) -> Iterator[Problem]:
             yield Problem(("tasks", number, "to"), f"{message}: {fault}; {remedy}")
 
 
-def rules_without_loads(scenario: Mission, who: str) -> Iterator[Problem]:
+def rules_without_loads(mission: Mission, who: str) -> Iterator[Problem]:
     """Return why `who`, such as a fleet of processes, cannot do a mission: it has loads."""
-    for number, task in enumerate(scenario.tasks):
+    for number, task in enumerate(mission.tasks):
         if task.to is not None:
             message = f"task '{task.name}' has a load, which {who} cannot carry yet"
             remedy = "drop to and unload, or use `teamformer run`, `compare` or `live`"

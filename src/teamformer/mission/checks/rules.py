@@ -41,55 +41,55 @@ def is_time(value: float) -> bool:
     return 0 <= value <= LARGEST_NUMBER
 
 
-def find_rule_problems(scenario: Mission) -> Iterator[Problem]:
-    """Return what is wrong with a scenario's time, end, precedence and time windows."""
-    if scenario.time not in TIMES:
+def find_rule_problems(mission: Mission) -> Iterator[Problem]:
+    """Return what is wrong with a mission's time, end, precedence and time windows."""
+    if mission.time not in TIMES:
         choices = " or ".join(TIMES)
-        yield Problem(("time",), f"time '{scenario.time}' is unknown; use {choices}")
-    if not is_time(scenario.forming):
-        yield Problem(("forming",), f"forming is {scenario.forming:g}; use 0 to 1e9")
-    yield from _problems_of_end(scenario)
-    yield from _problems_of_roads(scenario)
-    if scenario.time == "continuous":
-        yield from _problems_of_what_happens(scenario)
-    yield from _problems_of_times(scenario)
-    yield from _problems_of_precedence(scenario)
-    yield from find_cost_problems(scenario)
-    yield from find_link_problems(scenario)
+        yield Problem(("time",), f"time '{mission.time}' is unknown; use {choices}")
+    if not is_time(mission.forming):
+        yield Problem(("forming",), f"forming is {mission.forming:g}; use 0 to 1e9")
+    yield from _problems_of_end(mission)
+    yield from _problems_of_roads(mission)
+    if mission.time == "continuous":
+        yield from _problems_of_what_happens(mission)
+    yield from _problems_of_times(mission)
+    yield from _problems_of_precedence(mission)
+    yield from find_cost_problems(mission)
+    yield from find_link_problems(mission)
 
 
-def rules_not_played(scenario: Mission) -> Iterator[Problem]:
-    """Return why the step simulator cannot play a scenario; nothing if it can."""
+def rules_not_played(mission: Mission) -> Iterator[Problem]:
+    """Return why the step simulator cannot play a mission; nothing if it can."""
     remedy = "plan it with `teamformer plan`"
-    if scenario.time == "continuous":
+    if mission.time == "continuous":
         yield Problem(("time",), f"missions in continuous time are not played in steps; {remedy}")
         return
     remedy = f"write time: continuous and {remedy}"
-    yield from find_flown_loads(scenario)
-    for where, what in find_unknown(scenario, STEPS):
+    yield from find_flown_loads(mission)
+    for where, what in find_unknown(mission, STEPS):
         yield Problem(where, f"{what}; {remedy}")
-    if ONLY_IN_CONTINUOUS_TIME in (scenario.cost or ()):
+    if ONLY_IN_CONTINUOUS_TIME in (mission.cost or ()):
         known = ", ".join(part for part in COST_PARTS if part != ONLY_IN_CONTINUOUS_TIME)
         message = f"in steps a cost may weigh {known}; drop travel, or {remedy}"
         yield Problem(("cost", ONLY_IN_CONTINUOUS_TIME), message)
-    for problem in find_links(scenario):
+    for problem in find_links(mission):
         yield Problem(problem.where, f"{problem.message}; {remedy}")
-    for problem in find_endless_play(scenario):
+    for problem in find_endless_play(mission):
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
 
 
-def rules_not_known_beforehand(scenario: Mission) -> Iterator[Problem]:
+def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
     """Return what a plan cannot count with that is made before the mission begins."""
     remedy = "drop cancelled, or use `teamformer run` with its default method"
     rest = f"which nobody can know who plans beforehand; {remedy}"
-    yield from told_once(scenario, find_unknown(scenario, BEFOREHAND), lambda _: rest)
+    yield from told_once(mission, find_unknown(mission, BEFOREHAND), lambda _: rest)
 
 
-def rules_not_planned(scenario: Mission) -> Iterator[Problem]:
-    """Return why a scenario cannot be planned: in steps, rules that these do not know."""
-    if scenario.time != "continuous":
-        yield from rules_not_played(scenario)
-        yield from rules_not_known_beforehand(scenario)
+def rules_not_planned(mission: Mission) -> Iterator[Problem]:
+    """Return why a mission cannot be planned: in steps, rules that these do not know."""
+    if mission.time != "continuous":
+        yield from rules_not_played(mission)
+        yield from rules_not_known_beforehand(mission)
 
 
 VERBS = {
@@ -98,53 +98,53 @@ VERBS = {
     "plan": rules_not_planned,
     "live": rules_not_played,
 }
-"""What refuses a scenario, by verb."""
+"""What refuses a mission, by verb."""
 
 
-def _verbs_for(scenario: Mission) -> str:
-    """Return in words which verbs take a scenario as it is."""
-    verbs = [f"`{verb}`" for verb, refuse in VERBS.items() if not any(refuse(scenario))]
+def _verbs_for(mission: Mission) -> str:
+    """Return in words which verbs take a mission as it is."""
+    verbs = [f"`{verb}`" for verb, refuse in VERBS.items() if not any(refuse(mission))]
     return " or ".join(filter(None, (", ".join(verbs[:-1]), *verbs[-1:])))
 
 
-def rules_of_sure_missions(scenario: Mission) -> Iterator[Problem]:
-    """Return why a scenario cannot be played where everything has to be known; nothing if it can.
+def rules_of_sure_missions(mission: Mission) -> Iterator[Problem]:
+    """Return why a mission cannot be played where everything has to be known; nothing if it can.
 
     So it is where missions are to be done by robots that are real.
     """
-    yield from rules_not_played(scenario)
-    verbs = _verbs_for(scenario)
+    yield from rules_not_played(mission)
+    verbs = _verbs_for(mission)
 
     def rest(key: str) -> str:
         change = "drop it" if key == "arrivals" else f"make {key} sure, drop it"
         return f"which {REAL_ROBOTS} do not know; {change}, or use {verbs}"
 
-    found = find_unknown(scenario, REAL_ROBOTS, is_surprise=True)
-    yield from told_once(scenario, found, rest)
+    found = find_unknown(mission, REAL_ROBOTS, is_surprise=True)
+    yield from told_once(mission, found, rest)
 
 
-def rules_of_simulated_missions(scenario: Mission) -> Iterator[Problem]:
+def rules_of_simulated_missions(mission: Mission) -> Iterator[Problem]:
     """Return which rules only the step simulator and the planner know; nothing if there are none.
 
     Robots that are processes of their own, or stand in an arena, refuse such missions.
     """
-    yield from rules_of_sure_missions(scenario)
-    verbs = _verbs_for(scenario)
+    yield from rules_of_sure_missions(mission)
+    verbs = _verbs_for(mission)
     found: list[Found] = [
         (("robots", number, "moves"), f"robot '{robot.name}' flies over obstacles")
-        for number, robot in enumerate(scenario.robots)
-        if robot.flies and scenario.world.rows
+        for number, robot in enumerate(mission.robots)
+        if robot.flies and mission.world.rows
     ]
-    found += find_unknown(scenario, REAL_ROBOTS)
+    found += find_unknown(mission, REAL_ROBOTS)
 
     def rest(key: str) -> str:
         return f"which {REAL_ROBOTS} do not know; drop {key}, or use {verbs}"
 
-    yield from told_once(scenario, found, rest)
+    yield from told_once(mission, found, rest)
 
 
-def _problems_of_end(scenario: Mission) -> Iterator[Problem]:
-    ends, world = scenario.ends, scenario.world
+def _problems_of_end(mission: Mission) -> Iterator[Problem]:
+    ends, world = mission.ends, mission.world
     if ends is None or ends == HOME:
         return
     if isinstance(ends, str):
@@ -153,7 +153,7 @@ def _problems_of_end(scenario: Mission) -> Iterator[Problem]:
         where = "inside an obstacle" if world.is_inside(ends) else "outside the map"
         yield Problem(("ends",), f"the mission ends at [{ends[0]}, {ends[1]}], {where}; move it")
     elif world.rows or (isinstance(world, Roads) and not any(world.problems())):
-        for number, robot in enumerate(scenario.robots):
+        for number, robot in enumerate(mission.robots):
             is_there = world.is_inside(robot.at) and world.is_free(robot.at)
             if is_there and not can_reach(world, robot, ends):
                 message = f"robot '{robot.name}' has no way to where the mission ends"
@@ -161,13 +161,13 @@ def _problems_of_end(scenario: Mission) -> Iterator[Problem]:
                 yield Problem(("robots", number, "at"), message)
 
 
-def _problems_of_roads(scenario: Mission) -> Iterator[Problem]:
-    world = scenario.world
-    if isinstance(world, Roads) and scenario.time == "steps":
+def _problems_of_roads(mission: Mission) -> Iterator[Problem]:
+    world = mission.world
+    if isinstance(world, Roads) and mission.time == "steps":
         message = "roads are for continuous time: in steps robots walk on a map"
         remedy = "write time: continuous and plan it with `teamformer plan`"
         yield Problem(("world", "roads"), f"{message}; {remedy}, or use a grid or a plane")
-    for number, robot in enumerate(scenario.robots):
+    for number, robot in enumerate(mission.robots):
         where, what = ("robots", number, "moves"), f"robot '{robot.name}' moves by {robot.moves}"
         if not isinstance(world, Roads):
             if robot.moves not in (GROUND, AIR):
@@ -181,16 +181,16 @@ def _problems_of_roads(scenario: Mission) -> Iterator[Problem]:
             yield Problem(where, f"{message}; name a file under roads, or change moves")
 
 
-def _problems_of_what_happens(scenario: Mission) -> Iterator[Problem]:
+def _problems_of_what_happens(mission: Mission) -> Iterator[Problem]:
     """Return what happens to a mission in continuous time, whose plans are made beforehand."""
     rest = "which only missions in steps know; drop {}"
-    yield from told_once(scenario, find_unknown(scenario, CONTINUOUS), rest.format)
+    yield from told_once(mission, find_unknown(mission, CONTINUOUS), rest.format)
 
 
-def _problems_of_times(scenario: Mission) -> Iterator[Problem]:
-    for number, task in enumerate(scenario.tasks):
+def _problems_of_times(mission: Mission) -> Iterator[Problem]:
+    for number, task in enumerate(mission.tasks):
         where, what = ("tasks", number), f"task '{task.name}'"
-        if scenario.time == "continuous" and not is_time(task.duration):
+        if mission.time == "continuous" and not is_time(task.duration):
             message = f"{what} has duration {task.duration:g}; use 0 to 1e9"
             yield Problem((*where, "duration"), message)
         if task.between is None:
@@ -202,7 +202,7 @@ def _problems_of_times(scenario: Mission) -> Iterator[Problem]:
             if max(begin, end) > LARGEST_NUMBER:
                 rule = f"up to 1e9{counted_from(('between',))}"
             yield Problem((*where, "between"), f"{message}, {rule}")
-        elif scenario.time == "continuous" and is_too_short(task):
+        elif mission.time == "continuous" and is_too_short(task):
             message = f"{what} takes {task.duration:g} but has only {end - begin:g} between"
             yield Problem(
                 (*where, "between"), f"{message} {begin:g} and {end:g}; give it more time"
@@ -217,10 +217,10 @@ def is_too_short(task: Task) -> bool:
     return task.between is not None and task.between[0] + task.duration > task.between[1]
 
 
-def _problems_of_precedence(scenario: Mission) -> Iterator[Problem]:
-    names = {task.name for task in scenario.tasks}
+def _problems_of_precedence(mission: Mission) -> Iterator[Problem]:
+    names = {task.name for task in mission.tasks}
     is_good = True
-    for number, task in enumerate(scenario.tasks):
+    for number, task in enumerate(mission.tasks):
         where = ("tasks", number, "after")
         for entry, name in enumerate(task.after):
             if name not in names:
@@ -230,16 +230,16 @@ def _problems_of_precedence(scenario: Mission) -> Iterator[Problem]:
             elif name in task.after[:entry]:
                 yield Problem((*where, entry), f"'{name}' stands twice in this list; keep one")
     if is_good:
-        circle = _circle(scenario)
+        circle = _circle(mission)
         if circle:
-            last = next(n for n, task in enumerate(scenario.tasks) if task.name == circle[-1])
+            last = next(n for n, task in enumerate(mission.tasks) if task.name == circle[-1])
             way = ", which is after ".join(f"'{name}'" for name in (*circle[::-1], circle[-1]))
             yield Problem(("tasks", last, "after"), f"{way}; break this circle, drop one of these")
 
 
-def _circle(scenario: Mission) -> list[str]:
+def _circle(mission: Mission) -> list[str]:
     """Return the names of tasks of which each is before the next and the last before the first."""
-    before = {task.name: task.after for task in scenario.tasks}
+    before = {task.name: task.after for task in mission.tasks}
     is_done: set[str] = set()
     for name in before:
         path: list[str] = []

@@ -16,27 +16,27 @@ if TYPE_CHECKING:
     from teamformer.mission.model import Arrivals, Breakdown, Mission, Robot, Task
 
 
-def find_surprise_problems(scenario: Mission) -> Iterator[Problem]:
-    """Return what is wrong with a scenario's uncertain durations, needs and breakdowns."""
-    if scenario.time == "continuous":
-        yield from _only_in_steps(scenario)
-    for number, robot in enumerate(scenario.robots):
+def find_surprise_problems(mission: Mission) -> Iterator[Problem]:
+    """Return what is wrong with a mission's uncertain durations, needs and breakdowns."""
+    if mission.time == "continuous":
+        yield from _only_in_steps(mission)
+    for number, robot in enumerate(mission.robots):
         if robot.breaks is not None:
             yield from _problems_of_breaks(robot, robot.breaks, ("robots", number, "breaks"))
         if robot.delays is not None and not 0 <= robot.delays.chance < 1:  # NaN too
             message = f"robot '{robot.name}' stands still with probability {robot.delays.chance:g}"
             yield Problem(("robots", number, "delays"), f"{message}; use 0 to less than 1")
-    if scenario.arrivals is not None:
-        yield from _problems_of_arrivals(scenario.arrivals)
-    is_unsure = any(task.may_need for task in scenario.tasks)
-    everybody = total(robot.can for robot in scenario.robots) if is_unsure else {}
-    for number, task in enumerate(scenario.tasks):
+    if mission.arrivals is not None:
+        yield from _problems_of_arrivals(mission.arrivals)
+    is_unsure = any(task.may_need for task in mission.tasks)
+    everybody = total(robot.can for robot in mission.robots) if is_unsure else {}
+    for number, task in enumerate(mission.tasks):
         if task.lasts is not None:
             where = ("tasks", number, "duration")
             yield from _problems_of_range(task.lasts, 0, where, f"task '{task.name}' takes")
         if task.may_need:
             where = ("tasks", number, "may_need")
-            yield from _problems_of_may_need(scenario, task, everybody, where)
+            yield from _problems_of_may_need(mission, task, everybody, where)
 
 
 def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
@@ -57,11 +57,9 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
         yield Problem(("arrivals", "needs"), message)
 
 
-def _only_in_steps(scenario: Mission) -> Iterator[Problem]:
+def _only_in_steps(mission: Mission) -> Iterator[Problem]:
     rest = "which only missions in steps know; make {} sure, or drop it"
-    yield from told_once(
-        scenario, find_unknown(scenario, CONTINUOUS, is_surprise=True), rest.format
-    )
+    yield from told_once(mission, find_unknown(mission, CONTINUOUS, is_surprise=True), rest.format)
 
 
 def _problems_of_range(
@@ -92,18 +90,18 @@ def _problems_of_breaks(
 
 
 def _problems_of_may_need(
-    scenario: Mission, task: Task, everybody: Counts, where: tuple[str | int, ...]
+    mission: Mission, task: Task, everybody: Counts, where: tuple[str | int, ...]
 ) -> Iterator[Problem]:
     what = f"task '{task.name}' may need"
     for name, probability in task.may_need.items():
-        if name not in scenario.capabilities:
+        if name not in mission.capabilities:
             message = f"{what} '{name}', which is not under capabilities; add it there"
             yield Problem((*where, name), message)
         if not 0 <= probability <= 1:  # NaN too
             message = f"{what} '{name}' with probability {probability:g}; use 0 to 1"
             yield Problem((*where, name), message)
-    known = {n: count for n, count in task.worst_needs.items() if n in scenario.capabilities}
-    sure = {name: count for name, count in task.needs.items() if name in scenario.capabilities}
+    known = {n: count for n, count in task.worst_needs.items() if n in mission.capabilities}
+    sure = {name: count for name, count in task.needs.items() if name in mission.capabilities}
     if covers(everybody, sure) and not covers(everybody, known):
         short = describe(missing(everybody, known))
         message = f"{what} {describe(known)} but all robots together lack {short}"

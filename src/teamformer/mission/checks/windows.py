@@ -35,17 +35,17 @@ def latest_end(between: tuple[float, float] | None) -> float:
     return math.inf if between is None else between[1]
 
 
-def find_endless_play(scenario: Mission) -> Iterator[Problem]:
+def find_endless_play(mission: Mission) -> Iterator[Problem]:
     """Return what makes a mission in steps so long that nobody waits for its end.
 
     A mission whose step limit is lower ends with that.
     """
-    if scenario.step_limit <= LONGEST_PLAY:
+    if mission.step_limit <= LONGEST_PLAY:
         return
     allowed = f"more than the {LONGEST_PLAY:,} steps that are played"
     remedy = "let a step stand for more time, set a lower step_limit"
-    ends = _earliest_ends(scenario)
-    for number, task in enumerate(scenario.tasks):
+    ends = _earliest_ends(mission)
+    for number, task in enumerate(mission.tasks):
         begins = max([0.0, *(ends[name] for name in task.after)])
         if ends[task.name] > LONGEST_PLAY >= begins:
             message = f"task '{task.name}' ends in step {ends[task.name]:,.0f} at the earliest"
@@ -59,17 +59,17 @@ def _longest_part(task: Task) -> str:
     return max(parts, key=parts.__getitem__)
 
 
-def find_hopeless_windows(scenario: Mission) -> Iterator[Problem]:
+def find_hopeless_windows(mission: Mission) -> Iterator[Problem]:
     """Return the tasks that are late in every plan, because of the tasks that they are after.
 
-    The scenario has no other faults. Durations that are not known count as short as they may be.
+    The mission has no other faults. Durations that are not known count as short as they may be.
     Whoever builds a `Mission` may have such windows, and so may the truth of a mission: there a
     task may turn out to take long.
     """
-    ends = _earliest_ends(scenario)
-    for number, task in enumerate(scenario.tasks):
+    ends = _earliest_ends(mission)
+    for number, task in enumerate(mission.tasks):
         last = max(task.after, key=ends.__getitem__, default=None)
-        if last is None or ends[last] <= _release(scenario, task):
+        if last is None or ends[last] <= _release(mission, task):
             continue
         due = latest_end(task.between)
         if ends[task.name] > due:
@@ -81,23 +81,23 @@ def find_hopeless_windows(scenario: Mission) -> Iterator[Problem]:
             yield Problem(("tasks", number, "between"), f"{message}; {remedy}")
 
 
-def _earliest_ends(scenario: Mission) -> dict[str, float]:
+def _earliest_ends(mission: Mission) -> dict[str, float]:
     """Return when each task is over at the earliest, by name, without ways, teams and links."""
     ends: dict[str, float] = {}
-    left = list(scenario.tasks)
+    left = list(mission.tasks)
     while left:
         for task in left:
             if all(name in ends for name in task.after):
-                begin = max([_release(scenario, task), *(ends[name] for name in task.after)])
-                end = begin + _least_time(scenario, task)
+                begin = max([_release(mission, task), *(ends[name] for name in task.after)])
+                end = begin + _least_time(mission, task)
                 ends[task.name] = end if task.cancelled is None else min(end, task.cancelled)
         left = [task for task in left if task.name not in ends]
     return ends
 
 
-def _release(scenario: Mission, task: Task) -> float:
+def _release(mission: Mission, task: Task) -> float:
     """Return when a task may begin by its own keys."""
-    return opening_step(task) if scenario.time == "steps" else release_of(task)
+    return opening_step(task) if mission.time == "steps" else release_of(task)
 
 
 def release_of(task: Task) -> float:
@@ -105,7 +105,7 @@ def release_of(task: Task) -> float:
     return max(float(task.appears), task.between[0] if task.between else 0.0)
 
 
-def _least_time(scenario: Mission, task: Task) -> float:
+def _least_time(mission: Mission, task: Task) -> float:
     """Return what a task takes at least; in steps it begins in the step after it may."""
     duration = task.duration if task.lasts is None else task.lasts[0]
-    return duration + task.unload + (1 if scenario.time == "steps" else 0)
+    return duration + task.unload + (1 if mission.time == "steps" else 0)

@@ -77,7 +77,7 @@ RADIUS = Number(0, can_be_infinite=True)
 
 MISSION_KEYS = (
     Key("teamformer", Whole(1, VERSION), "version of this format: 1"),
-    Key("name", Text(), "name of the scenario", default="", without="the file's name"),
+    Key("name", Text(), "name of the mission", default="", without="the file's name"),
     Key("world", Forms(FORMS), "the map ([the world](#the-world))"),
     Key(
         "capabilities",

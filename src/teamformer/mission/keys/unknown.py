@@ -1,4 +1,4 @@
-"""What a scenario has that some verbs or robots do not know, told once for all that have it."""
+"""What a mission has that some verbs or robots do not know, told once for all that have it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_NAMED = 5
 
 
 def told_once(
-    scenario: Mission, found: Iterable[Found], rest: Callable[[str], str]
+    mission: Mission, found: Iterable[Found], rest: Callable[[str], str]
 ) -> Iterator[Problem]:
     """Return one problem for each key of robots or tasks, with the names of all that have it.
 
@@ -32,7 +32,7 @@ def told_once(
         by_key.setdefault((where[0], str(where[-1])), []).append((where, what))
     for (group, key), alike in by_key.items():
         where, what = alike[0]
-        things = scenario.robots if group == "robots" else scenario.tasks
+        things = mission.robots if group == "robots" else mission.tasks
         names = [f"'{things[int(where[1])].name}'" for where, _ in alike[1:]]
         if len(names) > MOST_NAMED:
             names[MOST_NAMED:] = [f"{len(names) - MOST_NAMED} more"]
@@ -40,17 +40,17 @@ def told_once(
         yield Problem(where, f"{what}{others}, {rest(key)}")
 
 
-def find_unknown(scenario: Mission, to: str, is_surprise: bool = False) -> Iterator[Found]:
-    """Return where a scenario has keys that somebody does not know, and what they say, in words.
+def find_unknown(mission: Mission, to: str, is_surprise: bool = False) -> Iterator[Found]:
+    """Return where a mission has keys that somebody does not know, and what they say, in words.
 
     These are keys of what is open until it shows, if it `is_surprise`, else the other ones.
     """
-    for number, robot in enumerate(scenario.robots):
+    for number, robot in enumerate(mission.robots):
         for key, said in _unknown_keys(ROBOT_KEYS, robot, to, is_surprise):
             yield ("robots", number, key.name), f"robot '{robot.name}' {said.what}"
-    for key, said in _unknown_keys(MISSION_KEYS, scenario, to, is_surprise):
+    for key, said in _unknown_keys(MISSION_KEYS, mission, to, is_surprise):
         yield (key.name,), said.what
-    for number, task in enumerate(scenario.tasks):
+    for number, task in enumerate(mission.tasks):
         for key, said in _unknown_keys(TASK_KEYS, task, to, is_surprise):
             yield ("tasks", number, key.name), f"task '{task.name}' {said.what}"
 

@@ -59,7 +59,7 @@ def find_region_problems(
         yield Problem(where, f"{what}, where no cell is free; move it or widen it")
 
 
-def busiest_part(scenario: Mission) -> int:
+def busiest_part(mission: Mission) -> int:
     """Return the connected part of the map in which most robots start, the first of equals."""
-    parts = [scenario.world.region(robot.at) for robot in scenario.robots]
+    parts = [mission.world.region(robot.at) for robot in mission.robots]
     return max(sorted(set(parts)), key=parts.count)

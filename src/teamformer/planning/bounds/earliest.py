@@ -12,9 +12,9 @@ from teamformer.planning.problem.team_plan import keep_order
 from teamformer.world.rules.constants import FAR, NOBODY
 
 
-def earliest_in_order(scenario: Mission, problem: Relaxed) -> Array:
+def earliest_in_order(mission: Mission, problem: Relaxed) -> Array:
     """Return the same as `earliest_formed`, raised by the tasks that each comes after."""
-    start = earliest_formed(scenario, problem)
+    start = earliest_formed(mission, problem)
     for task in keep_order(problem.before, list(range(len(start)))):
         before = problem.before[task][problem.before[task] != NOBODY]
         ends = start[before] + problem.duration[before]
@@ -22,13 +22,13 @@ def earliest_in_order(scenario: Mission, problem: Relaxed) -> Array:
     return np.minimum(start, FAR)
 
 
-def earliest_formed(scenario: Mission, problem: Relaxed) -> Array:
+def earliest_formed(mission: Mission, problem: Relaxed) -> Array:
     """Return the first step in which a team that can do it can be at each task, as (tasks,).
 
     Like `earliest_starts`, with what forming costs.
     """
     walked = earliest_starts(problem._replace(appears=np.full_like(problem.appears, -1)))
-    formed = raise_for_forming(scenario, problem, walked)
+    formed = raise_for_forming(mission, problem, walked)
     return np.maximum(earliest_starts(problem), formed)
 
 

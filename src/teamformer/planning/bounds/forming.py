@@ -18,16 +18,16 @@ from teamformer.planning.problem.relaxed_problem import Relaxed, in_blocks, step
 from teamformer.world.rules.constants import FAR
 
 
-def raise_for_forming(scenario: Mission, problem: Relaxed, walked: Array) -> Array:
+def raise_for_forming(mission: Mission, problem: Relaxed, walked: Array) -> Array:
     """Return the first step by which each task's team can have walked and formed, as (tasks,).
 
     `walked` is the first step in which enough of each capability can be there, as (tasks,), 0 if
     they start there. Where forming is free, and on planes, that is all that is returned.
     """
     raised: Array = walked.astype(np.int64)
-    if scenario.forming_steps == 0 or not isinstance(scenario.world, Grid):
+    if mission.forming_steps == 0 or not isinstance(mission.world, Grid):
         return raised
-    teams = [list(team) for team in scenario.starting_teams]
+    teams = [list(team) for team in mission.starting_teams]
     has = np.array([problem.counts[team].sum(axis=0) for team in teams])  # (teams, caps)
     members = np.concatenate(teams)  # (robots,) team by team
     first = np.cumsum([0, *map(len, teams[:-1])])  # (teams,)

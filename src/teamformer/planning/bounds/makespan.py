@@ -42,24 +42,24 @@ LEFT_OUT = (0.0, 0.5, 0.8)
 """Shares of the tasks, those that can start first, to leave out: far tasks bound better alone."""
 
 
-def lower_bound(scenario: Mission) -> int:
-    """Return a number of steps in which no policy can complete a scenario faster.
+def lower_bound(mission: Mission) -> int:
+    """Return a number of steps in which no policy can complete a mission faster.
 
     Tasks that are called off do not count: they need not be done.
     """
-    if all(task.cancelled is not None for task in scenario.tasks):
+    if all(task.cancelled is not None for task in mission.tasks):
         return 0
-    scenario = _without_cancelled(scenario)
-    if not may_set_down(scenario):
-        problem = relax(scenario, in_table=False)
-        start = earliest_in_order(scenario, problem)
+    mission = _without_cancelled(mission)
+    if not may_set_down(mission):
+        problem = relax(mission, in_table=False)
+        start = earliest_in_order(mission, problem)
         bound = bound_makespan(problem, start)
         return refuter_in_steps(problem, start, _tasks_a_tour(problem)).raised(bound)
-    robots = tuple(replace(robot, absences=()) for robot in scenario.robots)
-    scenario = replace(scenario, robots=robots)
-    problem = relax(scenario, in_table=False)
-    is_whole = np.array([task.to is None for task in scenario.tasks])
-    return bound_makespan(problem, earliest_in_order(scenario, problem), is_whole)
+    robots = tuple(replace(robot, absences=()) for robot in mission.robots)
+    mission = replace(mission, robots=robots)
+    problem = relax(mission, in_table=False)
+    is_whole = np.array([task.to is None for task in mission.tasks])
+    return bound_makespan(problem, earliest_in_order(mission, problem), is_whole)
 
 
 def _tasks_a_tour(problem: Relaxed) -> int:
@@ -68,16 +68,16 @@ def _tasks_a_tour(problem: Relaxed) -> int:
     return TASKS_A_TOUR - round(math.log(more, 3))
 
 
-def _without_cancelled(scenario: Mission) -> Mission:
-    gone = {task.name for task in scenario.tasks if task.cancelled is not None}
+def _without_cancelled(mission: Mission) -> Mission:
+    gone = {task.name for task in mission.tasks if task.cancelled is not None}
     if not gone:
-        return scenario
+        return mission
     tasks = (
         replace(task, after=tuple(name for name in task.after if name not in gone))
-        for task in scenario.tasks
+        for task in mission.tasks
         if task.name not in gone
     )
-    return replace(scenario, tasks=tuple(tasks))
+    return replace(mission, tasks=tuple(tasks))
 
 
 def bound_makespan(

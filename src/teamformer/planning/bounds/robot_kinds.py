@@ -42,13 +42,13 @@ class Kind(NamedTuple):
         return int(np.floor(self.units * min(makespan, self.last) + ROUNDING))
 
 
-def robot_kinds(scenario: Mission, problem: Relaxed, start: Array, needs: Array) -> list[Kind]:
+def robot_kinds(mission: Mission, problem: Relaxed, start: Array, needs: Array) -> list[Kind]:
     """Return all kinds of robots that some need has use for.
 
     `needs` (needs, 2) are pairs of task and capability; a stop at a task brings something to all
     needs in the same place whose service is no longer. No task starts before `start` (tasks,).
     """
-    joining = joining_steps(scenario, problem)
+    joining = joining_steps(mission, problem)
     kinds = (_kind(problem, start, joining, robots, needs) for robots in _alike(problem))
     return [kind for kind in kinds if kind is not None]
 
@@ -60,17 +60,17 @@ def size_of_kinds(problem: Relaxed) -> tuple[int, int]:
     return len(first), int((stops.astype(np.int64) ** 2).sum())
 
 
-def joining_steps(scenario: Mission, problem: Relaxed) -> Array:
+def joining_steps(mission: Mission, problem: Relaxed) -> Array:
     """Return the steps that robots form in before a task if it is their first, (tasks, robots).
 
     Who starts in a team that has less than a task needs joins at least once before it can start,
     in a step in which it does not walk. On planes, and where forming is free, that costs nothing.
     """
     steps = np.zeros((len(problem.appears), len(problem.pace)), np.int64)
-    if scenario.forming_steps > 0 and isinstance(scenario.world, Grid):
-        for team in map(list, scenario.starting_teams):
+    if mission.forming_steps > 0 and isinstance(mission.world, Grid):
+        for team in map(list, mission.starting_teams):
             lacks = (problem.counts[team].sum(axis=0) < problem.needs).any(axis=1)  # (tasks,)
-            steps[:, team] = scenario.forming_steps * lacks[:, None]
+            steps[:, team] = mission.forming_steps * lacks[:, None]
     return steps
 
 

@@ -52,7 +52,7 @@ LEAP = 0.5
 
 
 def raise_by_routes(
-    scenario: Mission,
+    mission: Mission,
     problem: Relaxed,
     bound: int,
     offer: Callable[[int], None],
@@ -61,7 +61,7 @@ def raise_by_routes(
 ) -> int:
     """Raise a lower bound on the makespan of any policy until nothing more can be proven so.
 
-    Every better bound is offered as it is proven. `problem` is the scenario's, of which no task is
+    Every better bound is offered as it is proven. `problem` is the mission's, of which no task is
     called off. Nothing is tried that has more to look at in one go than `largest`, nor for loads,
     which end elsewhere than they begin. Returns the best bound.
     """
@@ -70,7 +70,7 @@ def raise_by_routes(
     kinds, legs = size_of_kinds(problem)
     if BUILDING * kinds + legs * 2 ** MEMORIES[0] * bound > largest:
         return bound
-    covers = list(_covers(scenario, problem))
+    covers = list(_covers(mission, problem))
     for memory in MEMORIES:
         effort = legs * 2**memory * bound
         if is_over() or effort > largest:
@@ -102,11 +102,11 @@ def _raise(
             return bound
 
 
-def _covers(scenario: Mission, problem: Relaxed) -> Iterator[RouteCover]:
+def _covers(mission: Mission, problem: Relaxed) -> Iterator[RouteCover]:
     """Yield what has to be covered, apart for capabilities that no robot links."""
-    start = earliest_formed(scenario, problem)
+    start = earliest_formed(mission, problem)
     tasks: Array = np.flatnonzero(start < FAR)
-    if not isinstance(scenario.world, Grid):
+    if not isinstance(mission.world, Grid):
         tasks = one_for_each_place(problem, tasks, start)  # to touch is not to be in one place
     is_need = np.zeros_like(problem.needs, dtype=bool)
     is_need[tasks] = problem.needs[tasks] > 0
@@ -114,7 +114,7 @@ def _covers(scenario: Mission, problem: Relaxed) -> Iterator[RouteCover]:
         if is_need[:, caps].any():
             is_theirs = np.zeros(is_need.shape[1], dtype=bool)
             is_theirs[caps] = True
-            yield RouteCover(scenario, problem, start, is_need & is_theirs)
+            yield RouteCover(mission, problem, start, is_need & is_theirs)
 
 
 def linked_capabilities(counts: Array) -> list[list[int]]:
@@ -133,14 +133,14 @@ def linked_capabilities(counts: Array) -> list[list[int]]:
 class RouteCover:
     """What tasks need, the robots by kind, and the prizes that have proven most so far."""
 
-    def __init__(self, scenario: Mission, problem: Relaxed, start: Array, is_need: Array) -> None:
+    def __init__(self, mission: Mission, problem: Relaxed, start: Array, is_need: Array) -> None:
         needs = np.argwhere(is_need)  # (needs, 2) task and capability
         self.amount = problem.needs[is_need].astype(np.int64)  # (needs,)
         self.margin = 0.0  # share of all prizes that the last proof had to spare
         effort = 4.0 + problem.duration[needs[:, 0]]  # (needs,)
         prizes = effort / max(1.0, float((effort * self.amount).sum()))
         self.prizes: Array = prizes  # (needs,) for one of each; times amounts they add up to 1
-        self._kinds = robot_kinds(scenario, problem, start, needs)
+        self._kinds = robot_kinds(mission, problem, start, needs)
         self._robots = len(problem.pace)
 
     def remember(self, memory: int) -> None:

@@ -33,7 +33,7 @@ HALVINGS = (0, 1, 4, 16)
 
 
 def raise_by_windows(
-    scenario: Mission,
+    mission: Mission,
     problem: Relaxed,
     bound: int,
     offer: Callable[[int], None],
@@ -41,12 +41,12 @@ def raise_by_windows(
 ) -> int:
     """Raise a lower bound on the makespan of any policy, and return the best one.
 
-    `problem` is the scenario's, of which no task is called off. Bounds are offered as they are
+    `problem` is the mission's, of which no task is called off. Bounds are offered as they are
     proven.
     """
-    if may_set_down(scenario) or is_over():
+    if may_set_down(mission) or is_over():
         return bound
-    start = earliest_in_order(scenario, problem)
+    start = earliest_in_order(mission, problem)
     refuter = refuter_in_steps(problem, start, MOST_TASKS_A_TOUR, is_over)
     for halvings in HALVINGS:
         bound = refuter.raised(bound, halvings)

@@ -55,7 +55,7 @@ NO_WAY = 1000
 class ContinuousMission:
     """A mission's times as they are, and in ticks, of which there are `scale` in a unit."""
 
-    scenario: Mission
+    source: Mission
     ways: Floats  # (paces, places, tasks) from places, which are tasks and starts, to tasks
     home: Floats  # (robots, places)
     origin: Ints  # (robots,) the place where each starts
@@ -70,7 +70,7 @@ class ContinuousMission:
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         """
         timed = self.time(solution.plan)
-        rounding = rounding_of(self.scenario)
+        rounding = rounding_of(self.source)
         bound = max(0.0, (solution.bound - rounding) / self.scale)
         return replace(
             timed,
@@ -95,15 +95,15 @@ class ContinuousMission:
 
     def worth_of(self, plan: MissionPlan) -> float:
         """Return what a plan is judged by: what it costs, or its makespan if that alone counts."""
-        weights = judged_by(self.scenario)
+        weights = judged_by(self.source)
         if plan.cost is not None or weights is None:
             return plan.makespan if plan.cost is None else plan.cost
         ends = {stop.task: stop.end for route in plan.routes for stop in route.stops}
-        return weighed(self.scenario, weights, ends, plan.makespan)
+        return weighed(self.source, weights, ends, plan.makespan)
 
     def _curve_of(self, solution: Solution | LinkedSolution) -> tuple[tuple[float, float], ...]:
         """Return a curve in units; that of a linked problem without a cost is none of times."""
-        if isinstance(solution, LinkedSolution) and self.scenario.cost is None:
+        if isinstance(solution, LinkedSolution) and self.source.cost is None:
             return ()
         return tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve)
 
@@ -115,32 +115,32 @@ class ContinuousMission:
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules."""
         parts = (self.ways, self.home, self.pace, self.origin, self.base.site, self.carry)
-        return TaskClock(self.scenario, *parts).time(plan)
+        return TaskClock(self.source, *parts).time(plan)
 
 
-def pose_mission(scenario: Mission) -> ContinuousMission:
+def pose_mission(mission: Mission) -> ContinuousMission:
     """Return a mission in continuous time as a problem in ticks."""
-    robots, tasks = scenario.robots, scenario.tasks
+    robots, tasks = mission.robots, mission.tasks
     starts = list(dict.fromkeys(robot.at for robot in robots))
     places = [*ends_of(tasks), *starts]
     paces = sorted({(robot.moves, robot.speed) for robot in robots})
     pace = np.array([paces.index((robot.moves, robot.speed)) for robot in robots])
     begins = [task.at for task in tasks]
-    metres = {moves: _distances(scenario, moves, places, begins) for moves, _ in paces}
+    metres = {moves: _distances(mission, moves, places, begins) for moves, _ in paces}
     ways = np.array([metres[moves] / speed for moves, speed in paces])
     carry = np.array([metres[moves].diagonal() / speed for moves, speed in paces])
     carry[:, [task.to is None for task in tasks]] = 0.0
     np.einsum("pkk->pk", ways[:, : len(tasks)])[:] = 0.0  # not the way from an end to a beginning
-    home = _ways_home(scenario, places)
-    busy, waits = _longest(scenario, ways, home, carry)
+    home = _ways_home(mission, places)
+    busy, waits = _longest(mission, ways, home, carry)
     scale = _scale(busy, waits, sum(task.weight for task in tasks))
 
     def ticks(times: npt.ArrayLike) -> Ints:
         known = np.where(np.isfinite(times), times, NO_WAY * (busy + waits))
         return np.rint(known * scale).astype(np.int64)
 
-    counts = count_table([robot.can for robot in robots], scenario)
-    needs = count_table([task.needs for task in tasks], scenario)
+    counts = count_table([robot.can for robot in robots], mission)
+    needs = count_table([task.needs for task in tasks], mission)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
     takes = np.array([task.duration + task.unload for task in tasks]) + carried
     origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
@@ -156,30 +156,28 @@ def pose_mission(scenario: Mission) -> ContinuousMission:
         release=ticks([release_of(task) for task in tasks]),
         due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
         precedence=[(k, task) for task, before in tasks_before(tasks).items() for k in before],
-        forming=round(scenario.forming * scale),
-        spares=SPARES if _may_spare_pay(scenario, ways, home, pace, takes) else 0,
+        forming=round(mission.forming * scale),
+        spares=SPARES if _may_spare_pay(mission, ways, home, pace, takes) else 0,
         site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
     )
-    linked = _link(scenario, problem, scale) if is_linked(scenario) else problem
-    return ContinuousMission(scenario, ways, home, origin, pace, carry, scale, linked)
+    linked = _link(mission, problem, scale) if is_linked(mission) else problem
+    return ContinuousMission(mission, ways, home, origin, pace, carry, scale, linked)
 
 
-def rounding_of(scenario: Mission) -> int:
+def rounding_of(mission: Mission) -> int:
     """Return by how many ticks a time may be off: what is rounded in a chain, half a tick each."""
-    return len(scenario.tasks) + 2
+    return len(mission.tasks) + 2
 
 
-def _may_spare_pay(
-    scenario: Mission, ways: Floats, home: Floats, pace: Ints, takes: Floats
-) -> bool:
+def _may_spare_pay(mission: Mission, ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
     """Say whether it may pay that a robot takes part in a task that can be done without it.
 
     It forms no coalition later if it comes along; or the way by the task is the quicker one, as it
     may be on roads, or the one that costs less, as nothing does on which a load is carried.
     """
-    is_road, has_loads = isinstance(scenario.world, Roads), any(t.to for t in scenario.tasks)
-    costs_travel = scenario.cost is not None and scenario.cost.get("travel", 0.0) > 0
-    if scenario.forming > 0:
+    is_road, has_loads = isinstance(mission.world, Roads), any(t.to for t in mission.tasks)
+    costs_travel = mission.cost is not None and mission.cost.get("travel", 0.0) > 0
+    if mission.forming > 0:
         return True
     if costs_travel and (is_road or has_loads):
         return _has_detour(ways, home, pace, np.zeros_like(takes))
@@ -197,22 +195,22 @@ def _has_detour(ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
     return False
 
 
-def _link(scenario: Mission, problem: CoalitionProblem, scale: float) -> LinkedProblem:
+def _link(mission: Mission, problem: CoalitionProblem, scale: float) -> LinkedProblem:
     """Return a mission's problem with its linked starts and the weights of its cost.
 
     The longest gaps are longer by what ticks round, so that one which is just long enough is.
     """
-    number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
-    rounding = rounding_of(scenario)
+    number_of = {task.name: number for number, task in enumerate(mission.tasks)}
+    rounding = rounding_of(mission)
     links = [
         Link(number, number_of[name], round(least * scale), round(most * scale) + rounding)
-        for number, task in enumerate(scenario.tasks)
+        for number, task in enumerate(mission.tasks)
         for name, (least, most) in task.starts.items()
     ]
-    weights = judged_by(scenario) or {"makespan": 1}
+    weights = judged_by(mission) or {"makespan": 1}
     total = sum(weights.values())
     weight = {PART_OF[name]: value / total for name, value in weights.items()}
-    return link_problem(problem, links, weight, [task.weight for task in scenario.tasks])
+    return link_problem(problem, links, weight, [task.weight for task in mission.tasks])
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
@@ -223,16 +221,16 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
     """
     if math.isinf(plan.makespan):
         raise TeamformerError(
-            f"{mission.scenario.name}: no plan was found in which all can get to their tasks",
+            f"{mission.source.name}: no plan was found in which all can get to their tasks",
             "open the map, give ways a time under roads, move robots or tasks, or drop a link",
         )
 
 
 def _distances(
-    scenario: Mission, moves: str, origins: Sequence[Place], goals: Sequence[Place]
+    mission: Mission, moves: str, origins: Sequence[Place], goals: Sequence[Place]
 ) -> Floats:
     """Return how long ways take at speed 1, as (origins, goals); infinite where there is none."""
-    world = scenario.world
+    world = mission.world
     if isinstance(world, Roads):
         here, there = ([int(number) for number, _ in some] for some in (origins, goals))
         return np.array(world.ways[moves])[np.ix_(here, there)]
@@ -243,25 +241,25 @@ def _distances(
     return np.where(cells < UNREACHABLE, cells.astype(np.float64), np.inf)
 
 
-def _ways_home(scenario: Mission, places: Sequence[Place]) -> Floats:
+def _ways_home(mission: Mission, places: Sequence[Place]) -> Floats:
     """Return how long each robot takes home from each place, (robots, places)."""
-    robots, ends = scenario.robots, scenario.ends
+    robots, ends = mission.robots, mission.ends
     if ends is None:
         return np.zeros((len(robots), len(places)))
     home = {(r.moves, r.at if ends == ENDS_HOME else ends): np.empty(0) for r in robots}
     for moves, goal in home:
         assert not isinstance(goal, str)
-        home[moves, goal] = _distances(scenario, moves, places, [goal])[:, 0]
+        home[moves, goal] = _distances(mission, moves, places, [goal])[:, 0]
     return np.array([home[r.moves, r.at if ends == ENDS_HOME else ends] / r.speed for r in robots])
 
 
-def _longest(scenario: Mission, ways: Floats, home: Floats, carry: Floats) -> tuple[float, float]:
+def _longest(mission: Mission, ways: Floats, home: Floats, carry: Floats) -> tuple[float, float]:
     """Return how long all that is done takes at most, and when the last task may begin."""
     longest = max(part[np.isfinite(part)].max(initial=0.0) for part in (ways, home))
-    total = sum(task.duration + task.unload + scenario.forming for task in scenario.tasks)
+    total = sum(task.duration + task.unload + mission.forming for task in mission.tasks)
     total += float(carry.max(axis=0).sum())
-    total += longest * (len(scenario.tasks) + 1) + 1e-6
-    return total, max(release_of(task) for task in scenario.tasks)
+    total += longest * (len(mission.tasks) + 1) + 1e-6
+    return total, max(release_of(task) for task in mission.tasks)
 
 
 def _scale(busy: float, waits: float, weight: float) -> float:

@@ -61,7 +61,7 @@ def plan_continuous(
         refuse_no_way(mission, made)
     elif isinstance(mission.problem, LinkedProblem):
         raise TeamformerError(
-            f"{mission.scenario.name}: no coalitions were found for tasks that are linked",
+            f"{mission.source.name}: no coalitions were found for tasks that are linked",
             "different robots do them, so add robots or drop a link",
         )
     return made
@@ -71,12 +71,12 @@ def _solve(
     mission: ContinuousMission, method: str, seconds: float, start: CoalitionPlan | None
 ) -> Solution | LinkedSolution | None:
     """Return what a method finds; refuse one that does not know what the mission is judged by."""
-    scenario, problem = mission.scenario, mission.problem
+    source, problem = mission.source, mission.problem
     if not isinstance(problem, LinkedProblem):
         return PLANNERS[method](problem, seconds, start)
     if method in LINKED_PLANNERS:
         return LINKED_PLANNERS[method](problem, seconds, start)
-    if scenario.cost is None and not any(task.starts for task in scenario.tasks):
+    if source.cost is None and not any(task.starts for task in source.tasks):
         return PLANNERS[method](problem.base, seconds, start)
     raise TeamformerError(
         f"--method {method} knows no starts that are linked and no cost",

@@ -28,7 +28,7 @@ class TaskClock:
 
     def __init__(
         self,
-        scenario: Mission,
+        mission: Mission,
         ways: Floats,
         home: Floats,
         pace: Ints,
@@ -36,11 +36,11 @@ class TaskClock:
         site: Int32s,
         carry: Floats,
     ) -> None:
-        self._scenario, self._ways, self._home = scenario, ways, home
+        self._mission, self._ways, self._home = mission, ways, home
         self._pace, self._origin, self._site = pace, origin, site
         self._carry = carry
-        self._takes = np.zeros(len(scenario.tasks))  # by the coalitions of the plan at hand
-        self._number_of = {task.name: number for number, task in enumerate(scenario.tasks)}
+        self._takes = np.zeros(len(mission.tasks))  # by the coalitions of the plan at hand
+        self._number_of = {task.name: number for number, task in enumerate(mission.tasks)}
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times.
@@ -52,7 +52,7 @@ class TaskClock:
         before = self._places_before(plan)
         self._takes = np.array([self._time_taken(task, doers) for task, doers in enumerate(before)])
         start = np.zeros(len(plan.order))
-        is_linked = any(task.starts for task in self._scenario.tasks)
+        is_linked = any(task.starts for task in self._mission.tasks)
         for _ in range(len(start) + 1 if is_linked else 1):
             was = start.copy()
             for task in plan.order.tolist():
@@ -80,7 +80,7 @@ class TaskClock:
 
     def _time_taken(self, task: int, robots: Iterable[int]) -> float:
         """Return how long a task takes: its service, and the way with its load by the slowest."""
-        wanted = self._scenario.tasks[task]
+        wanted = self._mission.tasks[task]
         carried = max(
             (float(self._carry[self._pace[robot], task]) for robot in robots), default=0.0
         )
@@ -92,15 +92,15 @@ class TaskClock:
     def _ready(self, task: int, before: dict[int, int], start: Floats) -> float:
         """Return when a task can start, but for its links."""
         arrive = [self._free(p, start) + self._way(robot, p, task) for robot, p in before.items()]
-        ready = max(release_of(self._scenario.tasks[task]), *arrive)
+        ready = max(release_of(self._mission.tasks[task]), *arrive)
         if len({int(self._site[place]) for place in before.values()}) > 1:
-            ready = max(ready, max(arrive) + self._scenario.forming)
-        numbers = (self._number_of[name] for name in self._scenario.tasks[task].after)
+            ready = max(ready, max(arrive) + self._mission.forming)
+        numbers = (self._number_of[name] for name in self._mission.tasks[task].after)
         return max([ready, *(self._free(number, start) for number in numbers)])
 
     def _keep_gaps(self, task: int, start: Floats) -> None:
         """Let a task, and those that it is linked with, start later where a gap says so."""
-        for name, (least, most) in self._scenario.tasks[task].starts.items():
+        for name, (least, most) in self._mission.tasks[task].starts.items():
             other = self._number_of[name]
             start[task] = max(start[task], start[other] + least)
             start[other] = max(start[other], start[task] - most)
@@ -109,8 +109,8 @@ class TaskClock:
         self, plan: CoalitionPlan, before: Sequence[dict[int, int]], start: Floats
     ) -> MissionPlan:
         """Return the plan that starts tasks at these times."""
-        scenario, at, travel = self._scenario, self._origin.copy(), 0.0
-        stops: list[list[Stop]] = [[] for _ in scenario.robots]
+        mission, at, travel = self._mission, self._origin.copy(), 0.0
+        stops: list[list[Stop]] = [[] for _ in mission.robots]
         late, ends = {}, {}
         for task in plan.order.tolist():
             end = ends[task] = self._free(task, start)
@@ -119,7 +119,7 @@ class TaskClock:
                 arrive = self._free(place, start) + way
                 stops[robot].append(Stop(task, arrive, float(start[task]), end))
                 at[robot], travel = task, travel + way
-            by = end - latest_end(scenario.tasks[task].between)
+            by = end - latest_end(mission.tasks[task].between)
             if by > 0:
                 late[task] = by
         home = self._home[np.arange(len(at)), at]
@@ -129,7 +129,7 @@ class TaskClock:
         parts = {
             "makespan": max(back),
             "travel": travel + float(home.sum()),
-            **parts_of_ends(scenario.tasks, ends),
+            **parts_of_ends(mission.tasks, ends),
         }
         return MissionPlan(
             makespan=max(back),
@@ -139,5 +139,5 @@ class TaskClock:
                 Route(robot, tuple(stops[robot]), back[robot]) for robot in range(len(back))
             ),
             late=dict(sorted(late.items())),
-            cost=None if scenario.cost is None else cost_of(scenario.cost, parts),
+            cost=None if mission.cost is None else cost_of(mission.cost, parts),
         )

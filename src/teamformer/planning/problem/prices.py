@@ -29,9 +29,9 @@ class Prices(NamedTuple):
     whole: Ints  # (2,) of each step of the makespan, and of each that the latest task is late
 
 
-def prices_of(scenario: Mission, tasks: Sequence[Task]) -> Prices:
+def prices_of(mission: Mission, tasks: Sequence[Task]) -> Prices:
     """Return the prices of plans for some tasks of a mission; none if its makespan alone counts."""
-    weights = judged_by(scenario)
+    weights = judged_by(mission)
     if weights is None or not tasks:
         nothing = np.zeros(0, np.int64)
         return Prices(nothing, nothing, nothing, nothing)

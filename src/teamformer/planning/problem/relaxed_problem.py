@@ -1,4 +1,4 @@
-"""The relaxed problem: what is left of a scenario when robots join and split at no cost.
+"""The relaxed problem: what is left of a mission when robots join and split at no cost.
 
 Every robot goes its own way from task to task. A task starts at a step not before `appears + 1` and
 not before every robot of its coalition is there; it ends `duration` steps later, and its coalition
@@ -79,33 +79,33 @@ class Future(NamedTuple):
     lost: Int32s  # (robots,) as in Relaxed
 
 
-def relax(scenario: Mission, in_table: bool = True) -> Relaxed:
-    """Return the relaxed problem of a scenario.
+def relax(mission: Mission, in_table: bool = True) -> Relaxed:
+    """Return the relaxed problem of a mission.
 
     Without `in_table` it has no table of ways where these can be worked out as they are needed.
     """
-    future = future_of(scenario)
-    places = [*ends_of(scenario.tasks), *(robot.at for robot in scenario.robots)]
-    if not in_table and are_ways_straight(scenario.world, scenario.tasks):
+    future = future_of(mission)
+    places = [*ends_of(mission.tasks), *(robot.at for robot in mission.robots)]
+    if not in_table and are_ways_straight(mission.world, mission.tasks):
         ways: tuple[Int32s | None, np.ndarray] = (
             None,
-            np.array([r.speed for r in scenario.robots]),
+            np.array([r.speed for r in mission.robots]),
         )
     else:
-        ways = ways_of(scenario)
+        ways = ways_of(mission)
     return relax_ways(
-        scenario,
-        scenario.tasks,
-        scenario.robots,
+        mission,
+        mission.tasks,
+        mission.robots,
         places,
         *ways,
         future,
-        ready=np.zeros(len(scenario.robots), dtype=np.int32),
+        ready=np.zeros(len(mission.robots), dtype=np.int32),
     )
 
 
 def relax_ways(
-    scenario: Mission,
+    mission: Mission,
     tasks: Sequence[Task],
     robots: Sequence[Robot],
     places: Sequence[Place],
@@ -114,7 +114,7 @@ def relax_ways(
     future: Future,
     ready: Int32s,
 ) -> Relaxed:
-    """Return the relaxed problem of some tasks and robots of a scenario.
+    """Return the relaxed problem of some tasks and robots of a mission.
 
     `places` are the ends of tasks, then starts; `walked` are the cells from there to tasks on the
     ground, (tasks, places), and `speed` (robots,) is what robots walk of them in a step. Without
@@ -125,10 +125,10 @@ def relax_ways(
         spots, goals = np.array(places, np.int32), np.array([task.at for task in tasks], np.int32)
         cells, lengths = np.zeros((0, 0), np.int32), lengths_to(longest_straight(spots, goals))
     else:
-        cells, lengths = number_ways(walked, flights(scenario, [task.at for task in tasks], places))
+        cells, lengths = number_ways(walked, flights(mission, [task.at for task in tasks], places))
     speeds, rank = np.unique(speed, return_inverse=True)
-    counts = count_table([robot.can for robot in robots], scenario)
-    needs = count_table([task.needs for task in tasks], scenario)
+    counts = count_table([robot.can for robot in robots], mission)
+    needs = count_table([task.needs for task in tasks], mission)
     steps, pace = steps_of_ways(speeds, lengths), paces_of(rank, robots, lengths)
     carry = cells.diagonal().copy() if len(cells) else np.zeros(len(tasks), np.int32)
     np.fill_diagonal(cells, 0)  # which is not the way from a task's end to its beginning
@@ -156,7 +156,7 @@ def relax_ways(
         carry=carry,
         quickest=np.array(quickest, np.int32),
         before=listed([before.get(task, []) for task in range(len(tasks))]),
-        prices=prices_of(scenario, tasks),
+        prices=prices_of(mission, tasks),
     )
 
 
@@ -186,11 +186,11 @@ def without_directions(problem: Relaxed) -> Relaxed:
     return problem._replace(cells=cells)
 
 
-def future_of(scenario: Mission) -> Future:
+def future_of(mission: Mission) -> Future:
     """Return when tasks may begin and robots are missing."""
     return Future(
-        appears=np.array([opening_step(task) for task in scenario.tasks], dtype=np.int32),
-        lost=np.array([_lost_for_good(robot) for robot in scenario.robots], dtype=np.int32),
+        appears=np.array([opening_step(task) for task in mission.tasks], dtype=np.int32),
+        lost=np.array([_lost_for_good(robot) for robot in mission.robots], dtype=np.int32),
     )
 
 
@@ -199,14 +199,14 @@ def _lost_for_good(robot: Robot) -> int:
     return FAR if robot.lost_for_good is None else robot.lost_for_good
 
 
-def may_set_down(scenario: Mission) -> bool:
+def may_set_down(mission: Mission) -> bool:
     """Say whether loads may be set down on their way, so that several teams bring them by turns.
 
     Then robots that will be lost help with what ends later, and nobody has to go all the way: a
     relaxed schedule bounds nothing.
     """
-    has_losses = any(robot.absences for robot in scenario.robots)
-    return has_losses and any(task.to is not None for task in scenario.tasks)
+    has_losses = any(robot.absences for robot in mission.robots)
+    return has_losses and any(task.to is not None for task in mission.tasks)
 
 
 def is_true_relaxation(problem: Relaxed) -> bool:
@@ -276,10 +276,10 @@ def pace_together(problem: Relaxed, one: int, other: int) -> int:
     return rank + speeds if min(one, other) >= speeds else rank
 
 
-def count_table(parts: Sequence[Counts], scenario: Mission) -> Int32s:
+def count_table(parts: Sequence[Counts], mission: Mission) -> Int32s:
     """Return how much each part has of each capability, (parts, caps), in units."""
-    rows = (scenario.in_units(part) for part in parts)
-    return np.array([[row.get(cap, 0) for cap in scenario.capabilities] for row in rows], np.int32)
+    rows = (mission.in_units(part) for part in parts)
+    return np.array([[row.get(cap, 0) for cap in mission.capabilities] for row in rows], np.int32)
 
 
 def least_brought(counts: Int32s) -> Int32s:

@@ -1,4 +1,4 @@
-"""What a plan tells people: where each robot goes, and when, in the scenario's own unit of time."""
+"""What a plan tells people: where each robot goes, and when, in the mission's own unit of time."""
 
 from __future__ import annotations
 

@@ -35,15 +35,15 @@ def are_ways_straight(world: World, tasks: Sequence[Task]) -> bool:
     return is_open and all(task.to is None for task in tasks)
 
 
-def ways_of(scenario: Mission) -> tuple[Int32s, Floats]:
+def ways_of(mission: Mission) -> tuple[Int32s, Floats]:
     """Return the cells from places to tasks, (tasks, places), and what robots walk in a step."""
-    tasks, speed = [t.at for t in scenario.tasks], np.array([r.speed for r in scenario.robots])
-    places = ends_of(scenario.tasks) + [robot.at for robot in scenario.robots]
-    if isinstance(scenario.world, Grid):
-        return travel_matrix(scenario.world, places, tasks).T, speed
-    assert isinstance(scenario.world, Plane)
-    pace = _most_walked(scenario.world, speed, scenario.forming_steps)
-    touching = np.where(np.arange(len(places)) < len(tasks), 2, 1) * scenario.world.arrival_radius
+    tasks, speed = [t.at for t in mission.tasks], np.array([r.speed for r in mission.robots])
+    places = ends_of(mission.tasks) + [robot.at for robot in mission.robots]
+    if isinstance(mission.world, Grid):
+        return travel_matrix(mission.world, places, tasks).T, speed
+    assert isinstance(mission.world, Plane)
+    pace = _most_walked(mission.world, speed, mission.forming_steps)
+    touching = np.where(np.arange(len(places)) < len(tasks), 2, 1) * mission.world.arrival_radius
     metres = straight_ways(tasks, places) * (1 - 1 / (MICROMETRES * pace.min())) - touching
     cell = max(SHORTEST_CELL, float(metres.max()) / MOST_CELLS)
     cells = np.floor(np.maximum(metres, 0.0) / cell).astype(np.int32)
@@ -62,12 +62,12 @@ def _most_walked(plane: Plane, speed: Floats, forming_steps: int) -> Floats:
     return np.maximum(pace, plane.arrival_radius)
 
 
-def flights(scenario: Mission, goals: Sequence[Place], places: Sequence[Place]) -> Int32s | None:
+def flights(mission: Mission, goals: Sequence[Place], places: Sequence[Place]) -> Int32s | None:
     """Return the cells from places to goals in the air, (goals, places).
 
     None if nobody flies, or nothing is in the way, so that all ways are as on the ground.
     """
-    if not scenario.world.rows or not any(robot.flies for robot in scenario.robots):
+    if not mission.world.rows or not any(robot.flies for robot in mission.robots):
         return None
     apart = np.reshape(goals, (-1, 1, 2)) - np.reshape(places, (1, -1, 2))  # (goals, places, 2)
     cells: Int32s = np.abs(apart).sum(axis=2).astype(np.int32)

@@ -72,7 +72,7 @@ class RelaxedSolution:
 
 
 def solve(
-    scenario: Mission,
+    mission: Mission,
     time_limit: float,
     seed: int = 0,
     workers: int = 2,
@@ -86,8 +86,8 @@ def solve(
     takes seconds that do not count.
     """
     _compile()
-    progress = SolverProgress(relax(scenario), time_limit, is_stopped)
-    progress.is_bounding = not may_set_down(scenario)
+    progress = SolverProgress(relax(mission), time_limit, is_stopped)
+    progress.is_bounding = not may_set_down(mission)
     if (earliest_starts(progress.problem) >= FAR).any():
         progress.is_infeasible = progress.is_bounding
         return progress.report()
@@ -97,7 +97,7 @@ def solve(
     if progress.is_bounding:
         progress.raise_bound(bound_makespan(progress.problem))
     if count_arcs(progress.problem) <= LARGEST_MODEL:
-        rounds = FIRST_ROUNDS * len(scenario.tasks)
+        rounds = FIRST_ROUNDS * len(mission.tasks)
         _cool_down(progress, search, rounds, progress.seconds_left / 2)
     if not progress.is_over():
         _search_and_prove(progress, seed, workers)

@@ -100,10 +100,10 @@ def relaxed_rounds(problem: Relaxed) -> int:
     return min(3 * tasks * tasks // 2, 130_000 // (tasks + 10 * needs // tasks))
 
 
-def is_too_large(scenario: Mission) -> bool:
+def is_too_large(mission: Mission) -> bool:
     """Say whether a shared plan would take too long to wait for; crews are planned sooner."""
-    tasks = len(scenario.tasks)
-    return tasks * (tasks + len(scenario.robots)) > MOST_AT_ONCE
+    tasks = len(mission.tasks)
+    return tasks * (tasks + len(mission.robots)) > MOST_AT_ONCE
 
 
 def plan_mission(known: Known, old: Plan | None = None, is_brief: bool = False) -> Plan:

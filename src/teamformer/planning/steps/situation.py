@@ -25,7 +25,7 @@ MOST_CELLS = 20_000
 class Situation(NamedTuple):
     """The present as arrays: robots that are left and open tasks, numbered anew."""
 
-    robots: tuple[int, ...]  # their numbers in the scenario
+    robots: tuple[int, ...]  # their numbers in the mission
     tasks: tuple[int, ...]
     problem: Relaxed
     crossings: Crossings
@@ -38,23 +38,23 @@ def situation_of(known: Known, in_table: bool = True) -> Situation:
 
     Without `in_table` it has no table of ways where these can be worked out as they are needed.
     """
-    scenario, robots = known.mission, known.robots
+    mission, robots = known.mission, known.robots
     number = {robot: index for index, robot in enumerate(robots)}
     company = np.zeros(len(robots), np.int64)
     for team in known.teams:
         company[[number[robot] for robot in team]] = min(number[robot] for robot in team)
     tasks = known.open_tasks
-    wanted = [scenario.tasks[task] for task in tasks]
+    wanted = [mission.tasks[task] for task in tasks]
     spots = [task.at for task in wanted]
     places = [*ends_of(wanted), *(known.places[robot] for robot in robots)]
-    if not in_table and are_ways_straight(scenario.world, wanted):
-        walked, speed = None, _paces(scenario, robots)
+    if not in_table and are_ways_straight(mission.world, wanted):
+        walked, speed = None, _paces(mission, robots)
     else:
-        walked, speed = _ways(scenario, spots, places, robots)
+        walked, speed = _ways(mission, spots, places, robots)
     problem = relax_ways(
-        scenario,
+        mission,
         wanted,
-        [scenario.robots[robot] for robot in robots],
+        [mission.robots[robot] for robot in robots],
         places,
         walked,
         speed,
@@ -65,12 +65,12 @@ def situation_of(known: Known, in_table: bool = True) -> Situation:
         ready=np.array([known.free_at[robot] for robot in robots], np.int32),
     )
     crossings = find_crossings(
-        scenario.world, spots, places, np.unique(speed), len(problem.lengths) > 1
+        mission.world, spots, places, np.unique(speed), len(problem.lengths) > 1
     )
     is_load = np.array([task.to is not None for task in wanted])
     if is_load.any():
         crossings = without_loads(crossings, is_load)
-    return Situation(robots, tasks, problem, crossings, company, scenario.forming_steps)
+    return Situation(robots, tasks, problem, crossings, company, mission.forming_steps)
 
 
 def _opens(known: Known, task: Task) -> int:
@@ -80,17 +80,17 @@ def _opens(known: Known, task: Task) -> int:
     return max([known.step, opening_step(task), *ends])
 
 
-def situation_in_hindsight(scenario: Mission) -> Situation:
+def situation_in_hindsight(mission: Mission) -> Situation:
     """Return the start as arrays for who knows what will happen: what appears, who will be lost."""
     start = Known(
-        mission=scenario,
+        mission=mission,
         step=0,
-        open_tasks=tuple(range(len(scenario.tasks))),
-        places=tuple(robot.at for robot in scenario.robots),
-        teams=scenario.starting_teams,
-        free_at=(0,) * len(scenario.robots),
+        open_tasks=tuple(range(len(mission.tasks))),
+        places=tuple(robot.at for robot in mission.robots),
+        teams=mission.starting_teams,
+        free_at=(0,) * len(mission.robots),
     )
-    situation, future = situation_of(start), future_of(scenario)
+    situation, future = situation_of(start), future_of(mission)
     problem = situation.problem._replace(appears=future.appears, lost=future.lost)
     return situation._replace(problem=problem)
 
@@ -107,21 +107,21 @@ def plan_of(situation: Situation, found: TeamPlan) -> Plan:
     )
 
 
-def _paces(scenario: Mission, robots: tuple[int, ...]) -> Array:
+def _paces(mission: Mission, robots: tuple[int, ...]) -> Array:
     """Return what each robot walks in a step, in cells or metres, (robots,)."""
-    return np.array([scenario.world.pace(scenario.robots[robot].speed) for robot in robots])
+    return np.array([mission.world.pace(mission.robots[robot].speed) for robot in robots])
 
 
 def _ways(
-    scenario: Mission, spots: list[Place], places: list[Place], robots: tuple[int, ...]
+    mission: Mission, spots: list[Place], places: list[Place], robots: tuple[int, ...]
 ) -> tuple[Array, Array]:
     """Return the cells from places to tasks, (tasks, places), and those that robots walk a step.
 
     On a plane a cell is a small fraction of the longest way, and no way is counted short.
     """
-    pace = _paces(scenario, robots)
-    if isinstance(scenario.world, Grid):
-        return travel_matrix(scenario.world, places, spots).T, pace
+    pace = _paces(mission, robots)
+    if isinstance(mission.world, Grid):
+        return travel_matrix(mission.world, places, spots).T, pace
     metres = straight_ways(spots, places)
     cell = max(1e-6, float(metres.max()) / MOST_CELLS)
     return np.ceil(metres / cell - 1e-9).astype(np.int32), pace / cell

@@ -86,14 +86,14 @@ class _Course:
 class Courses:
     """What the robots of a record did."""
 
-    def __init__(self, replay: Record) -> None:
-        self.mission: Mission = replay.mission
+    def __init__(self, record: Record) -> None:
+        self.mission: Mission = record.true_mission
         self.services: dict[int, TeamService] = {}  # the last one of each task
         self.done_in: dict[int, list[int]] = {}  # tasks by the step in which they were done
         self.set_down_in: dict[int, list[tuple[int, Robots]]] = {}  # step -> loads and carriers
         self._up: dict[int, tuple[int, Robots]] = {}  # load -> step, carriers
-        self._goal = [Changing(at) for at in believed_places(replay)]  # where teams head for
-        teams = Teams(replay)
+        self._goal = [Changing(at) for at in believed_places(record)]  # where teams head for
+        teams = Teams(record)
         self._of = [
             _Course(
                 Changing(teams.place(robot)),
@@ -102,7 +102,7 @@ class Courses:
             )
             for robot in range(len(teams.slot))
         ]
-        for number, step in enumerate(replay.steps, start=1):
+        for number, step in enumerate(record.steps, start=1):
             self._follow(teams, step, number)
 
     def _follow(self, teams: Teams, step: Step, number: int) -> None:

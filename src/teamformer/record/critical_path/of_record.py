@@ -13,27 +13,27 @@ from teamformer.record.task_times import opening_steps
 from teamformer.world.rules.constants import NOBODY
 
 
-def path_of_record(replay: Record) -> tuple[Stretch, ...]:
+def path_of_record(record: Record) -> tuple[Stretch, ...]:
     """Return the stretches that the makespan is the sum of, the first one first.
 
     Where robots waited for one another, the path goes on with the one that came last; where they
     waited for a task to open, with those who did the last one that it is `after`, or it ends there.
     It is empty unless the mission ended with a task that was done, and if nobody knows who did one.
     """
-    if not replay.end.makespan or not replay.steps[-1].done:
+    if not record.end.makespan or not record.steps[-1].done:
         return ()
-    if any(slot is None for step in replay.steps for _, slot in step.done):
+    if any(slot is None for step in record.steps for _, slot in step.done):
         return ()
-    return in_order(_Tracing(replay).stretches(replay.end.makespan))
+    return in_order(_Tracing(record).stretches(record.end.makespan))
 
 
 class _Tracing:
     """Goes back through a record: `_now` steps are made, and it hangs on `_robots` being ready."""
 
-    def __init__(self, replay: Record) -> None:
-        self._courses = Courses(replay)
-        self._opens = opening_steps(replay)
-        self._tasks = replay.mission.tasks
+    def __init__(self, record: Record) -> None:
+        self._courses = Courses(record)
+        self._opens = opening_steps(record)
+        self._tasks = record.true_mission.tasks
         self._number_of = {task.name: number for number, task in enumerate(self._tasks)}
         self._now = 0
         self._robots: Sequence[int] = ()

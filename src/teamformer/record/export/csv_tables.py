@@ -23,26 +23,26 @@ from teamformer.world.rules.constants import NEVER, NOBODY
 Row = Sequence[object]
 
 
-def write_tables(replay: Record, folder: Path) -> tuple[Path, ...]:
+def write_tables(record: Record, folder: Path) -> tuple[Path, ...]:
     """Write `robots.csv`, `tasks.csv`, `events.csv` and `gantt.csv` into a folder."""
-    seen = list(moments(replay))
+    seen = list(moments(record))
     tables = {
-        "robots": _robots(replay, seen),
-        "tasks": _tasks(replay),
-        "events": _events(replay),
-        "gantt": _bars(replay, seen),
+        "robots": _robots(record, seen),
+        "tasks": _tasks(record),
+        "events": _events(record),
+        "gantt": _bars(record, seen),
     }
     return tuple(_write(folder / f"{name}.csv", rows) for name, rows in tables.items())
 
 
-def _robots(replay: Record, seen: Sequence[Moment]) -> Iterable[Row]:
+def _robots(record: Record, seen: Sequence[Moment]) -> Iterable[Row]:
     """Yield each robot with the steps it spent in each phase."""
     places = ("x", "y", "lost_in_step", "back_in_step")
-    robots = replay.scenario.robots
+    robots = record.mission.robots
     more = _in_details(ROBOT_KEYS, robots)
     yield ("robot", "capabilities", "speed", "moves", *places, *PHASES, *(key.name for key in more))
-    lost = _steps_by_robot(step.lost for step in replay.steps)
-    back = _steps_by_robot(step.back for step in replay.steps)
+    lost = _steps_by_robot(step.lost for step in record.steps)
+    back = _steps_by_robot(step.back for step in record.steps)
     for number, robot in enumerate(robots):
         steps = Counter(moment.phase[number] for moment in seen[1:])
         spent = [steps[phase] for phase in PHASES]
@@ -76,16 +76,16 @@ BECAME = ("appears", "cancelled_in_step", "begun_in_step", "done_in_step", "late
 """Columns of tasks: what each is, and what became of it; between them is what details show."""
 
 
-def _tasks(replay: Record) -> Iterable[Row]:
+def _tasks(record: Record) -> Iterable[Row]:
     """Yield what each task is, and what became of it."""
-    more = _in_details(TASK_KEYS, replay.mission.tasks)
+    more = _in_details(TASK_KEYS, record.true_mission.tasks)
     yield (*WANTED, *(key.name for key in more), *BECAME)
-    done = {event.task: event for event in events(replay) if event.kind == "done"}
-    known, late = known_steps(replay), lateness(replay)
-    begun, cancelled = begun_steps(replay), cancelled_steps(replay)
-    for number, task in enumerate(replay.mission.tasks):
+    done = {event.task: event for event in events(record) if event.kind == "done"}
+    known, late = known_steps(record), lateness(record)
+    begun, cancelled = begun_steps(record), cancelled_steps(record)
+    for number, task in enumerate(record.true_mission.tasks):
         event = done.get(number)
-        who = () if event is None else (_name(replay, robot) for robot in event.robots)
+        who = () if event is None else (_name(record, robot) for robot in event.robots)
         appears = "" if known[number] == NEVER else known[number]
         called_off, began = cancelled.get(number, ""), begun.get(number, "")
         end = ("" if event is None else event.step, late.get(task.name, ""), ", ".join(who))
@@ -100,37 +100,37 @@ def _wanted(task: Task) -> Row:
     return (task.name, describe(task.needs), *task.at, task.duration, *to, after, *window)
 
 
-def _events(replay: Record) -> Iterable[Row]:
+def _events(record: Record) -> Iterable[Row]:
     yield ("step", "seconds", "kind", "robots", "task", "text")
-    length = replay.scenario.seconds_a_step
-    for event in events(replay):
-        names = ", ".join(_name(replay, robot) for robot in event.robots)
-        task = "" if event.task is None else replay.scenario.tasks[event.task].name
+    length = record.mission.seconds_a_step
+    for event in events(record):
+        names = ", ".join(_name(record, robot) for robot in event.robots)
+        task = "" if event.task is None else record.mission.tasks[event.task].name
         seconds = round(event.step * length, 6)
-        yield (event.step, seconds, event.kind, names, task, event.text(replay.mission))
+        yield (event.step, seconds, event.kind, names, task, event.text(record.true_mission))
 
 
-def _bars(replay: Record, seen: Sequence[Moment]) -> Iterable[Row]:
+def _bars(record: Record, seen: Sequence[Moment]) -> Iterable[Row]:
     """Yield each robot's runs of one phase and task, between the ends of two steps."""
     yield ("robot", "phase", "task", "from_step", "to_step")
-    for robot in range(len(replay.scenario.robots)):
+    for robot in range(len(record.mission.robots)):
         begun, doing = 0, None
         for moment in seen[1:]:
-            now = (moment.phase[robot], _task_name(replay, moment.pursued[robot]))
+            now = (moment.phase[robot], _task_name(record, moment.pursued[robot]))
             if doing is not None and now != doing:
-                yield (_name(replay, robot), *doing, begun, moment.step - 1)
+                yield (_name(record, robot), *doing, begun, moment.step - 1)
                 begun = moment.step - 1
             doing = now
         if doing is not None:
-            yield (_name(replay, robot), *doing, begun, seen[-1].step)
+            yield (_name(record, robot), *doing, begun, seen[-1].step)
 
 
-def _name(replay: Record, robot: int) -> str:
-    return replay.scenario.robots[robot].name
+def _name(record: Record, robot: int) -> str:
+    return record.mission.robots[robot].name
 
 
-def _task_name(replay: Record, task: int) -> str:
-    return "" if task == NOBODY else replay.scenario.tasks[task].name
+def _task_name(record: Record, task: int) -> str:
+    return "" if task == NOBODY else record.mission.tasks[task].name
 
 
 def _write(path: Path, rows: Iterable[Row]) -> Path:

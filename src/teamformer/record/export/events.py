@@ -42,32 +42,32 @@ class Event:
     task: int | None = None
     place: Place | None = None  # of what is set down
 
-    def text(self, scenario: Mission) -> str:
-        """Return the event as a sentence; the scenario is the mission as it really was."""
+    def text(self, mission: Mission) -> str:
+        """Return the event as a sentence; the mission is the mission as it really was."""
         if self.kind not in TOLD:
             return self.kind
-        task = None if self.task is None else scenario.tasks[self.task]
+        task = None if self.task is None else mission.tasks[self.task]
         if self.kind == "done" and not self.robots:
             return UNKNOWN_DOERS.format(task=task.name if task else "")
         x, y = self.place or (task.at if task else (0, 0))
         return TOLD[self.kind].format(
-            names=_names(scenario, self.robots),
+            names=_names(mission, self.robots),
             task=task.name if task else "",
             needs=describe(task.needs) if task else "",
             place=f"[{x:g}, {y:g}]",
         )
 
 
-def events(replay: Record) -> Iterator[Event]:
+def events(record: Record) -> Iterator[Event]:
     """Yield the events of a record."""
-    teams = Teams(replay)
+    teams = Teams(record)
     appears: defaultdict[int, list[int]] = defaultdict(list)
-    for task, steps in enumerate(known_steps(replay)):
+    for task, steps in enumerate(known_steps(record)):
         appears[steps].append(task)
     cancelled: defaultdict[int, list[int]] = defaultdict(list)
-    for task, called_off in cancelled_steps(replay).items():
+    for task, called_off in cancelled_steps(record).items():
         cancelled[called_off].append(task)
-    for number, step in enumerate(replay.steps, start=1):
+    for number, step in enumerate(record.steps, start=1):
         for stay, leave in step.splits:
             teams.split(stay, leave)
             yield Event(number, "splits", tuple(sorted((*stay, *leave))))
@@ -93,8 +93,8 @@ def events(replay: Record) -> Iterator[Event]:
             yield Event(number, "done", teams.doers(doer), task)
         for task in appears.get(number, ()):
             yield Event(number, "appears", task=task)
-    yield Event(len(replay.steps), replay.end.status)
+    yield Event(len(record.steps), record.end.status)
 
 
-def _names(scenario: Mission, robots: Sequence[int]) -> str:
-    return ", ".join(scenario.robots[robot].name for robot in robots)
+def _names(mission: Mission, robots: Sequence[int]) -> str:
+    return ", ".join(mission.robots[robot].name for robot in robots)

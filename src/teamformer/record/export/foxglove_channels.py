@@ -73,22 +73,22 @@ class Told(NamedTuple):
     events: Sequence[Event]
 
 
-def telling(replay: Record) -> Iterator[Told]:
+def telling(record: Record) -> Iterator[Told]:
     """Yield what is told of a record, moment by moment, the start first."""
-    length = replay.scenario.seconds_a_step
+    length = record.mission.seconds_a_step
     log: defaultdict[int, list[Event]] = defaultdict(list)
-    for event in events(replay):
+    for event in events(record):
         log[event.step].append(event)
-    spans = list(zip(known_steps(replay), _ends(replay), strict=True))
-    for moment in moments(replay):
+    spans = list(zip(known_steps(record), _ends(record), strict=True))
+    for moment in moments(record):
         time = round(moment.step * length * NANOSECONDS)
         yield Told(moment, time, spans, log.get(moment.step, ()))
 
 
-def _ends(replay: Record) -> list[int]:
+def _ends(record: Record) -> list[int]:
     """Return the step in which each task was over, or one after the last."""
-    over = over_steps(replay)
-    return [over.get(task, len(replay.steps) + 1) for task in range(len(replay.scenario.tasks))]
+    over = over_steps(record)
+    return [over.get(task, len(record.steps) + 1) for task in range(len(record.mission.tasks))]
 
 
 class Channels:
@@ -111,9 +111,9 @@ class Channels:
         self._show_frames(mission, told.moment, told.time)
         self._show_scene(mission, told)
 
-    def map(self, scenario: Mission, time: int = 0) -> None:
+    def map(self, mission: Mission, time: int = 0) -> None:
         """Log the map: 255 is blocked, 0 free."""
-        world = scenario.world
+        world = mission.world
         if not isinstance(world, GridWorld) or not world.rows:
             return
         cells = bytes(
@@ -135,13 +135,13 @@ class Channels:
         )
         self._map.log(grid, log_time=time)
 
-    def _show_frames(self, scenario: Mission, moment: Moment, time: int) -> None:
+    def _show_frames(self, mission: Mission, moment: Moment, time: int) -> None:
         """Log where each robot is that is not lost."""
         transforms = [
             FrameTransform(
                 timestamp=_timestamp(time),
                 parent_frame_id=FRAME,
-                child_frame_id=f"robot/{scenario.robots[robot].name}",
+                child_frame_id=f"robot/{mission.robots[robot].name}",
                 translation=Vector3(x=float(x), y=float(y), z=0.0),
                 rotation=UPRIGHT,
             )
@@ -150,10 +150,10 @@ class Channels:
         ]
         self._frames.log(FrameTransforms(transforms=transforms), log_time=time)
 
-    def _show_scene(self, scenario: Mission, told: Told) -> None:
+    def _show_scene(self, mission: Mission, told: Told) -> None:
         """Log tasks and robots as things to see."""
         moment, time = told.moment, told.time
-        entities = [*_tasks(scenario, moment, told.spans, time), *_robots(scenario, moment, time)]
+        entities = [*_tasks(mission, moment, told.spans, time), *_robots(mission, moment, time)]
         self._scene.log(SceneUpdate(entities=entities), log_time=time)
 
     def _say(self, text: str, is_bad: bool, time: int) -> None:
@@ -164,10 +164,10 @@ class Channels:
 
 
 def _tasks(
-    scenario: Mission, moment: Moment, spans: Sequence[Span], time: int
+    mission: Mission, moment: Moment, spans: Sequence[Span], time: int
 ) -> Iterator[SceneEntity]:
-    size = _unit(scenario)
-    for number, (task, (opens, ends)) in enumerate(zip(scenario.tasks, spans, strict=True)):
+    size = _unit(mission)
+    for number, (task, (opens, ends)) in enumerate(zip(mission.tasks, spans, strict=True)):
         if opens > moment.step:
             continue
         is_over = ends <= moment.step
@@ -181,9 +181,9 @@ def _tasks(
         yield _entity(f"task/{task.name}", time, cubes=[box], texts=texts, facts=facts)
 
 
-def _robots(scenario: Mission, moment: Moment, time: int) -> Iterator[SceneEntity]:
+def _robots(mission: Mission, moment: Moment, time: int) -> Iterator[SceneEntity]:
     """Yield each robot in its team's colour, with a line to the task that it heads for."""
-    size = _unit(scenario)
+    size = _unit(mission)
     for robot, place in enumerate(moment.place):
         slot, task = moment.team[robot], moment.task[robot]
         colour = Color(r=0.5, g=0.5, b=0.5, a=0.6) if slot == NOBODY else _colour(slot, 1.0)
@@ -194,7 +194,7 @@ def _robots(scenario: Mission, moment: Moment, time: int) -> Iterator[SceneEntit
             top_scale=1.0,
             color=colour,
         )
-        name = scenario.robots[robot].name
+        name = mission.robots[robot].name
         lines = [] if task == NOBODY else [_line(place, moment.task_at[task], size, colour)]
         texts = [_text(name if slot != NOBODY else f"{name}, lost", place, size)]
         told = {"phase": moment.phase[robot]}
@@ -238,9 +238,9 @@ def _text(text: str, place: Place, size: float) -> TextPrimitive:
     return TextPrimitive(pose=pose, billboard=True, font_size=0.3 * size, color=dark, text=text)
 
 
-def _unit(scenario: Mission) -> float:
+def _unit(mission: Mission) -> float:
     """Return the length that a robot is drawn in: a cell, or a plane's unit."""
-    return 1.0 if isinstance(scenario.world, GridWorld) else scenario.world.unit
+    return 1.0 if isinstance(mission.world, GridWorld) else mission.world.unit
 
 
 def _pose(place: Place, up: float = 0.0) -> Pose:

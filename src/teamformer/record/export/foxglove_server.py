@@ -38,9 +38,9 @@ class Player(ServerListener):
     `run` returns when `stop` was called. Raises `TeamformerError` if the port cannot be used.
     """
 
-    def __init__(self, replay: Record, port: int) -> None:
-        self._mission = replay.mission
-        self._told = list(telling(replay))
+    def __init__(self, record: Record, port: int) -> None:
+        self._mission = record.true_mission
+        self._told = list(telling(record))
         self._times = [told.time for told in self._told]
         self._lock = threading.Lock()
         self._now, self._speed = 0.0, 1.0  # nanoseconds of the mission; mission per real time
@@ -51,7 +51,7 @@ class Player(ServerListener):
         self._context = foxglove.Context()  # kept: nobody hears of its channels once it is gone
         self._channels = Channels(self._context)
         self._server = _start(
-            replay.scenario.name, port, self._context, self, (0, max(self._times[-1], 1))
+            record.mission.name, port, self._context, self, (0, max(self._times[-1], 1))
         )
 
     @property
@@ -135,14 +135,14 @@ class Follower(ServerListener):
         """Return the address to open in Foxglove."""
         return f"ws://{HOST}:{self._server.port}"
 
-    def follow(self, replay: Record) -> None:
+    def follow(self, record: Record) -> None:
         """Tell what is new in a record since it was last given; newcomers get the map."""
-        told = list(telling(replay))
+        told = list(telling(record))
         if self._has_newcomer:
             self._has_newcomer = False
-            self._channels.map(replay.mission, told[-1].time)
+            self._channels.map(record.true_mission, told[-1].time)
         for each in told[self._count :]:
-            self._channels.tell(replay.mission, self._without_ending(each, replay))
+            self._channels.tell(record.true_mission, self._without_ending(each, record))
         self._count = len(told)
 
     def close(self) -> None:
@@ -153,11 +153,11 @@ class Follower(ServerListener):
         """Show a newcomer the map with the next step, which has all else."""
         self._has_newcomer = True
 
-    def _without_ending(self, told: Told, replay: Record) -> Told:
+    def _without_ending(self, told: Told, record: Record) -> Told:
         """Return it without how the record ends, unless that is news: all is done."""
-        status = replay.end.status
+        status = record.end.status
         is_news = status == "completed" and not self._has_ended
-        if told.moment.step < len(replay.steps):
+        if told.moment.step < len(record.steps):
             return told
         self._has_ended = self._has_ended or is_news
         return told._replace(

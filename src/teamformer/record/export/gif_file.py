@@ -43,12 +43,12 @@ PAPER, WALL, INK, FAINT, GREY = "#ffffff", "#5b6472", "#1c2430", "#e3e7ed", "#9a
 Point = tuple[float, float]
 
 
-def write_gif(replay: Record, path: Path) -> None:
+def write_gif(record: Record, path: Path) -> None:
     """Write a record as a GIF."""
-    seen = [_pursuing(*pair) for pair in pairwise([None, *moments(replay)])]
+    seen = [_pursuing(*pair) for pair in pairwise([None, *moments(record)])]
     stride = math.ceil(len(seen) / MOST_FRAMES)
     shown = seen[:-1:stride] + seen[-1:]
-    sheet = _Sheet(replay)
+    sheet = _Sheet(record)
     frames = [sheet.draw(moment) for moment in shown]
     frames[0].save(
         path,
@@ -73,9 +73,9 @@ def _pursuing(before: Moment | None, moment: Moment | None) -> Moment:
 class _Sheet:
     """Draws the moments of one record on a map that is drawn once."""
 
-    def __init__(self, replay: Record) -> None:
-        self._replay, self._scenario = replay, replay.mission
-        world = self._scenario.world
+    def __init__(self, record: Record) -> None:
+        self._record, self._mission = record, record.true_mission
+        world = self._mission.world
         self._is_grid = isinstance(world, Grid)
         self._high = world.height
         self._is_up = not isinstance(world, Grid) or world.y_axis == "up"
@@ -86,8 +86,8 @@ class _Sheet:
             max(LEAST, math.ceil(world.width * self._cell) + 2 * MARGIN),
             math.ceil(world.height * self._cell) + 2 * MARGIN + CAPTION,
         )
-        self._known, self._done = known_steps(replay), done_steps(replay)
-        self._over = self._done | cancelled_steps(replay)
+        self._known, self._done = known_steps(record), done_steps(record)
+        self._over = self._done | cancelled_steps(record)
         self._font = ImageFont.load_default(11)
         self._ground = self._draw_ground()
 
@@ -104,7 +104,7 @@ class _Sheet:
 
     def _draw_ground(self) -> Image.Image:
         image = Image.new("RGB", self._size, PAPER)
-        pen, world = ImageDraw.Draw(image), self._scenario.world
+        pen, world = ImageDraw.Draw(image), self._mission.world
         right = MARGIN + math.ceil(world.width * self._cell)
         corners = (MARGIN, MARGIN, right, self._size[1] - MARGIN - CAPTION)
         pen.rectangle(corners, outline=GREY)
@@ -127,7 +127,7 @@ class _Sheet:
         return self._cell if self._is_grid else min(self._size) / 30
 
     def _draw_tasks(self, pen: ImageDraw.ImageDraw, moment: Moment, served: set[int]) -> None:
-        for number, task in enumerate(self._scenario.tasks):
+        for number, task in enumerate(self._mission.tasks):
             if self._known[number] > moment.step:
                 continue
             is_over = self._over.get(number, moment.step + 1) <= moment.step
@@ -178,14 +178,14 @@ class _Sheet:
 
     def _caption(self, moment: Moment) -> str:
         done = sum(step <= moment.step for step in self._done.values())
-        length = self._scenario.seconds_a_step
+        length = self._mission.seconds_a_step
         called_off = sum(step <= moment.step for step in self._over.values()) - done
         when = f"step {moment.step}" if self._is_grid else f"{moment.step * length:g} s"
         lost = sum(slot == NOBODY for slot in moment.team)
         more = f", {lost} robot{'s' if lost > 1 else ''} lost" if lost else ""
         gone = f", {called_off} called off" if called_off else ""
-        name = self._scenario.name[:40]
-        return f"{when}, {done} of {len(self._scenario.tasks)} tasks done{gone}{more}: {name}"
+        name = self._mission.name[:40]
+        return f"{when}, {done} of {len(self._mission.tasks)} tasks done{gone}{more}: {name}"
 
 
 def _colour(task: int) -> str:

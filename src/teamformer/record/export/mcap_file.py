@@ -10,11 +10,11 @@ from teamformer.record.export.foxglove_channels import Channels, telling
 from teamformer.record.record import Record
 
 
-def write_mcap(replay: Record, path: Path) -> None:
+def write_mcap(record: Record, path: Path) -> None:
     """Write a record as MCAP, over what is there."""
     context = foxglove.Context()
     channels = Channels(context)
     with foxglove.open_mcap(path, allow_overwrite=True, context=context):
-        channels.map(replay.scenario)
-        for told in telling(replay):
-            channels.tell(replay.mission, told)
+        channels.map(record.mission)
+        for told in telling(record):
+            channels.tell(record.true_mission, told)

@@ -8,6 +8,6 @@ from teamformer.files.mission_files import write_mission
 from teamformer.record.record import Record
 
 
-def export_mission(replay: Record, path: Path) -> None:
+def export_mission(record: Record, path: Path) -> None:
     """Write the mission with all that happened to it."""
-    write_mission(replay.scenario, path)
+    write_mission(record.mission, path)

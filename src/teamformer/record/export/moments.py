@@ -29,22 +29,22 @@ class Moment:
     task_at: tuple[Place, ...]  # one a task: where it is, a load that is carried with its team
 
 
-def moments(replay: Record) -> Iterator[Moment]:
+def moments(record: Record) -> Iterator[Moment]:
     """Yield the moments of a record, the start first."""
-    count = len(replay.scenario.robots)
-    activities = _Activities(replay)
+    count = len(record.mission.robots)
+    activities = _Activities(record)
     yield activities.moment(0, [NOBODY] * count, [IDLE] * count)
-    for number, step in enumerate(replay.steps, start=1):
+    for number, step in enumerate(record.steps, start=1):
         yield activities.moment(number, *activities.make(step, number))
 
 
 class _Activities:
     """What each robot was about in a step."""
 
-    def __init__(self, replay: Record) -> None:
-        self._mission = replay.mission
-        self.teams = Teams(replay)
-        self._services = Services(replay, self.teams)
+    def __init__(self, record: Record) -> None:
+        self._mission = record.true_mission
+        self.teams = Teams(record)
+        self._services = Services(record, self.teams)
 
     def moment(self, number: int, pursued: list[int], phase: list[str]) -> Moment:
         slots = tuple(self.teams.slot)

@@ -18,14 +18,14 @@ class PlansInForce:
     `made` says after which step the latest plan of any kind was made, 0 at the start.
     """
 
-    def __init__(self, replay: Record) -> None:
+    def __init__(self, record: Record) -> None:
         self.order: tuple[int, ...] = ()
         self.made = 0
         self.is_taken_over = False
         self.has_shared_plan = False
-        self._steps = replay.steps
-        self._orders, self._plans = _by_step(replay.orders), _by_step(replay.plans)
-        self._scouts = dict(replay.scouts)
+        self._steps = record.steps
+        self._orders, self._plans = _by_step(record.orders), _by_step(record.plans)
+        self._scouts = dict(record.scouts)
         self._coalitions: dict[int, tuple[int, ...]] = {}  # as the plan was made, by task
         self._played_by: dict[int, int] = {}  # who plays the part of a robot
         self._part_of: dict[int, int] = {}  # the other way round

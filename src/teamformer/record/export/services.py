@@ -17,14 +17,14 @@ from teamformer.world.rules.constants import NOBODY
 class Services:
     """Who serves which task after a step; `teams` are those of the same step."""
 
-    def __init__(self, replay: Record, teams: Teams) -> None:
-        self._mission, self._teams = replay.mission, teams
+    def __init__(self, record: Record, teams: Teams) -> None:
+        self._mission, self._teams = record.true_mission, teams
         self._serving: dict[int, set[int]] = {}  # task -> robots that began it and stayed with it
-        self._opens, self._done = opening_steps(replay), done_steps(replay)
-        self._cancelled = cancelled_steps(replay)
+        self._opens, self._done = opening_steps(record), done_steps(record)
+        self._cancelled = cancelled_steps(record)
         self._is_over = [False] * len(self._mission.tasks)
         self._lies = [task.at for task in self._mission.tasks]  # loads where they were taken up
-        self._believed = believed_places(replay)  # where teams head for
+        self._believed = believed_places(record)  # where teams head for
         self.begun: dict[int, int] = {}  # task -> the step in which it was begun last
         self._up: dict[int, Place] = {}  # load that is carried -> where it is brought to
 
@@ -153,14 +153,14 @@ class Services:
         return covers(total(robot.can for robot in robots), self._mission.tasks[task].needs)
 
 
-def begun_steps(replay: Record) -> dict[int, int]:
+def begun_steps(record: Record) -> dict[int, int]:
     """Return the step in which each task was begun last that was, by number.
 
     A task without a duration begins in the step in which it is done.
     """
-    teams = Teams(replay)
-    services = Services(replay, teams)
-    for number, step in enumerate(replay.steps, start=1):
+    teams = Teams(record)
+    services = Services(record, teams)
+    for number, step in enumerate(record.steps, start=1):
         teams.follow(step)
         services.go_on(step, number)
-    return done_steps(replay) | services.begun
+    return done_steps(record) | services.begun

@@ -45,19 +45,22 @@ from teamformer.record.referee.rules.verdict import Notes, Verdict
 from teamformer.record.referee.rules.walking import move_team
 
 
-def judge(replay: Record) -> Verdict:
+def judge(record: Record) -> Verdict:
     """Return everything in a record that breaks the rules."""
     notes = Notes()
-    judge_truth(replay, notes)
-    judge_rows(replay, notes)
-    fleet = start_fleet(replay, notes)
-    tasks = Tasks(replay.mission, replay.scenario, replay.is_coordinated)
-    knowledge, ways = NeedsKnown(replay.scenario, replay.foresight), ShortestWays(replay.mission)
-    search = PlaceSearch(replay.scenario, ways, replay.foresight)
-    lists = PlannedTasks(replay)
+    judge_truth(record, notes)
+    judge_rows(record, notes)
+    fleet = start_fleet(record, notes)
+    tasks = Tasks(record.true_mission, record.mission, record.is_coordinated)
+    knowledge, ways = (
+        NeedsKnown(record.mission, record.foresight),
+        ShortestWays(record.true_mission),
+    )
+    search = PlaceSearch(record.mission, ways, record.foresight)
+    lists = PlannedTasks(record)
     referee = _Referee(fleet, tasks, knowledge, ways, search, lists, notes)
-    delays, news, over = DelayDraws(replay.mission), [News()], ""
-    for number, step in enumerate(replay.steps, start=1):
+    delays, news, over = DelayDraws(record.true_mission), [News()], ""
+    for number, step in enumerate(record.steps, start=1):
         notes.step = number
         if over:
             notes.note(f"{over}, and the record goes on")
@@ -66,12 +69,12 @@ def judge(replay: Record) -> Verdict:
         news.append(referee.judge_step(step, number, due, delays.draw()))
         over = why_over(fleet, tasks, number, bool(due))
     notes.step = 0
-    judge_orders(replay, tasks, notes)
-    judge_moments(replay, tasks, news, not over, notes)
-    judge_plans(replay, knowledge, search, news, notes)
-    judge_ending(replay, fleet, tasks, over, notes)
+    judge_orders(record, tasks, notes)
+    judge_moments(record, tasks, news, not over, notes)
+    judge_plans(record, knowledge, search, news, notes)
+    judge_ending(record, fleet, tasks, over, notes)
     findings = tuple(sorted(notes.findings, key=lambda finding: finding.step))
-    return Verdict(findings, len(replay.steps), len(tasks.done), tasks.cost(), tasks.lateness())
+    return Verdict(findings, len(record.steps), len(tasks.done), tasks.cost(), tasks.lateness())
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,7 @@ class _Referee:
         met = [pair for pair in step.joins if _are_together(fleet, pair)]
         walked = tuple(pair for pair in step.joins if pair not in met)
         join_teams(fleet, tuple(met), notes)
-        if fleet.scenario.forming_steps > 0:
+        if fleet.mission.forming_steps > 0:
             join_teams(fleet, walked, notes)
             walked = ()
         check_reach(fleet, walked, notes)
@@ -178,10 +181,10 @@ def _complete(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes)
     recorded: dict[int, int] = {}
     for task, slot in step.done:
         if slot is None:
-            notes.note(f"task {fleet.scenario.tasks[task].name} is done by nobody")
+            notes.note(f"task {fleet.mission.tasks[task].name} is done by nobody")
             continue
         if task in recorded:
-            notes.note(f"task {fleet.scenario.tasks[task].name} is done twice")
+            notes.note(f"task {fleet.mission.tasks[task].name} is done twice")
         recorded[task] = slot
     heading = {entry.slot: entry.task for entry in step.teams}
     for task, slot in recorded.items():  # what is done is nobody's assignment any more
@@ -230,7 +233,7 @@ def _check_entries(fleet: Fleet, step: Step, slots: set[int], notes: Notes) -> N
     """Check that the record names every new team, no team twice and none that is not there."""
     seen: set[int] = set()
     for entry in step.teams:
-        name = fleet.scenario.robots[entry.slot].name
+        name = fleet.mission.robots[entry.slot].name
         if entry.slot in seen:
             notes.note(f"the record has the team of robot {name} in two places")
         seen.add(entry.slot)
@@ -251,6 +254,6 @@ def _assign(fleet: Fleet, tasks: Tasks, step: Step, number: int, notes: Notes) -
             fleet.teams[entry.slot].task = entry.task
     for team in fleet.teams.values():
         if team.task is not None and not tasks.is_open(team.task, number - 1):
-            task = fleet.scenario.tasks[team.task].name
+            task = fleet.mission.tasks[team.task].name
             notes.note(f"{fleet.name(team)} heads for task {task}, which is not open")
             team.task = None

@@ -71,7 +71,7 @@ def deploy(mission: Mission, name: str, seed: int, folder: Path) -> list[Path]:
         raise TeamformerError(f"method '{name}' cannot be deployed", hint)
     module, maker = DEPLOYED[name].split(":")
     texts = {f"{_flat(name)}.py": _text(name) for name in sorted(_needed(module))}
-    texts["tf_scenario.py"] = _scenario_text(mission, start_poses(mission, seed), seed)
+    texts["tf_mission.py"] = _mission_text(mission, start_poses(mission, seed), seed)
     texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", _flat(module)).replace("MAKER", maker)
     contents: dict[str, str | bytes] = {**texts}
     if name == NETWORK:
@@ -88,7 +88,7 @@ def deploy(mission: Mission, name: str, seed: int, folder: Path) -> list[Path]:
 def _earlier_files(folder: Path) -> list[Path]:
     """Return what a deployment has left; raises `TeamformerError` if something else is there."""
     found = sorted(path for path in folder.glob("*") if path.name != "__pycache__")
-    is_ours = folder.joinpath("tf_scenario.py").exists()
+    is_ours = folder.joinpath("tf_mission.py").exists()
     for path in found:
         if not (is_ours and (path.name in (MAIN, WEIGHTS) or OURS.fullmatch(path.name))):
             what = f"{folder}: holds what is no deployment's, {path.name} for example"
@@ -158,14 +158,14 @@ def _shim(name: str) -> str:
     return (SHIMS / name).read_text()
 
 
-def _scenario_text(scenario: Mission, poses: np.ndarray, seed: int) -> str:
+def _mission_text(mission: Mission, poses: np.ndarray, seed: int) -> str:
     return (
-        '"""The scenario, where its robots start, and the seed."""\n\n'
+        '"""The mission, where its robots start, and the seed."""\n\n'
         "from math import inf\n\n"  # which a radius may be
         "from tf_mission_parts_grid import Grid\n"
         "from tf_mission_model import Mission, Robot, Task\n"
         "from tf_mission_parts_plane import Plane\n\n"
-        f"SCENARIO = {scenario!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
+        f"MISSION = {mission!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
     )
 
 

@@ -1,7 +1,7 @@
 """What Robotarium is: its arena, its robots, and what makes it reject an experiment.
 
 The figures are those of its official Python simulator, version 2.1. Coordinates begin in the
-middle of the arena here, and in its lower left corner in scenarios.
+middle of the arena here, and in its lower left corner in missions.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LOOK_AHEAD = 0.025  # metres: collisions are judged between points so far ahead 
 COLLISION = 0.135  # metres: nearer than this, two such points have collided
 
 MIDDLE = np.array([WIDTH / 2, HEIGHT / 2])
-"""The middle of the arena in a scenario's coordinates."""
+"""The middle of the arena in a mission's coordinates."""
 
 
 def points_ahead(poses: Array, distance: float) -> Array:

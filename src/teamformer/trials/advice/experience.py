@@ -69,9 +69,9 @@ def learn(mission: Mission, records: Sequence[Record]) -> Experience:
             "write what is not known, as duration: [2, 9] or may_need: {weld: 0.4}",
         )
     for record in records:
-        if record.scenario.world != mission.world:
+        if record.mission.world != mission.world:
             raise TeamformerError(
-                f"the record of '{record.scenario.name}' is of another world than the mission",
+                f"the record of '{record.mission.name}' is of another world than the mission",
                 "name records of missions at the same site",
             )
     side = max(mission.world.width, mission.world.height)
@@ -117,7 +117,7 @@ def _cases(record: Record) -> Iterator[_Case]:
     """Return what a record shows of durations and needs that were not known."""
     done = {task for step in record.steps for task, _ in step.done}
     seen = {task for step in record.steps for task in step.shown}
-    both = zip(record.scenario.tasks, record.mission.tasks, strict=True)
+    both = zip(record.mission.tasks, record.true_mission.tasks, strict=True)
     for number, (task, true) in enumerate(both):
         needed = frozenset(true.needs)
         if task.lasts is not None and number in done:

@@ -57,9 +57,9 @@ def search(job: PlannedSearch) -> Found:
 def _played(
     mission: Mission, method: str, with_path: bool
 ) -> tuple[float | None, tuple[Stretch, ...]]:
-    replay = run_trial(expected_mission(mission), load_method(method)).replay
-    value = replay.end.makespan if mission.cost is None else cost_of_record(replay)
-    path = path_of_record(replay) if with_path else ()
+    record = run_trial(expected_mission(mission), load_method(method)).record
+    value = record.end.makespan if mission.cost is None else cost_of_record(record)
+    path = path_of_record(record) if with_path else ()
     return None if value is None else float(value), path
 
 

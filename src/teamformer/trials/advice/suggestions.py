@@ -80,7 +80,7 @@ class Advice:
     def row(self) -> dict[str, Any]:
         """Return what `teamformer advise --json` prints."""
         return {
-            "scenario": self.mission.name,
+            "mission": self.mission.name,
             "method": self.method,
             "measure": "makespan" if self.mission.cost is None else "cost",
             "makespan": _told(self.makespan),

@@ -17,7 +17,7 @@ from teamformer.trials.api.arguments import PathOrName, refuse_no_mission, whole
 
 
 def load(path: PathOrName) -> Mission:
-    """Return the mission of a file (docs/reference/scenarios.md).
+    """Return the mission of a file (docs/reference/mission.md).
 
     Raises `TeamformerError` if the file is wrong; its text lists every problem with its line.
 

@@ -50,13 +50,13 @@ class Trial:
     played: PlayedTrial
 
     def __repr__(self) -> str:
-        mission, end = self.record.scenario.name, self.record.end
+        mission, end = self.record.mission.name, self.record.end
         return f"<{mission} by {self.record.method}: {end.status} after {end.steps} steps>"
 
     @property
     def record(self) -> Record:
-        """Return the record, step by step (docs/reference/replay.md)."""
-        return self.played.replay
+        """Return the record, step by step (docs/reference/record.md)."""
+        return self.played.record
 
     @property
     def completed(self) -> bool:
@@ -76,7 +76,7 @@ class Trial:
     @property
     def row(self) -> dict[str, Any]:
         """Return what `teamformer run --json` prints."""
-        path = path_rows(self.record.mission, self.critical_path)
+        path = path_rows(self.record.true_mission, self.critical_path)
         return result_row(self.played, bars_of([self.played])) | {"critical_path": path}
 
     @property
@@ -94,7 +94,7 @@ class Trial:
         >>> print(*tf.run(tf.setting("4N4T-C4")).why_so_late[:1])
         why so late: 15 steps are 13 walking, 2 forming
         """
-        return why_so_late(self.record.mission, self.critical_path)
+        return why_so_late(self.record.true_mission, self.critical_path)
 
     def check(self) -> Verdict:
         """Return the referee's verdict on the record: `.is_legal`, `.findings`."""
@@ -105,7 +105,7 @@ class Trial:
         return Page(record_page(record_to_tree(self.record)), height)
 
     def save(self, folder: PathOrName) -> Path:
-        """Write `replay.json` and its page `replay.html` into a folder; return the folder."""
+        """Write `record.json` and its page `record.html` into a folder; return the folder."""
         into = Path(folder)
         try:
             into.mkdir(parents=True, exist_ok=True)
@@ -128,8 +128,8 @@ def run(
     `method` is a name (docs/reference/methods.md), a policy or a coordinator. By default it is
     `plan`, or `crews` if the mission is too large for `plan`. `seed` decides what an uncertain
     mission really is, unless `truth` says it: the same mission with what shows itself in it, as
-    `trial.record.mission` has it. `seconds` is how long a planner such as `central` may search.
-    Raises `TeamformerError` for an unknown name, for a mission that cannot be played in steps, and
+    `trial.record.true_mission` has it. `seconds` is how long a planner such as `central` may
+    search. Raises `TeamformerError` for an unknown name, for a mission that cannot be played in steps, and
     for a truth that the mission does not allow.
 
     >>> trial = tf.run(tf.load("examples/four-robots.yaml"), method="plan")
@@ -198,7 +198,7 @@ def check(record: Trial | Record | PathOrName) -> Verdict:
     """Return the referee's verdict on a trial, a record or its file: `.is_legal`, `.findings`.
 
     >>> folder = tf.run(tf.setting("4N4T-C4")).save("out")
-    >>> tf.check(folder / "replay.json").is_legal
+    >>> tf.check(folder / "record.json").is_legal
     True
     """
     if isinstance(record, Trial):
@@ -220,7 +220,7 @@ def _method(method: str | Player, seconds: float) -> Method:
 
 def _refuse_wrong_truth(mission: Mission, truth: Mission) -> None:
     """Raise `TeamformerError` for a truth that a mission does not allow."""
-    hint = "take trial.record.mission, or draw one from the mission itself"
+    hint = "take trial.record.true_mission, or draw one from the mission itself"
     if not isinstance(truth, Mission):
         raise TeamformerError(f"the truth is a mission, not {type(truth).__name__}", hint)
     known = truth.tasks[: len(mission.tasks)] if mission.arrivals else truth.tasks

@@ -41,13 +41,13 @@ class App {
   // Show one of the records as that which panel, lists, tables and timeline are about.
   showTrial(trial) {
     Object.assign(this, trial, { trial });
-    const { scenario } = trial.history;
+    const { mission } = trial.history;
     this.events = trial.history.events.filter(({ kind }) => kind !== "heads");
     this.selection = {}; // {robot}, {task}, {cap} or nothing
-    this.options.lines = scenario.robots.length <= LINES_UP_TO;
-    this.options.names = scenario.tasks.length <= 2 * LINES_UP_TO;
+    this.options.lines = mission.robots.length <= LINES_UP_TO;
+    this.options.names = mission.tasks.length <= 2 * LINES_UP_TO;
     this.options.rings = "team";
-    this.map.look(scenario.world);
+    this.map.look(mission.world);
     this.gantt.forget();
   }
 
@@ -88,7 +88,7 @@ class App {
     if (trial === this.trial) return;
     const [was, { options }] = [this.trial, this];
     const kept = { ...options };
-    const selection = sameByName(this.history.scenario, trial.history.scenario, this.selection);
+    const selection = sameByName(this.history.mission, trial.history.mission, this.selection);
     this.showTrial(trial);
     Object.assign(options, kept);
     this.selection = selection;
@@ -111,7 +111,7 @@ class App {
   startText() {
     const { player, history } = this;
     if (player.time > 0 || player.isPlaying || player.last === 0) return "";
-    return `Play the mission ${describeSpan(history.scenario.world, player.last)}`;
+    return `Play the mission ${describeSpan(history.mission.world, player.last)}`;
   }
 
   // Everything that depends on the record and not on the moment, too.
@@ -246,7 +246,7 @@ class App {
   // `#step=12&task=crate-7`, or `&robot=r1`, or `&capability=lift`; `&view=gantt`, or another of VIEWS.
   readAddress() {
     const wanted = new URLSearchParams(location.hash.slice(1));
-    const { robots, tasks, capabilities } = this.history.scenario;
+    const { robots, tasks, capabilities } = this.history.mission;
     const task = tasks.findIndex(({ name }) => name === wanted.get("task"));
     const robot = robots.findIndex(({ name }) => name === wanted.get("robot"));
     const cap = capabilities.indexOf(wanted.get("capability"));
@@ -266,12 +266,12 @@ class App {
   }
 
   address() {
-    const { scenario } = this.history;
+    const { mission } = this.history;
     const { task, robot, cap } = this.selection;
     const parts = new URLSearchParams({ step: this.player.step });
-    if (task !== undefined) parts.set("task", taskName(scenario, task));
-    if (robot !== undefined) parts.set("robot", robotName(scenario, robot));
-    if (cap !== undefined) parts.set("capability", scenario.capabilities[cap]);
+    if (task !== undefined) parts.set("task", taskName(mission, task));
+    if (robot !== undefined) parts.set("robot", robotName(mission, robot));
+    if (cap !== undefined) parts.set("capability", mission.capabilities[cap]);
     if (this.view !== "map") parts.set("view", this.view);
     return parts.toString();
   }
@@ -318,8 +318,8 @@ class App {
     showPlayback(this);
     showSwitches(this);
     this.writeAddress();
-    const { scenario } = this.history;
-    const title = `Map of ${scenario.name} ${describeAt(scenario.world, this.player.step)}`;
+    const { mission } = this.history;
+    const title = `Map of ${mission.name} ${describeAt(mission.world, this.player.step)}`;
     this.map.canvas.setAttribute("aria-label", title);
     if (!this.player.isPlaying) this.say();
   }
@@ -338,7 +338,7 @@ const SCENES_KEPT = 40;
 // A record with what is worked out from it once.
 function readTrial(record) {
   const history = frames(record);
-  const { capabilities } = history.scenario;
+  const { capabilities } = history.mission;
   return {
     record,
     history,

@@ -45,7 +45,7 @@ function lookInto(app) {
 
 // A robot's row of the Gantt view, once that has been drawn: bars, with what they are about, and marks.
 function ganttRow({ gantt, history }, robot) {
-  const nameOf = (task) => (task === NOBODY ? "" : taskName(history.scenario, task));
+  const nameOf = (task) => (task === NOBODY ? "" : taskName(history.mission, task));
   const place = (step) => gantt.x(step);
   return {
     bars: gantt.runs[robot].map(({ phase, task, from, to }) => ({
@@ -60,23 +60,23 @@ function ganttRow({ gantt, history }, robot) {
 // What the tables say of the moment that is shown: a row for each task and each robot, by column.
 function tablesOf(app) {
   const moment = momentOf(app);
-  const { tasks, robots } = app.history.scenario;
+  const { tasks, robots } = app.history.mission;
   const rowsOf = (things, columns) =>
     things.map((_, number) => Object.fromEntries(columns.map(({ name, of }) => [name, of(moment, number).text])));
   return { tasks: rowsOf(tasks, TASK_COLUMNS), robots: rowsOf(robots, ROBOT_COLUMNS) };
 }
 
 // Who did what and when: [step, what, the robots' names, the task's name].
-function toldOf({ scenario, doneAt, doers, events }) {
-  const namesOf = (robots) => robots.map((robot) => robotName(scenario, robot)).join(", ");
+function toldOf({ mission, doneAt, doers, events }) {
+  const namesOf = (robots) => robots.map((robot) => robotName(mission, robot)).join(", ");
   const lines = [];
   doers.forEach((robots, task) => {
     if (doneAt[task] < Infinity) {
-      lines.push([doneAt[task], "done", namesOf(robots), taskName(scenario, task)]);
+      lines.push([doneAt[task], "done", namesOf(robots), taskName(mission, task)]);
     }
   });
   for (const { step, kind, robot, task } of events) {
-    if (kind === "appears" || kind === "cancelled") lines.push([step, kind, "", taskName(scenario, task)]);
+    if (kind === "appears" || kind === "cancelled") lines.push([step, kind, "", taskName(mission, task)]);
     if (kind === "lost" || kind === "back") lines.push([step, kind, namesOf([robot]), ""]);
   }
   return lines;

@@ -1,7 +1,7 @@
 // Opens the page of a record.
 
 // Of several records the first is shown, the others beside it.
-const shown = JSON.parse(byId("replay").textContent);
+const shown = JSON.parse(byId("record").textContent);
 const { compared: [first, ...others], failed } = shown.compared ? shown : { compared: [shown] };
 const app = new App(first);
 app.start();

@@ -36,14 +36,14 @@ class Guide:
     def __init__(
         self,
         worlds: Worlds,
-        scenarios: Sequence[Mission],
+        missions: Sequence[Mission],
         coordinators: Sequence[Coordinator | None],
     ) -> None:
-        self.scenarios, self.coordinators = tuple(scenarios), tuple(coordinators)
-        self.parts = _make_parts(worlds, scenarios)
-        self.plans: list[History] = [[] for _ in scenarios]
+        self.missions, self.coordinators = tuple(missions), tuple(coordinators)
+        self.parts = _make_parts(worlds, missions)
+        self.plans: list[History] = [[] for _ in missions]
         self.seconds = 0.0
-        self._before = [tasks_before(scenario.tasks) for scenario in scenarios]
+        self._before = [tasks_before(mission.tasks) for mission in missions]
         self._heeds = np.array([_bits_of(coordinator) for coordinator in coordinators], np.int32)
 
     def fork(self) -> Guide:
@@ -61,7 +61,7 @@ class Guide:
         news = worlds.count["news"] & self._heeds
         worlds.count["news"][self._heeds > 0] = 0
         news[worlds.count["status"] != RUNNING] = 0
-        is_new = np.zeros(len(self.scenarios), np.bool_)
+        is_new = np.zeros(len(self.missions), np.bool_)
         for w in np.flatnonzero(news).tolist():
             heard = self._without_what_was_foreseen(worlds, w, int(news[w]))
             if heard:
@@ -76,12 +76,12 @@ class Guide:
         """
         coordinator = self.coordinators[w]
         assert coordinator is not None, "this world goes by no plan"
-        known = replace(known_of(worlds, w, self.scenarios[w], 0), news=("task appeared",))
+        known = replace(known_of(worlds, w, self.missions[w], 0), news=("task appeared",))
         plan = _of_open_tasks(plan, known)
         if set(known.possible_tasks) - set(plan.order):
             plan = coordinator.update(known, plan)
         self._install(worlds, w, replace(plan, why=(TAKEN_OVER,)))
-        is_new = np.arange(len(self.scenarios)) == w
+        is_new = np.arange(len(self.missions)) == w
         self._follow(worlds, is_new)
 
     def plan(self, worlds: Worlds, w: int) -> Plan:
@@ -106,7 +106,7 @@ class Guide:
         return wanted
 
     def _plan_after(self, worlds: Worlds, w: int, news: int) -> Plan:
-        coordinator, known = self.coordinators[w], known_of(worlds, w, self.scenarios[w], news)
+        coordinator, known = self.coordinators[w], known_of(worlds, w, self.missions[w], news)
         assert coordinator is not None
         old = self.plan(worlds, w) if self.plans[w] else None
         begun = time.perf_counter()
@@ -248,7 +248,7 @@ def _bits_of(coordinator: Coordinator | None) -> int:
     return START | sum(1 << bit for bit, word in enumerate(NEWS) if word in heeded)
 
 
-def _make_parts(worlds: Worlds, scenarios: Sequence[Mission]) -> Parts:
+def _make_parts(worlds: Worlds, missions: Sequence[Mission]) -> Parts:
     """Return the parts of worlds without a plan."""
     count, robots, caps = worlds.has.shape
     tasks = worlds.tasks.shape[1]
@@ -263,10 +263,10 @@ def _make_parts(worlds: Worlds, scenarios: Sequence[Mission]) -> Parts:
         waiting=np.full((count, tasks), NOBODY, dtype=np.int32),
         wanted=np.zeros((count, robots, caps), dtype=np.int32),
     )
-    for w, scenario in enumerate(scenarios):
+    for w, mission in enumerate(missions):
         kinds: dict[tuple[object, ...], int] = {}
-        for r, robot in enumerate(scenario.robots):
-            region = scenario.world.region(robot.at)
+        for r, robot in enumerate(mission.robots):
+            region = mission.world.region(robot.at)
             kind = (*sorted(robot.can.items()), robot.speed, robot.flies, region)
             parts.kind[w, r] = kinds.setdefault(kind, r)
     return parts

@@ -15,7 +15,7 @@ from teamformer.world.rules.constants import NOBODY
 from teamformer.world.state.arrays import Worlds
 
 
-def known_of(worlds: Worlds, w: int, scenario: Mission, news: int) -> Known:
+def known_of(worlds: Worlds, w: int, mission: Mission, news: int) -> Known:
     """Return what everybody knows of world `w`; `news` holds what has happened, a bit for each."""
     robots, tasks, teams = worlds.robots[w], worlds.tasks[w], worlds.teams[w]
     step = int(worlds.count["steps"][w])
@@ -32,11 +32,11 @@ def known_of(worlds: Worlds, w: int, scenario: Mission, news: int) -> Known:
         under_way.append((task, until))
         if tasks["is_load"][task]:
             x[server], y[server] = tasks["to_x"][task], tasks["to_y"][task]
-    slots = robots["team"][: len(scenario.robots)]
-    along = int if isinstance(scenario.world, Grid) else float
+    slots = robots["team"][: len(mission.robots)]
+    along = int if isinstance(mission.world, Grid) else float
     members = {slot: np.flatnonzero(slots == slot) for slot in np.unique(slots[slots != NOBODY])}
     return Known(
-        mission=_without_what_is_over(_believed(worlds, w, scenario), tasks, step),
+        mission=_without_what_is_over(_believed(worlds, w, mission), tasks, step),
         step=step,
         open_tasks=tuple(np.flatnonzero(tasks["is_open"] & (tasks["server"] == NOBODY)).tolist()),
         places=tuple((along(x[slot]), along(y[slot])) for slot in slots),
@@ -54,19 +54,19 @@ def words_of(news: int) -> tuple[str, ...]:
     return tuple(word for bit, word in enumerate(NEWS) if news & 1 << bit)
 
 
-def _believed(worlds: Worlds, w: int, scenario: Mission) -> Mission:
+def _believed(worlds: Worlds, w: int, mission: Mission) -> Mission:
     """Return a mission with what everybody believes that its tasks need, and where they are."""
-    caps, tasks = scenario.capabilities, range(len(scenario.tasks))
+    caps, tasks = mission.capabilities, range(len(mission.tasks))
     needs: dict[int, dict[str, float]] = {}
     if worlds.rules["hides_needs"][w]:
         for task, counts in zip(tasks, worlds.needs[w].tolist(), strict=False):
             believed = {c: n for c, n in zip(caps, counts, strict=False) if n}
-            needs[task] = scenario.out_of_units(believed)
-    along = int if isinstance(scenario.world, Grid) else float
+            needs[task] = mission.out_of_units(believed)
+    along = int if isinstance(mission.world, Grid) else float
     at = worlds.tasks[["x", "y"]][w]
-    unsure = [task for task in tasks if scenario.tasks[task].within or _is_left(worlds, w, task)]
+    unsure = [task for task in tasks if mission.tasks[task].within or _is_left(worlds, w, task)]
     places = {task: (along(at["x"][task]), along(at["y"][task])) for task in unsure}
-    return believed_mission(scenario, needs, places)
+    return believed_mission(mission, needs, places)
 
 
 def _without_what_is_over(mission: Mission, tasks: Array, step: int) -> Mission:

@@ -43,7 +43,7 @@ BOX_TYPES = {np.dtype(np.float64): np.float32, np.dtype(np.bool_): np.int8}
 
 
 class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
-    """One world in which every robot is an agent, named as in the scenario.
+    """One world in which every robot is an agent, named as in the mission.
 
     The lowest robot of a team decides for it; actions of its other members are ignored. All of
     them observe their team's view and get its reward (eq. 1). A lost robot terminates with a reward
@@ -73,7 +73,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         self._rng = np.random.default_rng(0)
         self._env = self._make_env()
         self._look()
-        self.possible_agents = [robot.name for robot in self._env.scenarios[0].robots]
+        self.possible_agents = [robot.name for robot in self._env.missions[0].robots]
         self.agents: list[str] = []
         self._observation_space = self._make_observation_space()
         self._action_space = self._make_action_space()
@@ -155,11 +155,11 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
 
     def _make_env(self) -> TeamFormation:
         source = self._source
-        scenario = generate(source, self._rng) if isinstance(source, Spec) else source
-        truth = scenario
-        if scenario.has_surprises:
-            truth = draw_truth(scenario, int(self._rng.integers(2**31)))
-        return TeamFormation([scenario], self._reward, truths=[truth])
+        mission = generate(source, self._rng) if isinstance(source, Spec) else source
+        truth = mission
+        if mission.has_surprises:
+            truth = draw_truth(mission, int(self._rng.integers(2**31)))
+        return TeamFormation([mission], self._reward, truths=[truth])
 
     def _look(self) -> None:
         """View the world, one that has just ended too: a learner needs the last state's value."""
@@ -193,7 +193,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         return seen
 
     def _observe_row(self, row: int) -> Observation:
-        view, robots = self._view, len(self._env.scenarios[0].robots)
+        view, robots = self._view, len(self._env.missions[0].robots)
         first, end = view.first_member[row : row + 2]
         arrays = {name: getattr(view, name)[row] for name in OF_TEAM}
         for name in ("task_may_need", "task_within", "task_to_place"):
@@ -219,20 +219,20 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
 
     def _bounds(self, name: str, array: Array) -> tuple[float, float]:
         """Return the least and the largest value in an array of an observation."""
-        scenario = self._env.scenarios[0]
+        mission = self._env.missions[0]
         if name.endswith("place"):
-            return 0, max(scenario.world.corner)
+            return 0, max(mission.world.corner)
         if name.endswith("counts") or name in ("planned", "task_needs"):
             return 0, LARGEST_COUNT
         if array.dtype == np.int8 or name == "task_may_need":
             return 0, 1
         if name == "rest":
-            is_carried = any(task.to is not None for task in scenario.tasks)
-            longest = int(max(task.longest for task in scenario.tasks))
-            return 0, scenario.step_limit if is_carried else longest
+            is_carried = any(task.to is not None for task in mission.tasks)
+            longest = int(max(task.longest for task in mission.tasks))
+            return 0, mission.step_limit if is_carried else longest
         if array.dtype == np.float32:
             return 0, np.inf
-        return NOBODY, max(len(scenario.robots), most_tasks(scenario))
+        return NOBODY, max(len(mission.robots), most_tasks(mission))
 
     def _make_action_space(self) -> spaces.Space[Any]:
         brings = self._env.worlds.brings[0]  # (robots, caps)

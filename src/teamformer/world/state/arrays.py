@@ -140,7 +140,7 @@ TASK = np.dtype(
         ("hides_needs", np.bool_),  # what it needs is not known
         ("shown_at", np.int32),  # the step in which it became known, or NOBODY
         ("hides_place", np.bool_),  # where it is is not known
-        ("within", np.float64),  # how far it may be from where the scenario has it
+        ("within", np.float64),  # how far it may be from where the mission has it
         ("reach", np.float64),  # how far from the first of the places that it may be in
         ("lies_in", np.int32),  # the place that it really is in, among those it may be in
         ("believed_in", np.int32),  # the place that it is believed to be in

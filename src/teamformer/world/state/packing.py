@@ -1,4 +1,4 @@
-"""Scenarios as arrays: a batch of worlds as they stand before the first step."""
+"""Missions as arrays: a batch of worlds as they stand before the first step."""
 
 from __future__ import annotations
 
@@ -35,54 +35,54 @@ from teamformer.world.state.arrays import (
 
 
 def pack_worlds(
-    scenarios: Sequence[Mission],
+    missions: Sequence[Mission],
     truths: Sequence[Mission],
     is_coordinated: Sequence[bool],
     new_tasks: str,
     foresight: str,
 ) -> Worlds:
-    """Lay scenarios out as they stand before the first step, padded to the largest of them.
+    """Lay missions out as they stand before the first step, padded to the largest of them.
 
     `truths` says what each of them really is, `is_coordinated` which of them have a coordinator.
     `new_tasks` is what the paper's order does with tasks that appear, `foresight` how needs that
     nobody knows are treated. Raises `MissionError` for missions whose rules are
     not those of the steps.
     """
-    problems = [problem for scenario in scenarios for problem in rules_not_played(scenario)]
+    problems = [problem for mission in missions for problem in rules_not_played(mission)]
     if problems:
         raise MissionError(problems)
-    worlds = _empty_worlds(scenarios, truths)
+    worlds = _empty_worlds(missions, truths)
     worlds.rules["new_tasks"] = NEW_TASKS.index(new_tasks)
     worlds.rules["foresight"] = FORESIGHTS.index(foresight)
-    for w, (scenario, truth) in enumerate(zip(scenarios, truths, strict=True)):
-        _pack_rules(worlds, w, scenario)
+    for w, (mission, truth) in enumerate(zip(missions, truths, strict=True)):
+        _pack_rules(worlds, w, mission)
         worlds.rules["is_coordinated"][w] = is_coordinated[w]
         _pack_robots(worlds, w, truth)
-        _pack_tasks(worlds, w, scenario, truth, foresight)
-        if isinstance(scenario.world, Grid) and scenario.world.rows:
-            places = [believed_place(scenario.world, task) for task in scenario.tasks]
-            _pack_map(worlds, w, scenario.world, places)
+        _pack_tasks(worlds, w, mission, truth, foresight)
+        if isinstance(mission.world, Grid) and mission.world.rows:
+            places = [believed_place(mission.world, task) for task in mission.tasks]
+            _pack_map(worlds, w, mission.world, places)
             if worlds.rules["has_loads"][w]:
-                _pack_ways_of_loads(worlds, w, scenario.world, scenario.tasks)
+                _pack_ways_of_loads(worlds, w, mission.world, mission.tasks)
     return worlds
 
 
-def _empty_worlds(scenarios: Sequence[Mission], truths: Sequence[Mission]) -> Worlds:
-    count = len(scenarios)
-    robots = max(len(s.robots) for s in scenarios)
-    tasks = max(len(s.tasks) for s in scenarios)
-    caps = max(len(s.capabilities) for s in scenarios)
-    cells = max(width * height for width, height, _ in map(_cells_of, scenarios))
-    maps = [s.world for s in scenarios if isinstance(s.world, Grid) and s.world.rows]
-    has_precedence = any(task.after for s in scenarios for task in s.tasks)
+def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Worlds:
+    count = len(missions)
+    robots = max(len(s.robots) for s in missions)
+    tasks = max(len(s.tasks) for s in missions)
+    caps = max(len(s.capabilities) for s in missions)
+    cells = max(width * height for width, height, _ in map(_cells_of, missions))
+    maps = [s.world for s in missions if isinstance(s.world, Grid) and s.world.rows]
+    has_precedence = any(task.after for s in missions for task in s.tasks)
     precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
     times = max(len(robot.absences) for truth in truths for robot in truth.robots)
-    hides_needs = any(task.may_need for s in scenarios for task in s.tasks)
+    hides_needs = any(task.may_need for s in missions for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
-    hides_places = any(task.within for s in scenarios for task in s.tasks)
-    spots = (count, tasks, max(map(_most_places, scenarios))) if hides_places else (count, 0, 0)
+    hides_places = any(task.within for s in missions for task in s.tasks)
+    spots = (count, tasks, max(map(_most_places, missions))) if hides_places else (count, 0, 0)
     walls = (max((m.height for m in maps), default=0), max((m.width for m in maps), default=0))
-    has_loads = any(task.to is not None for s in scenarios for task in s.tasks)
+    has_loads = any(task.to is not None for s in missions for task in s.tasks)
     fields = tasks * (2 if has_loads else 1) if walls[0] else 0
     worlds = Worlds(
         rules=np.zeros(count, dtype=RULES),
@@ -124,70 +124,70 @@ def _empty_worlds(scenarios: Sequence[Mission], truths: Sequence[Mission]) -> Wo
     return worlds
 
 
-def _pack_rules(worlds: Worlds, w: int, scenario: Mission) -> None:
-    width, height, cells_per_length = _cells_of(scenario)
-    plane = scenario.world if isinstance(scenario.world, Plane) else None
+def _pack_rules(worlds: Worlds, w: int, mission: Mission) -> None:
+    width, height, cells_per_length = _cells_of(mission)
+    plane = mission.world if isinstance(mission.world, Plane) else None
     here = plane.arrival_radius if plane else 0.0
     rules = {
-        "robots": len(scenario.robots),
-        "tasks": len(scenario.tasks),
+        "robots": len(mission.robots),
+        "tasks": len(mission.tasks),
         "width": width,
         "height": height,
-        "forming_steps": scenario.forming_steps,
-        "step_limit": scenario.step_limit,
-        "hides_needs": any(task.may_need for task in scenario.tasks),
-        "has_delays": any(robot.delays for robot in scenario.robots),
-        "hides_places": any(task.within for task in scenario.tasks),
-        "has_loads": any(task.to is not None for task in scenario.tasks),
-        "has_walls": bool(scenario.world.rows),
+        "forming_steps": mission.forming_steps,
+        "step_limit": mission.step_limit,
+        "hides_needs": any(task.may_need for task in mission.tasks),
+        "has_delays": any(robot.delays for robot in mission.robots),
+        "hides_places": any(task.within for task in mission.tasks),
+        "has_loads": any(task.to is not None for task in mission.tasks),
+        "has_walls": bool(mission.world.rows),
         "is_plane": plane is not None,
-        "sensing_radius": max(scenario.sensing_radius, here),
-        "join_radius": max(scenario.join_radius, here),
-        "finding_radius": max(scenario.finding_radius, here),
+        "sensing_radius": max(mission.sensing_radius, here),
+        "join_radius": max(mission.join_radius, here),
+        "finding_radius": max(mission.finding_radius, here),
         "arrival_radius": here,
         "unit": plane.unit if plane else 1.0,
         "cells_per_length": cells_per_length,
     }
     for name, value in rules.items():
         worlds.rules[name][w] = value
-    worlds.rules["start_x"][w], worlds.rules["start_y"][w] = _centroid(scenario)
+    worlds.rules["start_x"][w], worlds.rules["start_y"][w] = _centroid(mission)
 
 
-def _cells_of(scenario: Mission) -> tuple[int, int, float]:
+def _cells_of(mission: Mission) -> tuple[int, int, float]:
     """Return how many cells across and up, and how many a length; on a plane, to look around.
 
     There a cell is wider than any finite radius, so that what is near lies in the cells around,
     and there are no more of them than a few for each robot and task.
     """
-    world = scenario.world
+    world = mission.world
     if isinstance(world, Grid):
         return world.width, world.height, 1.0
-    radii = (scenario.sensing_radius, scenario.join_radius, world.arrival_radius)
+    radii = (mission.sensing_radius, mission.join_radius, world.arrival_radius)
     widest = max((radius for radius in radii if radius < math.inf), default=0.0)
-    most = 4 * (len(scenario.robots) + len(scenario.tasks))
+    most = 4 * (len(mission.robots) + len(mission.tasks))
     area, longest = world.width * world.height, max(world.width, world.height)
     side = max(1.001 * widest, math.sqrt(area / most), longest / most)
     return int(world.width / side) + 1, int(world.height / side) + 1, 1 / side
 
 
-def _centroid(scenario: Mission) -> Place:
+def _centroid(mission: Mission) -> Place:
     """Return the place at the robots' centroid; where that is blocked, the nearest robot's."""
-    places = [robot.at for robot in scenario.robots]
+    places = [robot.at for robot in mission.robots]
     x = sum(x for x, _ in places) / len(places)
     y = sum(y for _, y in places) / len(places)
-    if isinstance(scenario.world, Plane):
+    if isinstance(mission.world, Plane):
         return round(x, DECIMALS), round(y, DECIMALS)
     cell = (int(x + 0.5), int(y + 0.5))
-    if scenario.world.is_free(cell):
+    if mission.world.is_free(cell):
         return cell
     return min(places, key=lambda at: (at[0] - x) ** 2 + (at[1] - y) ** 2)
 
 
-def _pack_robots(worlds: Worlds, w: int, scenario: Mission) -> None:
-    column = {name: c for c, name in enumerate(scenario.capabilities)}
-    for r, robot in enumerate(scenario.robots):
+def _pack_robots(worlds: Worlds, w: int, mission: Mission) -> None:
+    column = {name: c for c, name in enumerate(mission.capabilities)}
+    for r, robot in enumerate(mission.robots):
         record = worlds.robots[w, r]
-        record["pace"] = scenario.world.pace(robot.speed)
+        record["pace"] = mission.world.pace(robot.speed)
         times = [
             (away.lost, NEVER if away.back is None else min(away.back, LATEST))
             for away in robot.absences
@@ -198,14 +198,14 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Mission) -> None:
         if robot.delays is not None:
             record["delay"] = robot.delays.chance
             record["luck"] = first_state(robot.delays.seed or 0)
-        flies_over = robot.flies and scenario.world.rows
-        record["region"] = ANYWHERE if flies_over else scenario.world.region(robot.at)
-        for name, count in scenario.in_units(robot.can).items():
+        flies_over = robot.flies and mission.world.rows
+        record["region"] = ANYWHERE if flies_over else mission.world.region(robot.at)
+        for name, count in mission.in_units(robot.can).items():
             worlds.brings[w, r, column[name]] = count
-    for members in scenario.starting_teams:
+    for members in mission.starting_teams:
         slot, robots = members[0], list(members)
         team = worlds.teams[w, slot]
-        team["x"], team["y"] = scenario.robots[slot].at
+        team["x"], team["y"] = mission.robots[slot].at
         team["size"] = len(members)
         team["pace"] = worlds.robots[w, robots]["pace"].min()
         team["region"] = worlds.robots[w, robots]["region"].max()
@@ -213,14 +213,14 @@ def _pack_robots(worlds: Worlds, w: int, scenario: Mission) -> None:
         worlds.has[w, slot] = worlds.brings[w, robots].sum(axis=0)
 
 
-def _pack_tasks(worlds: Worlds, w: int, scenario: Mission, truth: Mission, foresight: str) -> None:
-    cap_of = {name: c for c, name in enumerate(scenario.capabilities)}
-    for later, before in tasks_before(scenario.tasks).items():
+def _pack_tasks(worlds: Worlds, w: int, mission: Mission, truth: Mission, foresight: str) -> None:
+    cap_of = {name: c for c, name in enumerate(mission.capabilities)}
+    for later, before in tasks_before(mission.tasks).items():
         worlds.precedes[w, before, later] = True
-    width, height, cells_per_length = _cells_of(scenario)
-    for k in reversed(range(len(scenario.tasks))):  # so that each cell's chain is in task order
-        task, record = scenario.tasks[k], worlds.tasks[w, k]
-        place = believed_place(scenario.world, task)
+    width, height, cells_per_length = _cells_of(mission)
+    for k in reversed(range(len(mission.tasks))):  # so that each cell's chain is in task order
+        task, record = mission.tasks[k], worlds.tasks[w, k]
+        place = believed_place(mission.world, task)
         record["x"], record["y"] = place
         record["duration"], record["longest"] = task.duration, task.longest
         record["takes"], record["hides_needs"] = truth.tasks[k].duration, bool(task.may_need)
@@ -231,21 +231,21 @@ def _pack_tasks(worlds: Worlds, w: int, scenario: Mission, truth: Mission, fores
         if task.to is not None:
             record["is_load"], record["unload"] = True, task.unload
             record["to_x"], record["to_y"] = task.to
-        record["region"] = scenario.world.region(place)
+        record["region"] = mission.world.region(place)
         record["is_open"] = task.appears == 0
         column, row = (int(along * cells_per_length) for along in place)
         cell = worlds.cells[w, min(row, height - 1) * width + min(column, width - 1)]
         record["next_here"], cell["first_task"] = cell["first_task"], k
         if task.within:
-            _pack_places(worlds, w, k, task, scenario.world, truth.tasks[k].at)
+            _pack_places(worlds, w, k, task, mission.world, truth.tasks[k].at)
         believed = expected_needs(task, foresight)
-        for name, count in scenario.in_units(believed).items():
+        for name, count in mission.in_units(believed).items():
             worlds.needs[w, k, cap_of[name]] = count
         if len(worlds.true_needs[w]):
             worlds.expected_needs[w, k] = worlds.needs[w, k]
-            for name, count in scenario.in_units(task.needs).items():
+            for name, count in mission.in_units(task.needs).items():
                 worlds.sure_needs[w, k, cap_of[name]] = count
-            for name, count in scenario.in_units(truth.tasks[k].needs).items():
+            for name, count in mission.in_units(truth.tasks[k].needs).items():
                 worlds.true_needs[w, k, cap_of[name]] = count
             for name, probability in task.may_need.items():
                 worlds.may_need[w, k, cap_of[name]] = probability
@@ -268,9 +268,9 @@ def _pack_places(worlds: Worlds, w: int, k: int, task: Task, world: World, at: P
         worlds.spots[w, k, number] = (*place, True)
 
 
-def _most_places(scenario: Mission) -> int:
-    """Return in how many places a task of a scenario may be at most."""
-    return max(len(possible_places(scenario.world, t.at, t.within)) for t in scenario.tasks)
+def _most_places(mission: Mission) -> int:
+    """Return in how many places a task of a mission may be at most."""
+    return max(len(possible_places(mission.world, t.at, t.within)) for t in mission.tasks)
 
 
 def _pack_map(worlds: Worlds, w: int, grid: Grid, places: Sequence[Place]) -> None:

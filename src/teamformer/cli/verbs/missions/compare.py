@@ -63,14 +63,14 @@ def compare(
         compared = compare_methods(mission, methods, seeds, _run_one)
         interruption.hold()  # what was run is told and written first
         if compared.is_interrupted:
-            done = len(compared.ran) - (compared.trials[-1].replay.end.status == "interrupted")
+            done = len(compared.ran) - (compared.trials[-1].record.end.status == "interrupted")
             say(f"interrupted: {done} of {len(methods) * seeds} trials ran to their end")
         _tell(compared, as_json)
         if folder is not None:
             _write(compared, folder)
     trials = compared.trials
     is_complete = len(trials) == len(methods) * seeds
-    return 0 if is_complete and all(t.replay.end.status == "completed" for t in trials) else 1
+    return 0 if is_complete and all(t.record.end.status == "completed" for t in trials) else 1
 
 
 def _tell(compared: Comparison, as_json: bool) -> None:
@@ -79,7 +79,7 @@ def _tell(compared: Comparison, as_json: bool) -> None:
         for row in compared.rows():
             print_json(row)
     else:
-        mission = compared.trials[0].replay.scenario
+        mission = compared.trials[0].record.mission
         out.print(Text(mission.name, style="bold"))
         wide.print(_table(compared, mission))
         for line in _bar_lines(compared.bars, mission):
@@ -100,14 +100,14 @@ def _run_one(mission: Mission, method: Method, seed: int) -> PlayedTrial:
 def _write(compared: Comparison, folder: Path) -> None:
     """Write the records and the page that shows all of them."""
     for trial in compared.trials:
-        name = f"{_file_name(trial.replay.method)}-{trial.replay.seed}.json"
-        save_record(trial.replay, folder / name)
+        name = f"{_file_name(trial.record.method)}-{trial.record.seed}.json"
+        save_record(trial.record, folder / name)
     page = folder / "compare.html"
     failed = [
         {"method": failure.method, "seed": failure.seed, "why": _reason(failure.error)}
         for failure in compared.failures
     ]
-    write_comparison([record_to_tree(trial.replay) for trial in compared.trials], page, failed)
+    write_comparison([record_to_tree(trial.record) for trial in compared.trials], page, failed)
     say(f"page: {page}")
 
 
@@ -151,33 +151,33 @@ def _table(compared: Comparison, mission: Mission) -> Table:
         if isinstance(trial, Failure):
             table.add_row(Text(trial.method), str(trial.seed), "failed")
         else:
-            table.add_row(*_cells(trial, compared.bars[trial.replay.seed]))
+            table.add_row(*_cells(trial, compared.bars[trial.record.seed]))
     return table
 
 
-def _extra_cells(mission: Mission, replay: Record | None) -> dict[str, str]:
+def _extra_cells(mission: Mission, record: Record | None) -> dict[str, str]:
     """Return what a record tells only of some missions, by column; no record has empty cells."""
     cells = {}
     if mission.cost:
-        cost = None if replay is None else cost_of_record(replay)
+        cost = None if record is None else cost_of_record(record)
         cells["cost"] = "" if cost is None else f"{cost:g}"
     if any(task.between for task in mission.tasks):
-        late = {} if replay is None else lateness(replay)
+        late = {} if record is None else lateness(record)
         cells["late"] = f"{len(late)} by {sum(late.values()):g}" if late else "-"
     return cells
 
 
 def _cells(trial: PlayedTrial, bars: Bars) -> list[Text | str]:
-    replay, end = trial.replay, trial.replay.end
+    record, end = trial.record, trial.record.end
     makespan = end.status if end.makespan is None else str(end.makespan)
-    over = [percent_over_least(replay, bars), percent_over(end.makespan, replay.lower_bound)]
+    over = [percent_over_least(record, bars), percent_over(end.makespan, record.lower_bound)]
     return [
-        Text(replay.method),
-        str(replay.seed),
+        Text(record.method),
+        str(record.seed),
         makespan,
-        *_extra_cells(replay.scenario, replay).values(),
+        *_extra_cells(record.mission, record).values(),
         *("" if gap is None else f"{gap:+.0f}%" for gap in over),
-        f"{end.tasks_done}/{len(replay.scenario.tasks)}",
+        f"{end.tasks_done}/{len(record.mission.tasks)}",
         str(end.joins),
         str(end.splits),
         f"{trial.planning_seconds:.2f} s",

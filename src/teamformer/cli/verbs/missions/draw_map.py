@@ -47,13 +47,13 @@ def _of_mission(path: Path) -> tuple[World, str, dict[Place, str]]:
     What is wrong with these is said, and then there are no signs: the map is there to mend them.
     """
     try:
-        scenario = read_mission(path)
+        mission = read_mission(path)
     except MissionError as error:
         world = read_world_of(path)
         say(str(error))
         return world, path.stem, {}
-    marks = {task.at: "t" for task in scenario.tasks}
-    return scenario.world, scenario.name, marks | {robot.at: "r" for robot in scenario.robots}
+    marks = {task.at: "t" for task in mission.tasks}
+    return mission.world, mission.name, marks | {robot.at: "r" for robot in mission.robots}
 
 
 def lines_of(grid: Grid, name: str, marks: Mapping[Place, str]) -> list[str]:

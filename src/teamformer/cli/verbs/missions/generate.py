@@ -10,7 +10,7 @@ import numpy as np
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import prepare_file, say
 from teamformer.files.drawn.generate import Spec
-from teamformer.files.drawn.generate import generate as generate_scenario
+from teamformer.files.drawn.generate import generate as generate_mission
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.files.maps.formats import read_coarse_map
 from teamformer.files.mission_files import write_mission
@@ -32,8 +32,8 @@ def generate(
     world = _world(grid, plane, map_path)
     name = f"{spec.robots} robots, {spec.tasks} tasks, seed {seed}"
     spec = Spec(**{**vars(spec), "world": world})
-    scenario = generate_scenario(spec, np.random.default_rng(seed), name)
-    return _write(scenario, path)
+    mission = generate_mission(spec, np.random.default_rng(seed), name)
+    return _write(mission, path)
 
 
 def generate_setting(setting: str, seed: int, path: Path) -> int:
@@ -42,8 +42,8 @@ def generate_setting(setting: str, seed: int, path: Path) -> int:
     return _write(world_of(setting, seed), path)
 
 
-def _write(scenario: Mission, path: Path) -> int:
-    write_mission(scenario, path)
+def _write(mission: Mission, path: Path) -> int:
+    write_mission(mission, path)
     say(f"mission: {path}")
     return 0
 

@@ -114,11 +114,11 @@ def _prepare_to_go_on(path: Path | None, options: LiveOptions) -> tuple[Workshop
         )
     kept = read_autosave(path or find_autosave(options.folder))
     drop_half_line(kept)
-    chosen = chosen_method(kept.method, kept.scenario, TIME_LIMIT)
-    compile_ahead([chosen], kept.scenario)
+    chosen = chosen_method(kept.method, kept.mission, TIME_LIMIT)
+    compile_ahead([chosen], kept.mission)
     say(f"goes on: {kept.text()}")
     start = _starting(kept.method, kept.seed)
-    return Workshop(start, options.folder, SPEED, say=say, kept=kept), kept.scenario.name
+    return Workshop(start, options.folder, SPEED, say=say, kept=kept), kept.mission.name
 
 
 def _starting(method: str | None, seed: int) -> StartMission:
@@ -137,12 +137,12 @@ def _prepare(path: Path | None, options: LiveOptions) -> tuple[Workshop, str]:
     from teamformer.live.drawing.drafts import Draft, draft_of_file
     from teamformer.live.workshop import Workshop
 
-    scenario = None if path is None else read_mission(path, rules_not_played)
-    chosen = chosen_method(options.method, scenario or smallest_mission(), TIME_LIMIT)
-    compile_ahead([chosen], scenario)
+    mission = None if path is None else read_mission(path, rules_not_played)
+    chosen = chosen_method(options.method, mission or smallest_mission(), TIME_LIMIT)
+    compile_ahead([chosen], mission)
     start = _starting(options.method, options.seed)
-    if path is None or scenario is None:
+    if path is None or mission is None:
         return Workshop(start, options.folder, SPEED, say=say), "editor"
     text = path.read_text(encoding="utf-8") if path.suffix.lower() != ".json" else ""
     draft = Draft(draft_of_file(path, path.stem), path.name, text)
-    return Workshop(start, options.folder, SPEED, draft, scenario, say), scenario.name
+    return Workshop(start, options.folder, SPEED, draft, mission, say), mission.name

@@ -34,16 +34,16 @@ def plan(
 
     `start` is a file with a plan to begin with.
     """
-    scenario = read_mission(path, rules_not_planned)
-    refuse_unplannable(scenario, method)
-    begin = None if start is None else read_start_plan(start, scenario)
+    mission = read_mission(path, rules_not_planned)
+    refuse_unplannable(mission, method)
+    begin = None if start is None else read_start_plan(start, mission)
     if folder is not None:
         prepare_folder(folder)
-    if scenario.time != "continuous":
-        _prepare(scenario, method)
-    made = plan_mission(scenario, method, time_limit, begin)
+    if mission.time != "continuous":
+        _prepare(mission, method)
+    made = plan_mission(mission, method, time_limit, begin)
     if made is None:
-        say(f"no plan was found for {scenario.name}; a longer --time-limit may find one")
+        say(f"no plan was found for {mission.name}; a longer --time-limit may find one")
         return 1
     row = made.row
     if folder is not None:
@@ -56,17 +56,17 @@ def plan(
     return 0
 
 
-def _prepare(scenario: Mission, method: str) -> None:
+def _prepare(mission: Mission, method: str) -> None:
     """Compile what planning in steps needs, and say what is planned."""
     compile_ahead([load_method(method)])
-    if scenario.has_surprises:
+    if mission.has_surprises:
         say("not everything is known: this is planned for what is to be expected")
 
 
 def _show(made: PlannedMission, row: Mapping[str, Any]) -> None:
     """Print a plan, given as `--json` prints it: every output rounds the same way."""
     cost = f", at a cost of {row['cost']:g}" if "cost" in row else ""
-    over = f"{row['scenario']}: over at {row['makespan']:g}{_known(row)}{cost}"
+    over = f"{row['mission']}: over at {row['makespan']:g}{_known(row)}{cost}"
     out.print(over, markup=False)
     for task, by in row["late"].items():
         out.print(f"late: {task} by {by:g}", markup=False)

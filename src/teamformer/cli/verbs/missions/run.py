@@ -88,18 +88,18 @@ def run(
                 _tell(trial, robot, as_json)
         finally:
             if folder is not None:
-                write_and_say(trial.replay, folder)
-    if foxglove is not None and trial.replay.end.status != "interrupted":
-        play_in_foxglove(trial.replay, foxglove)
-    return 0 if trial.replay.end.status == "completed" else 1
+                write_and_say(trial.record, folder)
+    if foxglove is not None and trial.record.end.status != "interrupted":
+        play_in_foxglove(trial.record, foxglove)
+    return 0 if trial.record.end.status == "completed" else 1
 
 
 def _tell(trial: PlayedTrial, robot: int | None, as_json: bool) -> None:
     """Print what came of a trial, and a robot's story if one is asked for."""
-    story = [] if robot is None else list(story_lines(trial.replay, robot))
+    story = [] if robot is None else list(story_lines(trial.record, robot))
     if as_json:
         row = result_row(trial, bars_of([trial]))
-        chain = path_rows(trial.replay.mission, path_of_record(trial.replay))
+        chain = path_rows(trial.record.true_mission, path_of_record(trial.record))
         told = {"critical_path": chain} | ({} if robot is None else {"story": story})
         print_json(row | told)
     else:
@@ -108,9 +108,9 @@ def _tell(trial: PlayedTrial, robot: int | None, as_json: bool) -> None:
             out.print(_story_table(story))
 
 
-def _robot_number(scenario: Mission, name: str) -> int:
+def _robot_number(mission: Mission, name: str) -> int:
     """Return a robot's number; TeamformerError if there is none of this name."""
-    names = [robot.name for robot in scenario.robots]
+    names = [robot.name for robot in mission.robots]
     if name not in names:
         near = difflib.get_close_matches(name, names, 1)
         hint = f"did you mean '{near[0]}'?" if near else f"the first is {names[0]}"
@@ -162,28 +162,28 @@ def _improvements(plan: CentralPlan) -> str:
 
 
 def _show(trial: PlayedTrial) -> None:
-    replay, end = trial.replay, trial.replay.end
-    scenario = replay.scenario
-    out.print(Text(f"{scenario.name}: {replay.method}, seed {replay.seed}", style="bold"))
-    if len(scenario.tasks) <= LONGEST_TABLE:
-        out.print(_task_table(replay))
+    record, end = trial.record, trial.record.end
+    mission = record.mission
+    out.print(Text(f"{mission.name}: {record.method}, seed {record.seed}", style="bold"))
+    if len(mission.tasks) <= LONGEST_TABLE:
+        out.print(_task_table(record))
     style = "green" if end.status == "completed" else "red"
-    out.print(_verdict(replay), markup=False, style=style)
-    if (cost := cost_of_record(replay)) is not None:
+    out.print(_verdict(record), markup=False, style=style)
+    if (cost := cost_of_record(record)) is not None:
         out.print(f"at a cost of {cost:g}", markup=False)
-    for task, steps in lateness(replay).items():
+    for task, steps in lateness(record).items():
         out.print(f"late: {task} by {steps:g} steps", markup=False, style="red")
-    if lost := _losses(replay):
+    if lost := _losses(record):
         out.print(f"lost: {lost}", markup=False, style="red")
-    for line in why_so_late(replay.mission, path_of_record(replay)):
+    for line in why_so_late(record.true_mission, path_of_record(record)):
         out.print(line, markup=False)
     if trial.plan is not None:
         out.print(_improvements(trial.plan))
         out.print(plan_line(trial.plan))
-    called_off = len(cancelled_steps(replay))
+    called_off = len(cancelled_steps(record))
     gone = f", {called_off} called off" if called_off else ""
     out.print(
-        f"{end.tasks_done} of {len(scenario.tasks)} tasks{gone}, {end.joins} joins, "
+        f"{end.tasks_done} of {len(mission.tasks)} tasks{gone}, {end.joins} joins, "
         f"{end.splits} splits, {end.illegal_decisions} illegal decisions"
     )
     compiled = trial.compiling_seconds
@@ -194,11 +194,11 @@ def _show(trial: PlayedTrial) -> None:
     )
 
 
-def _verdict(replay: Record) -> str:
-    end = replay.end
+def _verdict(record: Record) -> str:
+    end = record.end
     if end.makespan is not None:
-        bound, seconds = replay.lower_bound, seconds_of(replay.scenario, end.makespan)
-        what = "all done or called off" if cancelled_steps(replay) else "all done"
+        bound, seconds = record.lower_bound, seconds_of(record.mission, end.makespan)
+        what = "all done or called off" if cancelled_steps(record) else "all done"
         done = f"{what} after {end.makespan} steps"
         if seconds is not None:
             done = f"{done}, {seconds:g} s"
@@ -213,42 +213,42 @@ def _verdict(replay: Record) -> str:
     return f"not done within the limit of {end.steps} steps"
 
 
-def _task_table(replay: Record) -> Table:
+def _task_table(record: Record) -> Table:
     """Return who did what when, in the order it was done."""
-    scenario = replay.mission
+    mission = record.true_mission
     table = Table(box=None, header_style="dim")
     for header in ("step", "task", "needs", "done by"):
         table.add_column(header, overflow="fold")
-    undone = set(range(len(scenario.tasks)))
-    for step, task, robots in completions(replay):
+    undone = set(range(len(mission.tasks)))
+    for step, task, robots in completions(record):
         undone.discard(task)
-        needs = describe(scenario.tasks[task].needs)
-        names = _names(scenario, robots)
-        table.add_row(str(step), Text(scenario.tasks[task].name), Text(needs), Text(names))
-    cancelled = cancelled_steps(replay)
+        needs = describe(mission.tasks[task].needs)
+        names = _names(mission, robots)
+        table.add_row(str(step), Text(mission.tasks[task].name), Text(needs), Text(names))
+    cancelled = cancelled_steps(record)
     for task in sorted(undone):
-        needs = describe(scenario.tasks[task].needs)
+        needs = describe(mission.tasks[task].needs)
         why = f"called off in step {cancelled[task]}" if task in cancelled else ""
-        table.add_row("-", Text(scenario.tasks[task].name), Text(needs), why)
+        table.add_row("-", Text(mission.tasks[task].name), Text(needs), why)
     return table
 
 
-def _losses(replay: Record) -> str:
+def _losses(record: Record) -> str:
     """Name the robots that were lost, with their steps; the first ones of many."""
     lost: list[str] = []
     latest: dict[int, int] = {}  # the entry in the list of each robot that is lost
-    for number, step in enumerate(replay.steps, start=1):
+    for number, step in enumerate(record.steps, start=1):
         for robot in step.back:
             lost[latest[robot]] += f" (back in {number})"
         for robot in step.lost:
             latest[robot] = len(lost)
-            lost.append(f"{replay.scenario.robots[robot].name} in step {number}")
+            lost.append(f"{record.mission.robots[robot].name} in step {number}")
     more = [f"{len(lost) - MOST_NAMES} more"] if len(lost) > MOST_NAMES else []
     return ", ".join(lost[:MOST_NAMES] + more)
 
 
-def _names(scenario: Mission, robots: Sequence[int]) -> str:
+def _names(mission: Mission, robots: Sequence[int]) -> str:
     """Return the robots' names, the first ones of many."""
     shown = robots if len(robots) <= MOST_NAMES else robots[: MOST_NAMES - 1]
-    names = ", ".join(scenario.robots[robot].name for robot in shown)
+    names = ", ".join(mission.robots[robot].name for robot in shown)
     return names if shown is robots else f"{names} and {len(robots) - len(shown)} more"

@@ -21,33 +21,33 @@ from teamformer.record.referee import judge
 GUARANTEE = "by the rules: every robot's way, every team that formed, every task that was done"
 
 
-def check(path: Path, scenario: Path | None, as_json: bool) -> int:
+def check(path: Path, mission: Path | None, as_json: bool) -> int:
     """Judge a record; return 0 if every step was legal and every task really done.
 
-    With a scenario's file, the record must be one of that scenario, too.
+    With a mission's file, the record must be one of that mission, too.
     """
-    replay = read_record(path)
-    _refuse_fleets(replay, path)
-    verdict = judge(replay)
+    record = read_record(path)
+    _refuse_fleets(record, path)
+    verdict = judge(record)
     findings = [{"step": f.step, "message": f.message} for f in verdict.findings]
-    if scenario is not None:
+    if mission is not None:
         findings += [
-            {"step": 0, "message": f"the record is of another scenario than {scenario}: {how}"}
-            for how in _differences(without_arrivals(replay.scenario), read_mission(scenario))
+            {"step": 0, "message": f"the record is of another mission than {mission}: {how}"}
+            for how in _differences(without_arrivals(record.mission), read_mission(mission))
         ]
-    claimed = _claims(replay)
-    chain = () if verdict.findings else path_of_record(replay)  # of what really happened
+    claimed = _claims(record)
+    chain = () if verdict.findings else path_of_record(record)  # of what really happened
     if as_json:
         print_json(
             {
                 "legal": not findings,
-                "status": replay.end.status,
+                "status": record.end.status,
                 "findings": findings,
                 **({} if verdict.cost is None else {"cost": round(verdict.cost, 6)}),
                 "late": verdict.late,
-                "scenario_compared": scenario is not None,
+                "mission_compared": mission is not None,
                 "claimed": claimed,
-                "critical_path": path_rows(replay.mission, chain),
+                "critical_path": path_rows(record.true_mission, chain),
             }
         )
         return 1 if findings else 0
@@ -57,24 +57,24 @@ def check(path: Path, scenario: Path | None, as_json: bool) -> int:
         out.print(f"at a cost of {verdict.cost:g}", markup=False)
     for task, by in verdict.late.items():
         out.print(f"late: {task} by {by:g} steps, which is allowed", markup=False)
-    steps, tasks = len(replay.steps), replay.end.tasks_done
+    steps, tasks = len(record.steps), record.end.tasks_done
     if findings:
         out.print(f"not legal: {len(findings)} findings in {steps} steps", style="red")
     else:
-        ending = f"{tasks} tasks done, {replay.end.status}"
+        ending = f"{tasks} tasks done, {record.end.status}"
         out.print(f"legal: {steps} steps, {ending}", markup=False, style="green")
-    for line in why_so_late(replay.mission, chain):
+    for line in why_so_late(record.true_mission, chain):
         out.print(line, markup=False)
-    against = "" if scenario is None else f"; the scenario is that of {scenario}"
+    against = "" if mission is None else f"; the mission is that of {mission}"
     out.print(f"checked {GUARANTEE}{against}", markup=False, style="dim")
     words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in claimed.items())
     out.print(f"only claimed by the record: {words}", markup=False, style="dim")
     return 1 if findings else 0
 
 
-def _refuse_fleets(replay: Record, path: Path) -> None:
+def _refuse_fleets(record: Record, path: Path) -> None:
     """Refuse what was seen of a fleet: the rules of steps do not hold between them."""
-    if replay.method == FLEET:
+    if record.method == FLEET:
         raise TeamformerError(
             f"{path}: this was seen of a fleet, once a step; check judges the steps of `run`, "
             "and a fleet's robots walk and join in between",
@@ -83,13 +83,13 @@ def _refuse_fleets(replay: Record, path: Path) -> None:
         )
 
 
-def _claims(replay: Record) -> dict[str, Any]:
+def _claims(record: Record) -> dict[str, Any]:
     """Return what a record says of itself that its steps cannot show."""
     return {
-        "method": replay.method,
-        "seed": replay.seed,
-        "illegal_decisions": replay.end.illegal_decisions,
-        "lower_bound": replay.lower_bound,
+        "method": record.method,
+        "seed": record.seed,
+        "illegal_decisions": record.end.illegal_decisions,
+        "lower_bound": record.lower_bound,
     }
 
 

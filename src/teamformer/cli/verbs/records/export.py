@@ -17,7 +17,7 @@ MISSIONS = (".yaml", ".yml", ".json")
 HINT = "name .mcap for Foxglove, .gif, .yaml for the mission, or a folder for tables"
 
 
-def export(record: Path, wanted: Sequence[Path]) -> int:
+def export(source: Path, wanted: Sequence[Path]) -> int:
     """Write a record into each of the files wanted, as its ending says; return the exit status.
 
     `.mcap` and `.gif` are as named, `.yaml`, `.yml` and `.json` the mission with all that happened
@@ -27,14 +27,14 @@ def export(record: Path, wanted: Sequence[Path]) -> int:
     """
     exporters: list[tuple[Brought, Path]] = []
     for path in wanted:
-        if path.resolve() == record.resolve():
+        if path.resolve() == source.resolve():
             raise TeamformerError(f"{path}: this is the record itself", "name another file")
         exporters.append((_exporter_of(path), path))
-    replay = read_record(record)
+    record = read_record(source)
     for path in wanted:
         (prepare_folder if _is_folder(path) else prepare_file)(path)
     for exporter, path in exporters:
-        for written in exporter.call(replay, path) or (path,):
+        for written in exporter.call(record, path) or (path,):
             say(f"file: {written}")
     return 0
 

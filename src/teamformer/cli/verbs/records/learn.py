@@ -16,29 +16,29 @@ from teamformer.trials.advice.experience import Experience, learn
 MOST_LINES = 15
 
 
-def learn_from(path: Path, records: Sequence[Path], learned: Path) -> int:
+def learn_from(path: Path, paths: Sequence[Path], learned: Path) -> int:
     """Write a mission as records of its site show it, and say what changed; return the status.
 
-    A folder stands for all `replay.json` in it. Raises `TeamformerError` if the file to be written
+    A folder stands for all `record.json` in it. Raises `TeamformerError` if the file to be written
     is there already.
     """
     refuse_existing(learned)
     mission = read_mission(path)
-    replays = [read_record(record) for record in _listed(records)]
-    experience = learn(mission, replays)
+    records = [read_record(one) for one in _listed(paths)]
+    experience = learn(mission, records)
     prepare_file(learned)
     write_mission(experience.mission, learned)
-    _show(experience, len(replays))
+    _show(experience, len(records))
     say(f"mission: {learned}")
     return 0
 
 
-def _listed(records: Sequence[Path]) -> list[Path]:
+def _listed(paths: Sequence[Path]) -> list[Path]:
     listed: list[Path] = []
-    for path in records:
-        inside = sorted(path.rglob("replay.json")) if path.is_dir() else [path]
+    for path in paths:
+        inside = sorted(path.rglob("record.json")) if path.is_dir() else [path]
         if not inside:
-            raise TeamformerError(f"{path}: there is no replay.json in this folder")
+            raise TeamformerError(f"{path}: there is no record.json in this folder")
         listed += inside
     return listed
 

@@ -46,7 +46,7 @@ def add(path: Path, new: AddedTask, fleet: FleetAt) -> int:
 
     operator = Operator(_task(new, mission), mission.robots)
     _offer(operator, mission, fleet)
-    robots = mission.scenario.robots
+    robots = mission.source.robots
     holders = ", ".join(robots[robot].name for robot in sorted(operator.holders))
     if operator.is_accepted:
         out.print(f"{operator.task.name}: accepted, held by {holders}", markup=False)
@@ -76,7 +76,7 @@ def _offer(operator: Operator, mission: FleetMission, fleet: FleetAt) -> None:
                     operator.hear(message)
             new, told = operator.holders - told, frozenset(operator.holders)
             if new:
-                names = ", ".join(mission.scenario.robots[robot].name for robot in sorted(new))
+                names = ", ".join(mission.source.robots[robot].name for robot in sorted(new))
                 say(f"heard by {names}")
             if not told and not is_silence_told and time.monotonic() > begun + SILENCE:
                 is_silence_told = True
@@ -89,15 +89,15 @@ def _task(new: AddedTask, mission: FleetMission) -> TaskFact:
     """Return the task to add; raises `TeamformerError` for one that no fleet would take."""
     from teamformer.fleet.messages import LONGEST, MOST_NAME, TaskFact
 
-    scenario, name = mission.scenario, new.name.strip()
+    source, name = mission.source, new.name.strip()
     if not 0 < len(name) <= MOST_NAME:
         raise TeamformerError(f"the task's name has {len(name)} letters", f"use 1 to {MOST_NAME}")
-    if name in {task.name for task in scenario.tasks}:
+    if name in {task.name for task in source.tasks}:
         raise TeamformerError(f"the mission has a task '{name}' already", "use another name")
     x, y = _place(new.at)
     if not mission.is_site(x, y):
         raise TeamformerError(f"--at {new.at} is no free place of the map", "name another one")
-    needs = _needs(new.needs, scenario.capabilities)
+    needs = _needs(new.needs, source.capabilities)
     duration = new.duration * mission.step
     if duration > LONGEST:
         raise TeamformerError(f"--duration {new.duration:g} is too long", "use fewer steps")

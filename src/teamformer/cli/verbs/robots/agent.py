@@ -35,7 +35,7 @@ def agent(path: Path, options: AgentOptions) -> int:
     from teamformer.fleet.transports.keys import read_keys
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
-    robot = _number_of(mission.scenario, options.robot)
+    robot = _number_of(mission.source, options.robot)
     keys = read_keys(options.keys)
     endpoints = [*([options.listen] if options.listen else []), *options.connect]
     if not endpoints:
@@ -63,8 +63,8 @@ def agent(path: Path, options: AgentOptions) -> int:
         transport.close()
 
 
-def _number_of(scenario: Mission, name: str) -> int:
-    names = [robot.name for robot in scenario.robots]
+def _number_of(mission: Mission, name: str) -> int:
+    names = [robot.name for robot in mission.robots]
     if name not in names:
         shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
         raise TeamformerError(f"there is no robot '{name}' in the mission", f"there are {shown}")

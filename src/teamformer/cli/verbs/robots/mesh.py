@@ -33,8 +33,8 @@ def read_fleet_mission(path: Path, *libraries: str) -> FleetMission:
     require("fleet", "msgspec", *libraries)
     from teamformer.fleet.fleet_mission import FleetMission
 
-    scenario = read_mission(path, rules_of_simulated_missions)
-    return FleetMission(scenario, scenario.seconds_a_step)
+    mission = read_mission(path, rules_of_simulated_missions)
+    return FleetMission(mission, mission.seconds_a_step)
 
 
 def check_method(name: str) -> None:

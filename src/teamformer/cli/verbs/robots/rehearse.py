@@ -145,9 +145,9 @@ def _play_again(stage: Any, options: RehearseOptions, schedule: int, as_json: bo
     is_recorded = options.folder is not None or options.foxglove is not None
     trace = Trace(with_messages=is_recorded)
     rehearsal, outcome, violations = play(stage.mission, stage.plan, faults, trace, stage.method)
-    replay = record_of(rehearsal, outcome, trace.events, options.seed) if is_recorded else None
-    if options.folder is not None and replay is not None:
-        write_and_say(replay, options.folder)
+    record = record_of(rehearsal, outcome, trace.events, options.seed) if is_recorded else None
+    if options.folder is not None and record is not None:
+        write_and_say(record, options.folder)
     if as_json:
         row = {"schedule": schedule, "faults": list(faults.kinds), "violations": violations}
         print_json({**row, **vars(outcome)})
@@ -160,8 +160,8 @@ def _play_again(stage: Any, options: RehearseOptions, schedule: int, as_json: bo
         if outcome.makespan is not None:
             last = f"the last of {outcome.tasks_done} tasks done after {outcome.makespan:.2f} s"
         out.print(f"schedule {schedule}: {outcome.status}; {last}", markup=False)
-    if options.foxglove is not None and replay is not None:
-        play_in_foxglove(replay, options.foxglove)
+    if options.foxglove is not None and record is not None:
+        play_in_foxglove(record, options.foxglove)
     return 1 if violations or outcome.status == "blocked" else 0
 
 

@@ -53,11 +53,11 @@ class FlightOptions:
 
 def fly(path: Path, options: FlightOptions, as_json: bool) -> int:
     """Fly a mission, write its pictures and show what came of it; return the exit status."""
-    scenario = read_mission(path, find_problems)
+    mission = read_mission(path, find_problems)
     if options.simulator not in SIMULATORS:
         choices = f"use {', '.join(SIMULATORS)}"
         raise TeamformerError(f"there is no simulator '{options.simulator}'", choices)
-    method = _decentralised(options.method, scenario)
+    method = _decentralised(options.method, mission)
     film: Any = None
     if options.folder is not None:
         from teamformer.robotarium.draw import Film
@@ -66,7 +66,7 @@ def fly(path: Path, options: FlightOptions, as_json: bool) -> int:
         film = Film()
     compile_ahead([method])
     done = run_experiment(
-        scenario,
+        mission,
         method,
         options.seed,
         "rps" if options.simulator == "rps" else "plant",
@@ -101,15 +101,15 @@ def deploy(path: Path, folder: Path, method: str) -> int:
     from teamformer.robotarium.deployment.folder import deploy as write
     from teamformer.robotarium.deployment.folder import verify
 
-    scenario = read_mission(path, find_problems)
+    mission = read_mission(path, find_problems)
     prepare_folder(folder)
-    files = write(scenario, method, SEED, folder)
+    files = write(mission, method, SEED, folder)
     main = files[0]
     say(f"written: {len(files)} files in {folder}; upload all and mark {main.name} as main")
     if find_spec("rps") is None:
         say("without robotarium-python-simulator: the folder was not run")
         return 0
-    expected = run_experiment(scenario, load_method(method), SEED).row()
+    expected = run_experiment(mission, load_method(method), SEED).row()
     found = verify(folder)
     _show_comparison(found, expected)
     is_same = all(found[key] == expected[key] for key in COMPARED)
@@ -159,15 +159,15 @@ def _show_comparison(found: dict[str, Any], expected: dict[str, Any]) -> None:
 def _write(done: Experiment, film: Any, folder: Path) -> None:
     row = folder / "result.json"
     write_whole(row, json.dumps(done.row(), indent=1, ensure_ascii=False) + "\n")
-    for path in [row, *film.write(done.scenario, folder)]:
+    for path in [row, *film.write(done.mission, folder)]:
         say(f"written: {path}")
 
 
 def _show(done: Experiment) -> None:
-    scenario, outcome, faults = done.scenario, done.outcome, done.faults
-    out.print(Text(f"{scenario.name}: {done.method}, seed {done.seed}", style="bold"))
+    mission, outcome, faults = done.mission, done.outcome, done.faults
+    out.print(Text(f"{mission.name}: {done.method}, seed {done.seed}", style="bold"))
     table = Table("seconds", "task", "needs", box=None, header_style="dim")
-    finished = sorted(zip(outcome.done_at, scenario.tasks, strict=True), key=_when)
+    finished = sorted(zip(outcome.done_at, mission.tasks, strict=True), key=_when)
     for tick, task in finished:
         when = "-" if tick is None else f"{tick * TICK:.1f}"
         table.add_row(when, Text(task.name), Text(describe(task.needs)))

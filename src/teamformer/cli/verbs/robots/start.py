@@ -43,7 +43,7 @@ def start(path: Path, options: StartOptions, as_json: bool) -> int:
 
 def _row(mission: FleetMission, result: FleetResult) -> dict[str, Any]:
     """Return what `--json` prints."""
-    robots = mission.scenario.robots
+    robots = mission.source.robots
     makespan = max((done.at for done in result.done), default=None)
     done = [
         {
@@ -67,7 +67,7 @@ def _show(mission: FleetMission, row: dict[str, Any]) -> None:
     end = f"all done after {row['makespan']:.2f} s" if row["completed"] else "not all done"
     alive = f"{row['robots_alive']} of {mission.robots} robots left"
     out.print(
-        f"{mission.scenario.name}: {end}; {row['tasks_done']} of {row['tasks']} tasks, {alive}",
+        f"{mission.source.name}: {end}; {row['tasks_done']} of {row['tasks']} tasks, {alive}",
         style="green" if row["completed"] else "red",
         markup=False,
     )

@@ -33,7 +33,7 @@ def watch(
         onlooker = stack.enter_context(contextlib.closing(_observe(path, fleet, folder)))
         if foxglove is not None:
             follower = stack.enter_context(
-                contextlib.closing(follow_in_foxglove(onlooker.watch.scenario.name, foxglove))
+                contextlib.closing(follow_in_foxglove(onlooker.watch.source.name, foxglove))
             )
             onlooker.on_step = follower.follow
         serve_page(onlooker, "fleet", address)

@@ -55,8 +55,8 @@ class Nav2Body:
                     f"--body nav2 cannot take up loads, and task '{task.name}' has one",
                     "drop to and unload, or write a body of your own: docs/how-to/robots.md",
                 )
-        self._address, self._world = address, mission.scenario.world
-        self._name = mission.scenario.robots[robot].name
+        self._address, self._world = address, mission.source.world
+        self._name = mission.source.robots[robot].name
         self._names = {task.key: task.name for task in mission.tasks}
         self._command = Command()
         self._sent = float("-inf")  # when the goal was last sent, or the robot last moved

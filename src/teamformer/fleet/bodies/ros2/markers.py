@@ -29,7 +29,7 @@ class Markers:
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._publisher = node.create_publisher(MarkerArray, TOPIC, latched)
         self._mission, self._frame = mission, frame
-        self._name = mission.scenario.robots[robot].name
+        self._name = mission.source.robots[robot].name
         self._shown: tuple[Any, ...] = ()
 
     def show(self, at: tuple[float, float], command: Command) -> None:
@@ -48,7 +48,7 @@ class Markers:
             colour = GREY
             if task.key == command.task:
                 colour = GREEN if command.serve else BLUE
-            x, y = metres_of(self._mission.scenario.world, (task.x, task.y))
+            x, y = metres_of(self._mission.source.world, (task.x, task.y))
             box = self._marker(2 * number, Marker.CUBE, (x, y, 0.05), colour)
             box.scale.x = box.scale.y = 0.4
             box.scale.z = 0.1
@@ -62,7 +62,7 @@ class Markers:
         if command.place is None:
             line.action = Marker.DELETE
         else:
-            goal = metres_of(self._mission.scenario.world, command.place)
+            goal = metres_of(self._mission.source.world, command.place)
             line.points = [Point(x=x, y=y) for x, y in (at, goal)]
         return [self._text(ROBOT, self._name, *at), line]
 

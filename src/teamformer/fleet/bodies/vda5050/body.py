@@ -46,7 +46,7 @@ class Vda5050Body:
     def __init__(self, url: str, mission: FleetMission, robot: int) -> None:
         address = read_address(url)
         self._map, self._dialect = address.map, address.dialect
-        self._name = mission.scenario.robots[robot].name
+        self._name = mission.source.robots[robot].name
         self._tasks = {task.key: task for task in mission.tasks}
         self._lock = threading.Lock()
         self._watch = VehicleWatch(address, self._say)

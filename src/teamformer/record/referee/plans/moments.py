@@ -23,7 +23,7 @@ class News:
 
 
 def judge_moments(
-    replay: Record, tasks: Tasks, news: Sequence[News], is_running: bool, notes: Notes
+    record: Record, tasks: Tasks, news: Sequence[News], is_running: bool, notes: Notes
 ) -> None:
     """Check that orders and plans were made after the steps after which they are.
 
@@ -32,13 +32,13 @@ def judge_moments(
     """
     last = len(news) - 1
     told = range(last + 1 if is_running else last)  # who makes plans once all is over?
-    _judge_orders(replay, tasks, last, notes)
-    if replay.is_coordinated:
-        due = _plan_reasons(replay, tasks, news, told)
-        taken = {steps for steps, plan in replay.plans if TAKEN_OVER in plan.reasons}
-        made = {steps for steps, _ in replay.plans}
+    _judge_orders(record, tasks, last, notes)
+    if record.is_coordinated:
+        due = _plan_reasons(record, tasks, news, told)
+        taken = {steps for steps, plan in record.plans if TAKEN_OVER in plan.reasons}
+        made = {steps for steps, _ in record.plans}
         _compare(made, set(due) | (taken & set(told)), notes)
-        for steps, plan in replay.plans:
+        for steps, plan in record.plans:
             more = (TAKEN_OVER,) if TAKEN_OVER in plan.reasons else ()
             wanted = (*due.get(steps, ()), *more)
             if steps in told and plan.reasons != wanted:
@@ -46,16 +46,16 @@ def judge_moments(
                 notes.note(f"the plan made after {steps} steps says another reason than {why}")
 
 
-def _judge_orders(replay: Record, tasks: Tasks, last: int, notes: Notes) -> None:
+def _judge_orders(record: Record, tasks: Tasks, last: int, notes: Notes) -> None:
     """Check that there is an order at the start, when tasks appear, and with plans."""
     opened = {0, *tasks.arrivals()}
-    made = {steps for steps, _ in replay.orders}
+    made = {steps for steps, _ in record.orders}
     for steps in sorted(opened - made):
         if steps <= last:
             notes.note(f"there is no order from after {steps} steps, when tasks appeared")
     for steps in sorted(step for step in made if step > last):
         notes.note(f"there is an order from after {steps} steps, but only {last} were made")
-    planned = {steps for steps, _ in replay.plans}
+    planned = {steps for steps, _ in record.plans}
     for steps in sorted(step for step in made - opened - planned if step <= last):
         notes.note(f"there is an order from after {steps} steps, when no task appeared")
     for steps in sorted(planned - made):
@@ -69,12 +69,12 @@ def _compare(made: Set[int], due: Set[int], notes: Notes) -> None:
         notes.note(f"there is a plan from after {steps} steps, when nothing happened to plan for")
 
 
-def _left_out(replay: Record, tasks: Tasks) -> set[int]:
+def _left_out(record: Record, tasks: Tasks) -> set[int]:
     """Return after how many steps a task may begin, after others, that nobody is planned to do."""
-    orders, left_out = dict(replay.orders), set[int]()
-    for task, wanted in enumerate(replay.scenario.tasks):
+    orders, left_out = dict(record.orders), set[int]()
+    for task, wanted in enumerate(record.mission.tasks):
         opens = tasks.opens_after(task) if wanted.after else None
-        made = [row for row in replay.plans if opens is not None and row[0] < opens]
+        made = [row for row in record.plans if opens is not None and row[0] < opens]
         if opens is None or not made:
             continue
         steps, plan = made[-1]
@@ -85,15 +85,15 @@ def _left_out(replay: Record, tasks: Tasks) -> set[int]:
 
 
 def _plan_reasons(
-    replay: Record, tasks: Tasks, news: Sequence[News], told: Sequence[int]
+    record: Record, tasks: Tasks, news: Sequence[News], told: Sequence[int]
 ) -> dict[int, tuple[str, ...]]:
     """Return why a plan is made after each of the steps after which one is."""
-    opened = tasks.arrivals() | _left_out(replay, tasks)
+    opened = tasks.arrivals() | _left_out(record, tasks)
     due = {}
     for steps in told:
         first = (START,) if steps == 0 else (APPEARED,) if steps in opened else ()
         heard = tuple(
-            why for why in (*first, *news[steps].reasons) if why in (START, *replay.heeds)
+            why for why in (*first, *news[steps].reasons) if why in (START, *record.heeds)
         )
         if heard:
             due[steps] = heard

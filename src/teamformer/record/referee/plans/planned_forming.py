@@ -52,9 +52,9 @@ def check_forming(
     joiners = {joiner for joiner, _ in wanted.walks}
     for slot, team in fleet.teams.items():
         team.may_seek = slot in joiners
-    on_the_way = set[Join]() if fleet.scenario.forming_steps else wanted.walks
+    on_the_way = set[Join]() if fleet.mission.forming_steps else wanted.walks
     for joiner, partner in sorted(wanted.joins ^ (set(step.joins) - on_the_way)):
-        one, other = (fleet.scenario.robots[slot].name for slot in (joiner, partner))
+        one, other = (fleet.mission.robots[slot].name for slot in (joiner, partner))
         how = f"the team of robot {one} joins that of robot {other}"
         notes.note(_otherwise(how, (joiner, partner) in wanted.joins))
 
@@ -108,7 +108,7 @@ def _due_split(
     fitting = (part for part in meant if first_that_fit(fleet, robots, part) == part)
     part = next(fitting, (robots[0],))
     stay = first_that_fit(fleet, robots, part)
-    is_all = covers(total(fleet.scenario.robots[robot].can for robot in part), team.counts)
+    is_all = covers(total(fleet.mission.robots[robot].can for robot in part), team.counts)
     if is_all or not stay:
         return None
     return stay, tuple(robot for robot in robots if robot not in stay)

@@ -13,15 +13,15 @@ from teamformer.record.referee.rules.verdict import Notes
 class PlannedTasks:
     """Who does each task, and in which order, by the plans that the record has step by step."""
 
-    def __init__(self, replay: Record) -> None:
-        self.scenario = replay.mission
-        self.decide = _is_followed(replay)
-        self._plans = dict(replay.plans)
-        self._scouts = {steps: dict(scouts) for steps, scouts in replay.scouts}
+    def __init__(self, record: Record) -> None:
+        self.mission = record.true_mission
+        self.decide = _is_followed(record)
+        self._plans = dict(record.plans)
+        self._scouts = {steps: dict(scouts) for steps, scouts in record.scouts}
         self._looks: dict[int, int] = {}  # the task that a robot looks at first
-        self._took = [step.took for step in replay.steps]
+        self._took = [step.took for step in record.steps]
         self._routes: dict[int, list[int]] = {}  # each robot's tasks in the plan's order
-        self._orders = dict(replay.orders)
+        self._orders = dict(record.orders)
         self._rank: dict[int, int] = {}
 
     def looked_at(self) -> set[int]:
@@ -111,7 +111,7 @@ class PlannedTasks:
         if took and (made_anew or not fleet.is_coordinated or not is_in_order):
             notes.note("robots exchange parts of no plan, or twice, or not in order")
         for one, other in took:
-            of, to = (self.scenario.robots[robot] for robot in (one, other))
+            of, to = (self.mission.robots[robot] for robot in (one, other))
             teams = [team for team in fleet.teams.values() if {one, other} <= team.robots]
             is_like = (of.can, of.speed, of.flies) == (to.can, to.speed, to.flies) and one < other
             if not is_like or not teams or teams[0].services:
@@ -120,10 +120,10 @@ class PlannedTasks:
                 )
 
 
-def _is_followed(replay: Record) -> bool:
+def _is_followed(record: Record) -> bool:
     """Say whether teams decide by plans: some robots have a task, and no decision names one."""
-    has_coalitions = any(any(plan.coalitions) for _, plan in replay.plans)
-    return has_coalitions and not any(step.named for step in replay.steps)
+    has_coalitions = any(any(plan.coalitions) for _, plan in record.plans)
+    return has_coalitions and not any(step.named for step in record.steps)
 
 
 def check_assignments(
@@ -147,4 +147,4 @@ def check_assignments(
 
 
 def _name(fleet: Fleet, task: int | None) -> str:
-    return "nothing" if task is None else f"task {fleet.scenario.tasks[task].name}"
+    return "nothing" if task is None else f"task {fleet.mission.tasks[task].name}"

@@ -34,7 +34,7 @@ def check_named(fleet: Fleet, named: Sequence[int], notes: Notes) -> None:
         notes.note("the record names tasks, which it does only where there are plans")
     for slot in named:
         if slot not in fleet.teams:
-            robot = fleet.scenario.robots[slot].name
+            robot = fleet.mission.robots[slot].name
             notes.note(f"the record names the task of a team of robot {robot} that is not there")
 
 
@@ -42,7 +42,7 @@ def check_pursuits(
     fleet: Fleet, tasks: Tasks, step: Step, before: Assignments, number: int, notes: Notes
 ) -> None:
     """Check once all is assigned that the record says what teams pursued where it has to."""
-    names = [task.name for task in fleet.scenario.tasks]
+    names = [task.name for task in fleet.mission.tasks]
     said = dict(step.pursued)
     for slot, goal in step.pursued:
         if slot not in fleet.teams:
@@ -67,7 +67,7 @@ def _check_sure_one(
 ) -> None:
     untold = None if team.pursues == kept else team.pursues
     if said != untold:
-        names = ["nothing", *(f"task {task.name}" for task in fleet.scenario.tasks)]
+        names = ["nothing", *(f"task {task.name}" for task in fleet.mission.tasks)]
         does, should = (names[0 if task is None else task + 1] for task in (said, untold))
         notes.note(f"the record has {fleet.name(team)} pursue {does} in the end; it is {should}")
 

@@ -19,13 +19,13 @@ SMALLEST_SQUARE = 1e-3  # metres
 class _Places:
     """Finds the tasks in a place, by cell; on a plane by squares as wide as the arrival radius."""
 
-    def __init__(self, scenario: Mission) -> None:
-        self._scenario = scenario
-        world = scenario.world
+    def __init__(self, mission: Mission) -> None:
+        self._mission = mission
+        world = mission.world
         self._reach = 0 if isinstance(world, Grid) else 1  # squares around
         self._side = 1.0 if isinstance(world, Grid) else max(world.arrival_radius, SMALLEST_SQUARE)
         self._tasks: dict[tuple[int, int], list[int]] = defaultdict(list)
-        self._at = [task.at for task in scenario.tasks]
+        self._at = [task.at for task in mission.tasks]
         for number, place in enumerate(self._at):
             self._tasks[self._square(place)].append(number)
 
@@ -44,7 +44,7 @@ class _Places:
         column, row = self._square(place)
         around = range(-self._reach, self._reach + 1)
         near = (self._tasks.get((column + i, row + j), ()) for i in around for j in around)
-        world = self._scenario.world
+        world = self._mission.world
         return sorted(k for part in near for k in part if are_together(world, place, self._at[k]))
 
     def _square(self, place: Place) -> tuple[int, int]:
@@ -60,27 +60,27 @@ class Tasks:
 
     def __init__(
         self,
-        scenario: Mission,
+        mission: Mission,
         believed: Mission | None = None,
         is_coordinated: bool = False,
     ) -> None:
-        self.scenario = scenario
+        self.mission = mission
         self._is_coordinated = is_coordinated
         self.done: dict[int, int] = {}  # task -> step
         self.cancelled: dict[int, int] = {}  # task -> step in which it was called off, undone
         self.any_broken_off = self.any_overdue = False
-        self._believed = (believed or scenario).tasks
+        self._believed = (believed or mission).tasks
         self._expected: dict[int, int] = {}  # task -> steps that its service is to take
-        self._number = {task.name: number for number, task in enumerate(scenario.tasks)}
-        self.places = _Places(scenario)
-        self.loads = Loads(scenario)
+        self._number = {task.name: number for number, task in enumerate(mission.tasks)}
+        self.places = _Places(mission)
+        self.loads = Loads(mission)
 
     def opens_after(self, task: int) -> int | None:
         """Return how many steps are made when a task may begin; None if it never may.
 
         That is when it is known, its window begins, and all that it comes after is over.
         """
-        wanted, known = self.scenario.tasks[task], self.known_after(task)
+        wanted, known = self.mission.tasks[task], self.known_after(task)
         before = [self.over_in(self._number[name]) for name in wanted.after]
         if known is None or None in before:
             return None
@@ -90,11 +90,11 @@ class Tasks:
 
     def known_after(self, task: int) -> int | None:
         """Return how many steps are made when a task becomes known; None if it never does."""
-        return self._unless_called_off(task, self.scenario.tasks[task].appears)
+        return self._unless_called_off(task, self.mission.tasks[task].appears)
 
     def _unless_called_off(self, task: int, steps: int) -> int | None:
         """Return `steps`, or None if the task is called off within that many steps."""
-        cancelled = self.scenario.tasks[task].cancelled
+        cancelled = self.mission.tasks[task].cancelled
         return None if cancelled is not None and cancelled <= steps else steps
 
     def shared_out_after(self, task: int) -> int | None:
@@ -111,7 +111,7 @@ class Tasks:
     @property
     def are_over(self) -> bool:
         """Say whether every task is done or called off."""
-        return len(self.done) + len(self.cancelled) == len(self.scenario.tasks)
+        return len(self.done) + len(self.cancelled) == len(self.mission.tasks)
 
     @property
     def last(self) -> int:
@@ -132,7 +132,7 @@ class Tasks:
         """Return the tasks that plans or the paper's order have after `steps_made` steps."""
         return {
             task
-            for task in range(len(self.scenario.tasks))
+            for task in range(len(self.mission.tasks))
             if (since := self.shared_out_after(task)) is not None
             and since <= steps_made
             and ((over := self.over_in(task)) is None or steps_made < over)
@@ -142,7 +142,7 @@ class Tasks:
         """Call off the undone tasks that are cancelled in a step; say whether any is."""
         gone = {
             number
-            for number, task in enumerate(self.scenario.tasks)
+            for number, task in enumerate(self.mission.tasks)
             if task.cancelled == step and number not in self.done
         }
         self.cancelled |= dict.fromkeys(gone, step)
@@ -156,7 +156,7 @@ class Tasks:
 
     def cost(self) -> float | None:
         """Return the mean by weight of what the mission's cost names; None if it has none."""
-        weights, tasks = self.scenario.cost, self.scenario.tasks
+        weights, tasks = self.mission.cost, self.mission.tasks
         if weights is None or not self.are_over:
             return None
         told = {"makespan": float(self.last), "max_tardiness": 0.0}
@@ -173,14 +173,14 @@ class Tasks:
         """Return by how many steps tasks were done after their window, for those that were."""
         late = {}
         for task, step in self.done.items():
-            wanted = self.scenario.tasks[task]
+            wanted = self.mission.tasks[task]
             if wanted.between is not None and step > wanted.between[1]:
                 late[wanted.name] = step - wanted.between[1]
         return late
 
     def arrivals(self) -> set[int]:
         """Return after how many steps there are new tasks to share out."""
-        steps = (self.shared_out_after(task) for task in range(len(self.scenario.tasks)))
+        steps = (self.shared_out_after(task) for task in range(len(self.mission.tasks)))
         return {step for step in steps if step is not None}
 
     def complete(
@@ -262,7 +262,7 @@ class Tasks:
 
     def _expect_end(self, task: int, rest: int) -> None:
         """Expect a service that ought to be over to end amid what is left of the longest."""
-        served = int(self.scenario.tasks[task].duration) - rest
+        served = int(self.mission.tasks[task].duration) - rest
         if served >= self._expected[task]:
             self._expected[task] = (served + 1 + int(self._believed[task].longest) + 1) // 2
             self.any_overdue = True
@@ -286,7 +286,7 @@ class Tasks:
     def _begin(
         self, fleet: Fleet, slot: int, team: RecordedTeam, task: int, found: dict[int, int]
     ) -> None:
-        duration = int(self.scenario.tasks[task].duration)  # whole where there are steps
+        duration = int(self.mission.tasks[task].duration)  # whole where there are steps
         if duration:
             team.services[task] = duration
             self._expected[task] = max(1, int(self._believed[task].duration))
@@ -308,7 +308,7 @@ class Tasks:
     ) -> None:
         if found == recorded:
             return
-        name = self.scenario.tasks[task].name
+        name = self.mission.tasks[task].name
         if recorded is None:
             assert found is not None
             team = fleet.name(fleet.teams[found])
@@ -319,7 +319,7 @@ class Tasks:
             notes.note(f"task {name} cannot be done: {self._why_not(fleet, task, recorded, step)}")
 
     def _why_not(self, fleet: Fleet, task: int, slot: int, step: int) -> str:
-        wanted = self.scenario.tasks[task]
+        wanted = self.mission.tasks[task]
         if task in self.cancelled:
             return f"it was called off in step {self.cancelled[task]}"
         if not self.may_begin(task, step):
@@ -331,7 +331,7 @@ class Tasks:
             return f"it {what} after {opens} steps"
         team = fleet.teams.get(slot)
         if team is None:
-            return f"there is no team of robot {self.scenario.robots[slot].name} as its lowest"
+            return f"there is no team of robot {self.mission.robots[slot].name} as its lowest"
         place = self.places.at(task) if wanted.to is None else wanted.to
         if not fleet.is_at(team, place):
             what = "the task" if wanted.to is None else "where its load is brought"

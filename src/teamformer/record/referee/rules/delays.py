@@ -10,15 +10,15 @@ ALL_BITS = 2**64 - 1
 class DelayDraws:
     """Draws for every robot in every step, by a plain xorshift generator of 64 bits."""
 
-    def __init__(self, scenario: Mission) -> None:
+    def __init__(self, mission: Mission) -> None:
         self._chances = {
             number: robot.delays.chance
-            for number, robot in enumerate(scenario.robots)
+            for number, robot in enumerate(mission.robots)
             if robot.delays is not None
         }
         self._states = {
             number: ((robot.delays.seed or 0) * 2654435769 + 88172645463325252) & ALL_BITS
-            for number, robot in enumerate(scenario.robots)
+            for number, robot in enumerate(mission.robots)
             if robot.delays is not None
         }
 

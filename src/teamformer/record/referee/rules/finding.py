@@ -20,13 +20,13 @@ CHOICES, MOST_PLACES = 8, 100
 """With a view to what may come the nearest places are compared, if there are not too many."""
 
 
-def can_be_at(scenario: Mission, task: Task, place: Place) -> bool:
+def can_be_at(mission: Mission, task: Task, place: Place) -> bool:
     """Say whether a task may really be in a place."""
-    return place in places_of(scenario.world, task)
+    return place in places_of(mission.world, task)
 
 
 def places_of(world: World, task: Task) -> list[Place]:
-    """Return where a task may be, the nearest to where the scenario has it first."""
+    """Return where a task may be, the nearest to where the mission has it first."""
     if not task.within:
         return [task.at]
     assert isinstance(world, Grid | Plane)
@@ -68,16 +68,16 @@ def _one_nearer(at: tuple[int, int], goal: tuple[int, int]) -> tuple[int, int]:
 class PlaceSearch:
     """Which places are left for each task that is not found, and where it is believed to be."""
 
-    def __init__(self, scenario: Mission, ways: ShortestWays, foresight: str) -> None:
-        world = scenario.world
+    def __init__(self, mission: Mission, ways: ShortestWays, foresight: str) -> None:
+        world = mission.world
         here = world.arrival_radius if isinstance(world, Plane) else 0.0
-        self._radius = max(scenario.finding_radius, here)
+        self._radius = max(mission.finding_radius, here)
         self._unit = world.unit if isinstance(world, Plane) else 1
         self._plans_looks = foresight == "scouting"
         self._ways = ways
         self._left = {
             number: places_of(world, task)
-            for number, task in enumerate(scenario.tasks)
+            for number, task in enumerate(mission.tasks)
             if task.within
         }
         self._first = {number: places[0] for number, places in self._left.items()}
@@ -107,12 +107,12 @@ class PlaceSearch:
         moved: set[tuple[int, float, float]] = set()
         for task in sorted(self._left):
             if tasks.is_open(task, number - 1):
-                self._look_for(fleet, task, tasks.scenario.tasks[task].at, found, moved)
+                self._look_for(fleet, task, tasks.mission.tasks[task].at, found, moved)
         is_elsewhere = any(task in found for task, _, _ in moved)
         if is_elsewhere or not found.isdisjoint(looked_at):
             self.news_after.add(number)
         self._found_after |= dict.fromkeys(found, number)
-        self._compare(found, moved, step, tasks.scenario, notes)
+        self._compare(found, moved, step, tasks.mission, notes)
         return is_elsewhere
 
     def _look_for(

@@ -39,7 +39,7 @@ def split_teams(fleet: Fleet, step: Step, notes: Notes) -> None:
 
 def first_that_fit(fleet: Fleet, robots: Iterable[int], wanted: Iterable[int]) -> tuple[int, ...]:
     """Return the robots that, taken in order, fit into what the `wanted` ones bring together."""
-    can = [robot.can for robot in fleet.scenario.robots]
+    can = [robot.can for robot in fleet.mission.robots]
     room, stay = total(can[robot] for robot in wanted), list[int]()
     for robot in sorted(robots):
         if covers(room, total(can[other] for other in (*stay, robot))):
@@ -51,7 +51,7 @@ def join_teams(fleet: Fleet, joins: tuple[tuple[int, int], ...], notes: Notes) -
     """Make one team of each pair that the step says has joined."""
     for joiner, partner in joins:
         if joiner == partner or joiner not in fleet.teams or partner not in fleet.teams:
-            names = [fleet.scenario.robots[slot].name for slot in (joiner, partner)]
+            names = [fleet.mission.robots[slot].name for slot in (joiner, partner)]
             notes.note(f"a join of {names[0]} with {names[1]} is not one of two teams")
             continue
         one, other = fleet.teams.pop(joiner), fleet.teams.pop(partner)
@@ -89,19 +89,19 @@ def check_reach(fleet: Fleet, pairs: tuple[tuple[int, int], ...], notes: Notes) 
 
 def due_losses(fleet: Fleet, number: int) -> set[int]:
     """Return the robots that a step loses."""
-    robots = enumerate(fleet.scenario.robots)
+    robots = enumerate(fleet.mission.robots)
     return {r for r, robot in robots if any(away.lost == number for away in robot.absences)}
 
 
 def lose_robots(fleet: Fleet, step: Step, due: set[int], notes: Notes) -> None:
     """Take out the robots that are lost in this step, and say where the record differs."""
     for robot in sorted(due ^ set(step.lost)):
-        name = fleet.scenario.robots[robot].name
-        when = _steps(away.lost for away in fleet.scenario.robots[robot].absences)
+        name = fleet.mission.robots[robot].name
+        when = _steps(away.lost for away in fleet.mission.robots[robot].absences)
         if robot in due:
             notes.note(f"robot {name} is lost in this step and the record keeps it")
         else:
-            notes.note(f"the record loses robot {name} here, the scenario {when}")
+            notes.note(f"the record loses robot {name} here, the mission {when}")
     if len(set(step.lost)) < len(step.lost):
         notes.note("the record loses a robot twice")
     named = {entry.slot for entry in step.teams}
@@ -124,7 +124,7 @@ def return_robots(fleet: Fleet, step: Step, number: int, notes: Notes) -> bool:
     Says where the record differs. Where nobody of a team was left, the record did not say how it
     went on in that step, and now shows it.
     """
-    robots = fleet.scenario.robots
+    robots = fleet.mission.robots
     backs = [[away.back for away in robot.absences] for robot in robots]
     due = {robot for robot in fleet.lost if number in backs[robot]}
     for robot in sorted(due ^ set(step.back)):
@@ -132,7 +132,7 @@ def return_robots(fleet: Fleet, step: Step, number: int, notes: Notes) -> bool:
         if robot in due:
             notes.note(f"robot {name} is back in this step, and the record does not say so")
         else:
-            notes.note(f"the record has robot {name} back here, the scenario {when}")
+            notes.note(f"the record has robot {name} back here, the mission {when}")
     if len(set(step.back)) < len(step.back):
         notes.note("the record has a robot back twice")
     places = {entry.slot: (entry.x, entry.y) for entry in step.teams}
@@ -151,10 +151,10 @@ def return_robots(fleet: Fleet, step: Step, number: int, notes: Notes) -> bool:
 
 
 def _steps(numbers: Iterable[int | None]) -> str:
-    """Return the steps of a scenario as words."""
+    """Return the steps of a mission as words."""
     return ", ".join(str(number) for number in numbers if number is not None) or "never"
 
 
 def list_robots(fleet: Fleet, robots: tuple[int, ...]) -> str:
     """Return robots by name, in brackets."""
-    return f"[{', '.join(fleet.scenario.robots[robot].name for robot in robots)}]"
+    return f"[{', '.join(fleet.mission.robots[robot].name for robot in robots)}]"

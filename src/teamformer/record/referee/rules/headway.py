@@ -38,10 +38,10 @@ class ShortestWays:
     `goals` says where tasks are that teams walk to, as they believe.
     """
 
-    def __init__(self, scenario: Mission) -> None:
-        self._world = scenario.world
+    def __init__(self, mission: Mission) -> None:
+        self._world = mission.world
         self._floods: dict[Place, _Flood] = {}
-        self.goals = {number: task.at for number, task in enumerate(scenario.tasks)}
+        self.goals = {number: task.at for number, task in enumerate(mission.tasks)}
 
     def between(self, place: Place, goal: Place, flies: bool = False) -> float:
         """Return cells, or metres on a plane; infinity where no way is."""
@@ -144,7 +144,7 @@ class _Walk:
         assert team.walked_from is not None
         self._fleet, self._ways, self._team = fleet, ways, team
         self._starts = {team.walked_from, team.walked_from if team.met_at is None else team.met_at}
-        self._is_plane = isinstance(fleet.scenario.world, Plane)
+        self._is_plane = isinstance(fleet.mission.world, Plane)
 
     def leads_to(self, goal: Place | None, slack: float = 0.0) -> bool:
         """Say whether it is the walk of one who goes to a place, or stays if there is none.
@@ -194,7 +194,7 @@ class _Walk:
         if task is None:
             return f"{name} {did}; it pursues no task, so that it must stay"
         wanted, to_go = (
-            self._fleet.scenario.tasks[task].name,
+            self._fleet.mission.tasks[task].name,
             self._ways.between(start, goals[task], team.flew),
         )
         due = min(team.walked_at if self._is_plane else self._least_cells(), to_go)
@@ -208,14 +208,14 @@ def _partners_in_reach(
     fleet: Fleet, team: RecordedTeam, moves: Sequence[Move]
 ) -> Iterator[tuple[Place, float]]:
     """Return where teams are and were that a team may have walked to, and how surely, in metres."""
-    world = fleet.scenario.world
+    world = fleet.mission.world
     here = world.arrival_radius if isinstance(world, Plane) else 0.0
-    if fleet.scenario.join_radius <= here:
+    if fleet.mission.join_radius <= here:
         return
     assert team.walked_from is not None
     for other in moves:
         away = math.dist(team.walked_from, other.decided_at)
-        if other.robot not in team.robots and away <= fleet.scenario.join_radius + ROUNDING:
+        if other.robot not in team.robots and away <= fleet.mission.join_radius + ROUNDING:
             slack = here if other.has_joined else 0.0
             for place in (*other.starts, team.at if other.end is None else other.end):
                 yield place, slack

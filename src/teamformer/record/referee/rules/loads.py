@@ -22,8 +22,8 @@ class _LoadPlaces(Protocol):
 class Loads:
     """Which loads are carried, and what befell them in the latest step."""
 
-    def __init__(self, scenario: Mission) -> None:
-        self._tasks = scenario.tasks
+    def __init__(self, mission: Mission) -> None:
+        self._tasks = mission.tasks
         self._up: set[int] = set()
         self._taken: list[tuple[int, int]] = []  # in this step: load, slot
         self._left: dict[int, Place] = {}  # in this step: where loads were set down

@@ -14,13 +14,13 @@ BY_FIRST = ("teams", "done", "moved", "taken", "left", "pursued")
 NUMBERS = ("lost", "back", "named", "shown", "found")
 
 
-def judge_rows(replay: Record, notes: Notes) -> None:
+def judge_rows(record: Record, notes: Notes) -> None:
     """Check that what was made after some steps comes in their order, once for each."""
     for name in ("orders", "plans", "scouts"):
-        steps = [made for made, _ in getattr(replay, name)]
+        steps = [made for made, _ in getattr(record, name)]
         if any(one >= other for one, other in pairwise(steps)):
             notes.note(f"the rows of {name} are not in order of steps, one for each")
-    if list(replay.start) != sorted(replay.start):
+    if list(record.start) != sorted(record.start):
         notes.note("the starting teams are not in order of their slots")
 
 

@@ -68,33 +68,33 @@ class Fleet:
     """All teams by slot, the lowest robot number in each."""
 
     def __init__(
-        self, scenario: Mission, teams: dict[int, RecordedTeam], is_coordinated: bool = False
+        self, mission: Mission, teams: dict[int, RecordedTeam], is_coordinated: bool = False
     ) -> None:
-        self.scenario, self.is_coordinated = scenario, is_coordinated
-        world, reach = scenario.world, scenario.join_radius
+        self.mission, self.is_coordinated = mission, is_coordinated
+        world, reach = mission.world, mission.join_radius
         self.reach = max(reach, world.arrival_radius) if isinstance(world, Plane) else reach
         self.teams = teams
         self.lost: dict[int, RecordedTeam] = {}  # robots not back, and the team each was lost from
 
     def covers(self, team: RecordedTeam, task: int) -> bool:
         """Say whether a team has everything that a task needs."""
-        return covers(team.counts, self.scenario.tasks[task].needs)
+        return covers(team.counts, self.mission.tasks[task].needs)
 
     def name(self, team: RecordedTeam) -> str:
         """Name a team by its robots."""
-        names = [self.scenario.robots[robot].name for robot in sorted(team.robots)]
+        names = [self.mission.robots[robot].name for robot in sorted(team.robots)]
         shown = names if len(names) <= 6 else [*names[:5], f"and {len(names) - 5} more"]
         return f"team [{', '.join(shown)}]"
 
     def is_at(self, team: RecordedTeam, place: Place) -> bool:
         """Say whether a team is in a place: in its cell, or near enough on a plane."""
-        return are_together(self.scenario.world, team.at, place)
+        return are_together(self.mission.world, team.at, place)
 
     def put(self, team: RecordedTeam) -> None:
         """Enter a team at its slot."""
-        robots = [self.scenario.robots[robot] for robot in team.robots]
+        robots = [self.mission.robots[robot] for robot in team.robots]
         team.counts = total(robot.can for robot in robots)
-        team.speed = min(self.scenario.world.pace(robot.speed) for robot in robots)
+        team.speed = min(self.mission.world.pace(robot.speed) for robot in robots)
         team.flies = all(robot.flies for robot in robots)
         self.teams[min(team.robots)] = team
 

@@ -16,31 +16,31 @@ from teamformer.record.referee.rules.teams import Fleet, gets_there
 from teamformer.record.referee.rules.verdict import Notes
 
 
-def judge_truth(replay: Record, notes: Notes) -> None:
-    """Check that the mission which was played is one that the scenario allows."""
-    for message in wrong_truths(replay.scenario, replay.mission):
+def judge_truth(record: Record, notes: Notes) -> None:
+    """Check that the mission which was played is one that the mission allows."""
+    for message in wrong_truths(record.mission, record.true_mission):
         notes.note(message)
 
 
-def wrong_truths(scenario: Mission, truth: Mission) -> Iterator[str]:
+def wrong_truths(mission: Mission, truth: Mission) -> Iterator[str]:
     """Say what of a truth a mission does not allow; both have the same tasks and robots."""
-    for task, true in zip(scenario.tasks, truth.tasks, strict=True):
-        if not (_can_be_task(task, true) and can_be_at(scenario, task, true.at)):
+    for task, true in zip(mission.tasks, truth.tasks, strict=True):
+        if not (_can_be_task(task, true) and can_be_at(mission, task, true.at)):
             yield f"task {task.name} cannot really have been like that"
-    if scenario.arrivals is not None:
-        yield from _wrong_arrivals(scenario, scenario.arrivals)
-    for robot, real in zip(scenario.robots, truth.robots, strict=True):
+    if mission.arrivals is not None:
+        yield from _wrong_arrivals(mission, mission.arrivals)
+    for robot, real in zip(mission.robots, truth.robots, strict=True):
         if not _can_be_robot(robot, real):
             yield f"robot {robot.name} cannot really have been like that"
 
 
-def _wrong_arrivals(scenario: Mission, arrivals: Arrivals) -> Iterator[str]:
+def _wrong_arrivals(mission: Mission, arrivals: Arrivals) -> Iterator[str]:
     """Say which tasks that appeared at random cannot have."""
     latest = arrivals.since
-    for task in scenario.tasks:
+    for task in mission.tasks:
         if not task.has_arrived:
             continue
-        near = (r.can for r in scenario.robots if gets_there(scenario.world, r, task.at))
+        near = (r.can for r in mission.robots if gets_there(mission.world, r, task.at))
         able = {cap for cap, count in total(near).items() if count >= 1}
         is_possible = (
             arrivals.rate > 0
@@ -89,13 +89,13 @@ def _can_be_robot(robot: Robot, real: Robot) -> bool:
 class NeedsKnown:
     """What is believed that tasks need, and when that changed."""
 
-    def __init__(self, scenario: Mission, foresight: str) -> None:
-        self._scenario, self._foresight = scenario, foresight
-        self._hidden = {number for number, task in enumerate(scenario.tasks) if task.may_need}
+    def __init__(self, mission: Mission, foresight: str) -> None:
+        self._mission, self._foresight = mission, foresight
+        self._hidden = {number for number, task in enumerate(mission.tasks) if task.may_need}
         self._shown_at: dict[int, float] = dict.fromkeys(self._hidden, math.inf)
         self._changes: list[tuple[int, dict[int, Counts]]] = []  # steps made, by task
         self.shown_after: set[int] = set()
-        self.expect(set(range(len(scenario.robots))), 0)
+        self.expect(set(range(len(mission.robots))), 0)
 
     def expect(self, robots: set[int], steps_made: int) -> None:
         """Expect of what may be needed no more than the robots that are left can bring."""
@@ -104,8 +104,8 @@ class NeedsKnown:
             self._changes.append((steps_made, hoped))
 
     def _hoped(self, number: int, robots: set[int]) -> Counts:
-        world, task = self._scenario.world, self._scenario.tasks[number]
-        fleet = (self._scenario.robots[robot] for robot in robots)
+        world, task = self._mission.world, self._mission.tasks[number]
+        fleet = (self._mission.robots[robot] for robot in robots)
         place = places_of(world, task)[0]
         have = total(r.can for r in fleet if gets_there(world, r, place))
         needs = dict(task.needs)
@@ -121,7 +121,7 @@ class NeedsKnown:
         Returns whether any do.
         """
         teams = fleet.teams.values()
-        truth = tasks.scenario.tasks
+        truth = tasks.mission.tasks
         found = {
             task
             for task in self._hidden
@@ -149,7 +149,7 @@ class NeedsKnown:
 
     def needs(self, task: int, steps_made: int) -> Counts:
         """Return what a task was believed to need once so many steps were made."""
-        believed = self._scenario.tasks[task].needs
+        believed = self._mission.tasks[task].needs
         for since, needs in self._changes:
             if since <= steps_made:
                 believed = needs.get(task, believed)

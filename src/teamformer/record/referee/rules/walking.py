@@ -27,8 +27,8 @@ def move_team(
     `meets` says whether it has joined another at the end of its way.
     """
     is_busy = bool(team.services) and team.carries is None
-    waits = is_busy or (team.has_formed and fleet.scenario.forming_steps > 0)
-    world = fleet.scenario.world
+    waits = is_busy or (team.has_formed and fleet.mission.forming_steps > 0)
+    world = fleet.mission.world
     if isinstance(world, Grid):
         fault = _walk_cells(world, team, to, waits)
     else:

@@ -31,9 +31,9 @@ class Companion {
   // A world as large as the first one's is seen through the same camera: both move together.
   showTrial(trial) {
     Object.assign(this, trial, { trial });
-    const { world } = this.history.scenario;
+    const { world } = this.history.mission;
     this.map.look(world);
-    if (isAsLarge(world, this.app.history.scenario.world)) this.map.camera = this.app.map.camera;
+    if (isAsLarge(world, this.app.history.mission.world)) this.map.camera = this.app.map.camera;
     this.gantt.forget();
   }
 
@@ -50,7 +50,7 @@ class Companion {
   }
 
   get selection() {
-    return sameByName(this.app.history.scenario, this.history.scenario, this.app.selection);
+    return sameByName(this.app.history.mission, this.history.mission, this.app.selection);
   }
 
   scene() {
@@ -64,7 +64,7 @@ class Companion {
 
   // What is selected here is so in every record that has a thing of that name.
   select(selection) {
-    this.app.select(sameByName(this.history.scenario, this.app.history.scenario, selection));
+    this.app.select(sameByName(this.history.mission, this.app.history.mission, selection));
   }
 
   pick(thing) {

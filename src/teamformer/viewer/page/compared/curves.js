@@ -24,7 +24,7 @@ class Curves extends TimeCanvas {
   drawAxes(ctx) {
     const { map, player, history } = this.app;
     const { theme } = map;
-    const { world } = history.scenario;
+    const { world } = history.mission;
     const bottom = this.canvas.clientHeight;
     ctx.strokeStyle = theme.line;
     ctx.strokeRect(this.x(0) - 0.5, this.y(1) - 0.5, this.room() + 1, this.y(0) - this.y(1) + 1);

@@ -32,7 +32,7 @@ class Compared {
     const { app } = this;
     const { clientWidth: width, clientHeight: height } = byId("stage-map");
     const count = 1 + app.companions.length;
-    const columns = width > PHONE ? columnsFor(count, app.history.scenario.world.used, width, height) : 1;
+    const columns = width > PHONE ? columnsFor(count, app.history.mission.world.used, width, height) : 1;
     byId("stage-map").style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
     this.placeCurves(width > 0 && count % columns > 0);
   }
@@ -54,16 +54,16 @@ function columnsFor(count, used, width, height) {
 // What records are compared by: the columns that tell of it, and `judge`, what a record is judged by.
 // Where all missions are judged by more than the makespan, as plans of them are, records are, too.
 function measuresOf(trials) {
-  const has = (isTrue) => trials.length > 0 && trials.every(({ history }) => isTrue(history.scenario));
+  const has = (isTrue) => trials.length > 0 && trials.every(({ history }) => isTrue(history.mission));
   const columns = [{ name: "makespan", of: describeMakespan }];
   if (has(({ cost }) => cost)) columns.push({ name: "cost", of: describeCost });
-  if (trials.some(({ history }) => hasDueTimes(history.scenario))) columns.push({ name: "late", of: describeAllLate });
-  const judge = has(weightsOf) ? (history) => weighedBy(weightsOf(history.scenario), history) : ({ end }) => end.makespan;
+  if (trials.some(({ history }) => hasDueTimes(history.mission))) columns.push({ name: "late", of: describeAllLate });
+  const judge = has(weightsOf) ? (history) => weighedBy(weightsOf(history.mission), history) : ({ end }) => end.makespan;
   return { columns, judge };
 }
 
-function describeMakespan({ scenario, end: { makespan, status } }) {
-  return makespan === null ? status : describeAmount(scenario.world, makespan);
+function describeMakespan({ mission, end: { makespan, status } }) {
+  return makespan === null ? status : describeAmount(mission.world, makespan);
 }
 
 function describeCost(history) {
@@ -72,10 +72,10 @@ function describeCost(history) {
 }
 
 // How many tasks were late, and by how much in all.
-function describeAllLate({ scenario, doneAt }) {
-  const late = scenario.tasks.map(({ due }, task) => (doneAt[task] < Infinity ? doneAt[task] - due : 0)).filter((by) => by > 0);
+function describeAllLate({ mission, doneAt }) {
+  const late = mission.tasks.map(({ due }, task) => (doneAt[task] < Infinity ? doneAt[task] - due : 0)).filter((by) => by > 0);
   if (!late.length) return "-";
-  return `${late.length} by ${describeAmount(scenario.world, late.reduce((sum, by) => sum + by, 0))}`;
+  return `${late.length} by ${describeAmount(mission.world, late.reduce((sum, by) => sum + by, 0))}`;
 }
 
 function comparedRow(app, trial, { columns, judge }) {
@@ -110,11 +110,11 @@ function describeAmount(world, steps) {
 // What tells a record from the others: its method; its mission or seed where these differ.
 function titleOf(trials, { history }) {
   const differs = (read) => new Set(trials.map((trial) => read(trial.history))).size > 1;
-  const { scenario, replay } = history;
+  const { mission, record } = history;
   const parts = [
-    differs((other) => other.scenario.name) ? scenario.name : "",
-    replay.method,
-    differs((other) => other.replay.seed) ? `seed ${replay.seed}` : "",
+    differs((other) => other.mission.name) ? mission.name : "",
+    record.method,
+    differs((other) => other.record.seed) ? `seed ${record.seed}` : "",
   ];
   return parts.filter(Boolean).join(", ");
 }

@@ -25,8 +25,8 @@ function drawAssignment(view, team) {
   const [right, down] = [view.camera.x(at[0]), view.camera.y(at[1])];
   const to = isUp ? { x: right, y: down, half: 0.3 * view.camera.cell } : taskBox(view, team.assigned);
   if (Math.hypot(to.x - from.x, to.y - from.y) < from.r + to.half + 4) return;
-  const { world } = view.scenario;
-  const way = wayTo(world, [team.x, team.y], at, isFlying(view.scenario, team));
+  const { world } = view.mission;
+  const way = wayTo(world, [team.x, team.y], at, isFlying(view.mission, team));
   const corners = way.slice(1, -1).map(([x, y]) => ({ x: view.camera.x(x), y: view.camera.y(y) }));
   const points = [from, ...corners, to];
   points[points.length - 1] = shorten(to, points.at(-2), to.half + 2);
@@ -95,7 +95,7 @@ function drawOrder(view) {
 // works one way only looks like half a line. Heartbeats are faint, plans and facts are not.
 function drawMessages(view) {
   const { ctx, history, scene, theme } = view;
-  for (const [sender, receiver, what] of history.replay.steps[scene.step - 1]?.heard ?? []) {
+  for (const [sender, receiver, what] of history.record.steps[scene.step - 1]?.heard ?? []) {
     const [from, to] = [robotSpot(view, sender), robotSpot(view, receiver)];
     ctx.globalAlpha = what === "beat" ? 0.25 : 0.9;
     ctx.strokeStyle = what === "beat" ? theme.muted : theme.accent;
@@ -109,7 +109,7 @@ function drawMessages(view) {
 }
 
 function drawSelection(view) {
-  const { ctx, theme, selection, selectedTeam, scenario } = view;
+  const { ctx, theme, selection, selectedTeam, mission } = view;
   ctx.strokeStyle = theme.accent;
   ctx.lineWidth = 2;
   if (selection.task !== undefined) outlineTask(view, selection.task);
@@ -118,7 +118,7 @@ function drawSelection(view) {
   if (!selectedTeam) return;
   const { x, y, r } = teamSpot(view, selectedTeam);
   outlineDisc(ctx, x, y, r + 4);
-  if (scenario.sensingRadius < Infinity) drawSensing(view, x, y);
+  if (mission.sensingRadius < Infinity) drawSensing(view, x, y);
 }
 
 function outlineTask(view, task) {
@@ -151,11 +151,11 @@ function outlineCapability(view, cap) {
   for (const task of tasksNeeding(history, cap, scene.step)) outlineTask(view, task);
 }
 
-function drawSensing({ ctx, scenario, camera }, x, y) {
+function drawSensing({ ctx, mission, camera }, x, y) {
   ctx.globalAlpha = 0.4;
   ctx.lineWidth = 1;
   ctx.setLineDash([3, 3]);
-  outlineDisc(ctx, x, y, scenario.sensingRadius * camera.cell);
+  outlineDisc(ctx, x, y, mission.sensingRadius * camera.cell);
   ctx.setLineDash([]);
   ctx.globalAlpha = 1;
 }

@@ -10,8 +10,8 @@ const DIMMED = 0.35; // how strong dimmed tasks are drawn
 const LONE_ROBOTS = 2; // in a group's square, drawn as robots
 
 // How much of each robot is drawn at a zoom: "robots", "groups" or "density".
-function detailAt(scenario, cell) {
-  const count = scenario.robots.length;
+function detailAt(mission, cell) {
+  const count = mission.robots.length;
   if (count < GROUPS_FROM || cell >= ROBOTS_ABOVE) return "robots";
   return count >= DENSITY_FROM && cell < DENSITY_BELOW ? "density" : "groups";
 }

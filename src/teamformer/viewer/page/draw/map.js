@@ -133,11 +133,11 @@ class TrialMap {
       history,
       scene,
       sceneAfter: part > 0 ? app.sceneAt(scene.step + 1) : scene,
-      detail: detailAt(history.scenario, camera.cell),
+      detail: detailAt(history.mission, camera.cell),
       part,
       sharpness,
       images: this.images,
-      scenario: history.scenario,
+      mission: history.mission,
       sites: sitesAt(history, scene.step),
       theme: this.theme,
       isDark: this.isDark,
@@ -202,7 +202,7 @@ function onto(view, ctx) {
 function robotUnder(view, x, y) {
   let best = null;
   let nearest = Infinity;
-  for (let robot = 0; robot < view.scenario.robots.length; robot++) {
+  for (let robot = 0; robot < view.mission.robots.length; robot++) {
     const spot = robotSpot(view, robot);
     const away = Math.hypot(spot.x - x, spot.y - y);
     if (away > Math.max(spot.r * 1.2, 5) || away >= nearest) continue;
@@ -213,7 +213,7 @@ function robotUnder(view, x, y) {
 }
 
 function taskUnder(view, x, y) {
-  const task = view.scenario.tasks.findIndex((_, number) => {
+  const task = view.mission.tasks.findIndex((_, number) => {
     if (standingOf(view.history, number, view.scene.step) === "hidden") return false;
     const box = taskBox(view, number);
     return Math.max(Math.abs(box.x - x), Math.abs(box.y - y)) <= box.half + 2;

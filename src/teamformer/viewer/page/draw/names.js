@@ -14,7 +14,7 @@ function drawNames(view) {
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
   const isRoomy = options.names && camera.cell >= NAMES_FROM;
-  view.scenario.tasks.forEach((_, task) => {
+  view.mission.tasks.forEach((_, task) => {
     if (isRoomy || task === view.selection.task) drawTaskName(view, taken, task);
   });
   const lost = robotsLostAt(view.history, view.scene.step);
@@ -29,28 +29,28 @@ function drawNames(view) {
 }
 
 function drawTaskName(view, taken, task) {
-  const { theme, scenario, sites, history, scene } = view;
+  const { theme, mission, sites, history, scene } = view;
   const standing = standingOf(history, task, scene.step);
   if (standing === "hidden") return;
   const { at, mates, isUp } = sites[task];
   const box = taskBox(view, mates.at(-1));
   const [x, y, half] = [isUp ? box.x : view.camera.x(at[0]), box.y, box.half];
   const colour = isOver(history, task, scene.step) ? theme.faint : theme.muted;
-  drawName(view, taken, namesOfPlace(scenario, task, mates), { x, y: y + half + 10 }, colour);
+  drawName(view, taken, namesOfPlace(mission, task, mates), { x, y: y + half + 10 }, colour);
 }
 
 // One line for all tasks in one place.
-function namesOfPlace(scenario, task, mates) {
-  if (mates.length === 1) return taskName(scenario, task);
-  const shown = mates.slice(0, MANY).map((mate) => taskName(scenario, mate));
+function namesOfPlace(mission, task, mates) {
+  if (mates.length === 1) return taskName(mission, task);
+  const shown = mates.slice(0, MANY).map((mate) => taskName(mission, mate));
   return shown.join(", ") + (mates.length > MANY ? ` + ${mates.length - MANY} more` : "");
 }
 
 function drawLostNames(view, taken, lost, discs) {
-  const { scenario, theme } = view;
+  const { mission, theme } = view;
   for (const robot of lost) {
     const { x, y, r } = robotSpot(view, robot);
-    const name = `${robotName(scenario, robot)}, lost`;
+    const name = `${robotName(mission, robot)}, lost`;
     const half = view.ctx.measureText(name).width / 2;
     const isFree = (at) => !isOverDisc(view, discs, new Set([robot]), { x, y: at, half });
     const at = [y - r - 9, y + r + 9].find(isFree) ?? y - r - 9;
@@ -71,11 +71,11 @@ function teamsByPlace(scene) {
 // One line over all that is in a place, or over the task that is there; under it where other robots
 // are over it.
 function drawTeamNames(view, taken, teams, discs) {
-  const { scenario, theme, camera } = view;
+  const { mission, theme, camera } = view;
   if (!isOnScreen(view, camera.x(teams[0].x), camera.y(teams[0].y), 2 * camera.cell)) return;
   const texts = teams.slice(0, TEAMS_NAMED).map(({ slot, robots }) => {
     const more = robots.length > 1 ? ` +${robots.length - 1}` : "";
-    return robotName(scenario, slot) + more;
+    return robotName(mission, slot) + more;
   });
   if (teams.length > TEAMS_NAMED) texts.push(`${teams.length - TEAMS_NAMED} more`);
   const spots = teams.map((team) => teamSpot(view, team));
@@ -91,9 +91,9 @@ function drawTeamNames(view, taken, teams, discs) {
 }
 
 // The robots on the map by the cell that they are drawn in.
-function discsByCell({ blended, scenario }) {
+function discsByCell({ blended, mission }) {
   const cells = new Map();
-  scenario.robots.forEach((_, robot) => {
+  mission.robots.forEach((_, robot) => {
     const key = cellKey(Math.round(blended.x[robot]), Math.round(blended.y[robot]));
     if (cells.has(key)) cells.get(key).push(robot);
     else cells.set(key, [robot]);
@@ -120,7 +120,7 @@ function isOverDisc(view, discs, own, { x, y, half }) {
 // The upper edge of the task whose square a pixel is in; teams walk through such squares too.
 function topOfTaskAround(view, x, y) {
   const [column, row] = view.camera.placeAt(x, y).map(Math.round);
-  const [task] = view.scenario.tasksAt.get(cellKey(column, row)) ?? [];
+  const [task] = view.mission.tasksAt.get(cellKey(column, row)) ?? [];
   if (task === undefined || standingOf(view.history, task, view.scene.step) === "hidden") return y;
   const box = taskBox(view, task);
   return Math.max(Math.abs(box.x - x), Math.abs(box.y - y)) <= box.half ? box.y - box.half : y;

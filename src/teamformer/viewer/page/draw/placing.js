@@ -6,7 +6,7 @@ const TASK_HALF = 0.44; // half a task's side, in cells
 // By robot {x, y, r}, by slot {x, y, r} of the team, by cell the radius of all that is in it; in
 // cells, with y downwards on the screen turned by the camera. `cell` is a cell's side in pixels.
 function placeEverybody(history, scene, cell) {
-  const { robots } = history.scenario;
+  const { robots } = history.mission;
   const places = {
     x: new Float64Array(robots.length),
     y: new Float64Array(robots.length),

@@ -16,7 +16,7 @@ function drawTaskAsItStands(view, task) {
 // The tasks that are there: those that stand still until the next step, and the others.
 function partTasks(view) {
   const parts = [[], []];
-  view.scenario.tasks.forEach((_, task) => {
+  view.mission.tasks.forEach((_, task) => {
     const standing = standingOf(view.history, task, view.scene.step);
     if (standing === "hidden") return;
     const isStill = isDot(view) || isUnchanging(view, task, standing);
@@ -71,13 +71,13 @@ const ROOMY_CELL = 12; // pixels
 
 // The square of a task in pixels.
 function taskBox(view, task) {
-  const { camera, sites, places, placesAfter, part, detail, scenario } = view;
+  const { camera, sites, places, placesAfter, part, detail, mission } = view;
   const { cell } = camera;
   const { at, isUp } = sites[task];
   if (isUp) return loadBox(view, task);
   const [x, y] = [camera.x(at[0]), camera.y(at[1])];
   if (detail !== "robots") return { x, y, half: Math.max(1.5, 0.3 * cell) };
-  const least = scenario.tasks.length <= FEW_TASKS && cell >= ROOMY_CELL ? 8 : 6;
+  const least = mission.tasks.length <= FEW_TASKS && cell >= ROOMY_CELL ? 8 : 6;
   const [from, to] = [places, placesAfter].map((known) =>
     taskSquare(known, sites[task], task, cell, least),
   );
@@ -94,8 +94,8 @@ function loadBox(view, task) {
 
 // Where loads go that are not there yet: a dashed square, and a line to it.
 function drawDestinations(view) {
-  const { ctx, camera, history, scenario, scene } = view;
-  scenario.tasks.forEach(({ to }, task) => {
+  const { ctx, camera, history, mission, scene } = view;
+  mission.tasks.forEach(({ to }, task) => {
     const standing = standingOf(history, task, scene.step);
     if (!to || ["hidden", "done", "cancelled"].includes(standing)) return;
     const goal = { x: camera.x(to[0]), y: camera.y(to[1]), half: 0.3 * camera.cell };
@@ -128,8 +128,8 @@ function isCovered({ places, sites }, task) {
 
 // Around where a task may be that nobody has found, a circle; the square is where it is believed.
 function drawRegions(view) {
-  const { ctx, history, scenario, scene, camera } = view;
-  scenario.tasks.forEach(({ around, within }, task) => {
+  const { ctx, history, mission, scene, camera } = view;
+  mission.tasks.forEach(({ around, within }, task) => {
     const isHidden = ["hidden", "cancelled"].includes(standingOf(history, task, scene.step));
     if (isHidden || history.foundAt[task] <= scene.step) return;
     ctx.beginPath();
@@ -187,7 +187,7 @@ function outlineWidth(half) {
 function drawRequirements(view, task, { x, y, half }) {
   const { ctx } = view;
   const open = hiddenNeeds(view, task);
-  const needs = open.length ? view.scenario.tasks[task].sure : needsAt(view.history, task, view.scene.step);
+  const needs = open.length ? view.mission.tasks[task].sure : needsAt(view.history, task, view.scene.step);
   const width = outlineWidth(half);
   const inner = half - width * 0.5;
   const length = squareLength(inner);
@@ -223,7 +223,7 @@ const UNSURE = 0.35; // how strong is drawn what may be needed
 // What may be needed while nobody knows it.
 function hiddenNeeds(view, task) {
   const isHidden = view.history.shownAt[task] > view.scene.step;
-  return isHidden ? view.scenario.tasks[task].mayNeed : [];
+  return isHidden ? view.mission.tasks[task].mayNeed : [];
 }
 
 // The thin line in the task's own colour.
@@ -238,7 +238,7 @@ function drawOwnOutline(view, task, { x, y, half }) {
 // How much of a service is made, as a thick line around the outline.
 function drawProgress(view, task, { x, y, half }) {
   const { ctx } = view;
-  const { duration } = view.scenario.tasks[task];
+  const { duration } = view.mission.tasks[task];
   if (view.sites[task].isUp || !duration) return;
   const service = serviceOf(view.history, task, view.scene.step);
   const made = view.scene.step + view.part - service.from;
@@ -272,11 +272,11 @@ function drawNeeds(view, task, { x, y, half }) {
 }
 
 // Lines of text about a task's needs and the size at which they fit into its square; null if none do.
-function needsThatFit({ ctx, theme, scenario, labels, history, scene }, task, half) {
+function needsThatFit({ ctx, theme, mission, labels, history, scene }, task, half) {
   const isOpen = history.shownAt[task] > scene.step;
-  const needs = isOpen ? scenario.tasks[task].sure : needsAt(history, task, scene.step);
+  const needs = isOpen ? mission.tasks[task].sure : needsAt(history, task, scene.step);
   const mark = isOpen ? " ?" : "";
-  for (const lines of [needsLines(scenario, labels, needs), kindsLines(needs)]) {
+  for (const lines of [needsLines(mission, labels, needs), kindsLines(needs)]) {
     if (!lines) continue;
     const marked = [...lines.slice(0, -1), lines.at(-1) + mark];
     const roomy = (half * 1.45) / Math.max(2.4, 1.15 * marked.length);

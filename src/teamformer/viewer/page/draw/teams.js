@@ -41,7 +41,7 @@ function drawRobot(view, robot, ring, isMet) {
   const { ctx, theme } = view;
   const { x, y, r } = robotSpot(view, robot);
   if (!isOnScreen(view, x, y, r)) return;
-  if (view.scenario.robots[robot].flies) drawRotors(view, x, y, r, ring);
+  if (view.mission.robots[robot].flies) drawRotors(view, x, y, r, ring);
   drawDisc(ctx, x, y, r, ring);
   const inner = r * (isMet && r >= 5 ? 0.6 : 0.72);
   if (r >= 5) drawDisc(ctx, x, y, inner + Math.min(1.5, r * 0.12), theme.ground);
@@ -74,7 +74,7 @@ function drawDisc(ctx, x, y, r, colour) {
 // One sector for each capability, as wide as its count, if that is none of what is measured.
 function drawCapabilities(view, robot, x, y, r) {
   const { ctx, colours } = view;
-  const { can } = view.scenario.robots[robot];
+  const { can } = view.mission.robots[robot];
   if (can.length === 1) {
     drawDisc(ctx, x, y, r, colours[can[0][0]].fill);
     drawLabel(view, can[0][0], x, y, r);

@@ -1,8 +1,8 @@
 // The ground: grid lines, obstacles and the numbers along two sides.
 
 function drawWorld(view) {
-  const { ctx, camera, theme, scenario } = view;
-  const { world } = scenario;
+  const { ctx, camera, theme, mission } = view;
+  const { world } = mission;
   const [width, height] = [camera.cell * world.width, camera.cell * world.height];
   ctx.fillStyle = theme.ground;
   ctx.fillRect(camera.left, camera.top, width, height);
@@ -19,15 +19,15 @@ function drawWorld(view) {
 }
 
 // On a plane from its lower left corner.
-function drawGridLines({ ctx, camera, theme, scenario }, width, height) {
+function drawGridLines({ ctx, camera, theme, mission }, width, height) {
   ctx.beginPath();
-  for (let column = 1; column < scenario.world.width; column++) {
+  for (let column = 1; column < mission.world.width; column++) {
     const x = Math.round(camera.left + column * camera.cell) + 0.5;
     ctx.moveTo(x, camera.top);
     ctx.lineTo(x, camera.top + height);
   }
-  for (let row = 1; row < scenario.world.height; row++) {
-    const up = scenario.world.yIsUp ? scenario.world.height - row : row;
+  for (let row = 1; row < mission.world.height; row++) {
+    const up = mission.world.yIsUp ? mission.world.height - row : row;
     const y = Math.round(camera.top + up * camera.cell) + 0.5;
     ctx.moveTo(camera.left, y);
     ctx.lineTo(camera.left + width, y);
@@ -57,8 +57,8 @@ const SPACINGS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000,
 
 // x along the bottom and y along the left, at a spacing that leaves room for the digits: the
 // numbers of cells, or metres on a plane.
-function drawNumbers({ ctx, camera, theme, scenario }) {
-  const { world } = scenario;
+function drawNumbers({ ctx, camera, theme, mission }) {
+  const { world } = mission;
   const { isPlane, square = 1 } = world;
   const spacings = isPlane ? SPACINGS : SPACINGS.filter(Number.isInteger);
   const every = spacings.find((step) => (step / square) * camera.cell >= 34) ?? SPACINGS.at(-1);

@@ -3,10 +3,10 @@
 const CHECK_AFTER = 250; // milliseconds without a change
 
 class EditorApp extends App {
-  constructor({ scenario, id }, link) {
-    super(recordOfDraft(scenario));
+  constructor({ mission, id }, link) {
+    super(recordOfDraft(mission));
     this.link = link;
-    this.draft = keptDraft(scenario);
+    this.draft = keptDraft(mission);
     this.id = this.told = id; // the names of what is drawn here, and of what the server knows of it
     this.tool = "move";
     this.problems = [];
@@ -27,7 +27,7 @@ class EditorApp extends App {
     super.look("map");
   }
 
-  // What is drawn, as JSON, which is a scenario file too; YAML is what the panel saves.
+  // What is drawn, as JSON, which is a mission file too; YAML is what the panel saves.
   downloads() {
     const save = () => {
       const text = `${JSON.stringify(this.draft.tree, null, 1)}\n`;
@@ -67,21 +67,21 @@ class EditorApp extends App {
   }
 
   withDrawing(message) {
-    return { ...message, scenario: this.draft.tree, id: this.id, after: this.told };
+    return { ...message, mission: this.draft.tree, id: this.id, after: this.told };
   }
 
   // Another drawing: from a file, new, of another page, or of a server that began anew. One can go
   // back to what was drawn here.
-  replace({ scenario, file, id }) {
+  replace({ mission, file, id }) {
     if (file !== this.file) this.panel.file.value = this.file = file;
-    if (id !== this.told) return this.takeOver(scenario, id);
+    if (id !== this.told) return this.takeOver(mission, id);
     this.isBehind = false;
     this.redrawDraft(this.selection);
   }
 
-  takeOver(scenario, id) {
+  takeOver(mission, id) {
     const notice = this.isOpening ? [""] : this.noticeOfAnother();
-    this.draft.change(scenario, this.isOpening ? null : "another page");
+    this.draft.change(mission, this.isOpening ? null : "another page");
     Object.assign(this, { id, told: id, held: null });
     this.panel.fill();
     this.redrawDraft(this.isOpening || !this.isThere(this.selection) ? {} : this.selection);
@@ -161,13 +161,13 @@ class EditorApp extends App {
 
   // The place in the draft's own lengths: a cell, or metres to the centimetre.
   placeOf([x, y]) {
-    const { world } = this.history.scenario;
+    const { world } = this.history.mission;
     if (world.isPlane) return [x, y].map((along) => Number((along * world.square).toFixed(2)));
     return [Math.round(x), Math.round(y)];
   }
 
   isInside([x, y]) {
-    const { world } = this.history.scenario;
+    const { world } = this.history.mission;
     const square = world.square ?? 1;
     const [right, up] = [world.width * square, world.height * square];
     return x >= 0 && y >= 0 && (world.isPlane ? x <= right && y <= up : x < right && y < up);
@@ -258,7 +258,7 @@ class EditorApp extends App {
   }
 
   nudge([right, up]) {
-    const { world } = this.history.scenario;
+    const { world } = this.history.mission;
     const length = world.isPlane ? 0.1 : 1;
     const [x, y] = this.draft.tree[kindOf(this.selection)][numberOf(this.selection)].at;
     const down = world.yIsUp ? up : -up;

@@ -1,4 +1,4 @@
-// A draft: the tree of a scenario file, changed by functions that return another; undo and redo.
+// A draft: the tree of a mission file, changed by functions that return another; undo and redo.
 
 const STEPS_BACK = 200;
 
@@ -199,7 +199,7 @@ function recordOfDraft(tree) {
   const tasks = tree.tasks.map((task, number) => shownTask(task, drawnName(tree, { task: number })));
   const world = tree.world.plane ? { step: 1, unit: 0.2, arrival_radius: 0.05, ...tree.world } : tree.world;
   return {
-    scenario: { ...tree, world, robots, tasks },
+    mission: { ...tree, world, robots, tasks },
     method: "",
     seed: 0,
     orders: [],

@@ -191,12 +191,12 @@ class EditorPanel {
     field.click();
   }
 
-  // A scenario or a map, and what it names if that was chosen with it: a map, or a map's image.
+  // A mission or a map, and what it names if that was chosen with it: a map, or a map's image.
   async send(files) {
     notifyWork("Reading …");
     const read = await Promise.all(files.map(async (file) => ({ file, text: await file.text() })));
     const isText = ({ file }) => /\.(ya?ml|json|map)$/i.test(file.name);
-    const { file, text } = read.find(isScenario) ?? read.find(isText) ?? read[0];
+    const { file, text } = read.find(isMission) ?? read.find(isText) ?? read[0];
     const beside = {};
     for (const other of files) if (other !== file) beside[other.name] = await inBase64(other);
     this.app.askToOpen({ do: "open", name: file.name, text, beside });
@@ -214,7 +214,7 @@ function playSign() {
   return byId("start").querySelector("svg").cloneNode(true);
 }
 
-function isScenario({ text }) {
+function isMission({ text }) {
   return /^["{\s]*teamformer\b/m.test(text);
 }
 

@@ -61,7 +61,7 @@ class LiveApp extends App {
   }
 
   knows({ task = 0 }) {
-    return task < this.history.scenario.tasks.length;
+    return task < this.history.mission.tasks.length;
   }
 
   refuse({ text, keys = [], is_weighed: isWeighed = false }) {
@@ -74,8 +74,8 @@ class LiveApp extends App {
   take({ at, step, orders = [], plans = [], end }) {
     const { history } = this;
     if (at !== history.last + 1) return;
-    history.replay.orders.push(...orders);
-    (history.replay.plans ??= []).push(...plans);
+    history.record.orders.push(...orders);
+    (history.record.plans ??= []).push(...plans);
     this.steps.push(step);
     history.grow(step, end);
     this.follow();
@@ -83,8 +83,8 @@ class LiveApp extends App {
   }
 
   tellEnd() {
-    const { scenario, end } = this.history;
-    const text = noticeText(this.history) || `${capitalised(describeOutcome(scenario.world, end))}.`;
+    const { mission, end } = this.history;
+    const text = noticeText(this.history) || `${capitalised(describeOutcome(mission.world, end))}.`;
     notify(text, end.status === "completed" ? "good" : "");
   }
 
@@ -123,7 +123,7 @@ class LiveApp extends App {
     this.state = { watchers, incidents, planning, hasEditor: has_editor, undoTo: undo_to, savedAt: saved_at, id };
     Object.assign(this.state, { isFleet: is_fleet, alerts, isHeard: is_heard, isOver: is_over });
     document.body.classList.toggle("of-fleet", is_fleet);
-    const { robots } = this.history.scenario;
+    const { robots } = this.history.mission;
     leave(this.history, leaving.map((name) => robots.findIndex((robot) => robot.name === name)));
     Object.assign(this.player, { isPlaying: is_playing, speed });
     this.panel.show();
@@ -144,7 +144,7 @@ class LiveApp extends App {
   tellAlerts(alerts) {
     if (namesOfAlerts(alerts) === namesOfAlerts(this.state.alerts)) return;
     const [count, wasCount] = [alerts, this.state.alerts].map((all) => alertsToSee(all).length);
-    document.title = `${count ? `(${count}) ` : ""}${this.history.scenario.name}, live`;
+    document.title = `${count ? `(${count}) ` : ""}${this.history.mission.name}, live`;
     if (count) notifyParts(bannerOfAlerts(alerts));
     else if (wasCount) notify(alerts.length ? "All alerts are acknowledged." : "No alerts any more.", "good");
   }
@@ -168,7 +168,7 @@ class LiveApp extends App {
     try {
       const answer = await fetch(`/download/${name}${location.search}`);
       if (!answer.ok) throw new Error((await answer.text()).trim());
-      download(await answer.blob(), `${fileName(this.history.scenario.name)}-${name}`);
+      download(await answer.blob(), `${fileName(this.history.mission.name)}-${name}`);
       notify("");
     } catch (error) {
       notify(`${name} is not there: ${error.message}.`);
@@ -191,7 +191,7 @@ class LiveApp extends App {
   }
 
   freePlace([x, y]) {
-    const { world } = this.history.scenario;
+    const { world } = this.history.mission;
     if (world.isPlane) {
       const at = [x, y].map((along) => Number((along * world.square).toFixed(2)));
       return x >= 0 && y >= 0 && x <= world.width && y <= world.height ? at : null;
@@ -202,11 +202,11 @@ class LiveApp extends App {
 
   actionsFor(robot) {
     if (this.state.isFleet) return []; // its robots are lost and back by themselves
-    const { last, scenario, replay } = this.history;
-    const name = robotName(scenario, robot);
+    const { last, mission, record } = this.history;
+    const name = robotName(mission, robot);
     const isGone = isLost(this.history, robot, last);
     const isLeaving = this.history.leaving.has(robot);
-    const { back = [] } = replay.scenario.robots[robot]; // a step, or a list if several
+    const { back = [] } = record.mission.robots[robot]; // a step, or a list if several
     if (isLeaving || (isGone && [back].flat().includes(last + 1))) {
       const what = isLeaving ? "counts for nothing" : "is there again";
       return [element("p", { class: "muted" }, `${name} ${what} from the next step on.`)];
@@ -225,8 +225,8 @@ class LiveApp extends App {
 
   // An open task can be called off and, in a mission with a cost, get another weight.
   actionsForTask(task) {
-    const { last, scenario } = this.history;
-    const { name, cancelled } = scenario.tasks[task];
+    const { last, mission } = this.history;
+    const { name, cancelled } = mission.tasks[task];
     if (this.state.isFleet || isOver(this.history, task, last) || cancelled <= last + 1) return [];
     const incident = { cancelled: name };
     return [
@@ -236,12 +236,12 @@ class LiveApp extends App {
         ...this.askTwice(`call off ${task}`, `Call ${name} off`, "Keep it", incident),
         act("What would that gain?", () => this.panel.weigh(incident), `weigh task ${task}`),
       ),
-      ...(scenario.cost ? [this.weightForm(task)] : []),
+      ...(mission.cost ? [this.weightForm(task)] : []),
     ];
   }
 
   weightForm(task) {
-    const { name, weight } = this.history.scenario.tasks[task];
+    const { name, weight } = this.history.mission.tasks[task];
     const input = element("input", { type: "number", min: 0.001, step: "any", value: weight, "data-key": `weight ${task}` });
     const set = () => this.ask({ do: "happen", weighs: name, weight: Number(input.value) });
     return element("div", { class: "acts" }, element("label", {}, "Weight", input), act("Set weight", set, `set weight ${task}`));
@@ -297,10 +297,10 @@ const HOW_TO_RESUME = "`teamformer live --resume` goes on with a mission that wa
 
 const FILES = {
   "mission.yaml": "Mission (YAML)",
-  "replay.json": "Record (JSON)",
-  "replay.html": "Page (HTML)",
+  "record.json": "Record (JSON)",
+  "record.html": "Page (HTML)",
   "tables.zip": "Tables (CSV, zip)",
-  "replay.mcap": "MCAP for Foxglove",
+  "record.mcap": "MCAP for Foxglove",
 };
 
 // How a fleet stands, which nobody here can pause.

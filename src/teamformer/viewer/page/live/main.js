@@ -38,7 +38,7 @@ function hearServer(message) {
   opening = kind;
   app = APPS[kind](message);
   app.start();
-  document.title = `${app.history.scenario.name}, live`;
+  document.title = `${app.history.mission.name}, live`;
   app.hear(message);
   tellWhatIsGone();
   window.teamformer = lookInto(app);

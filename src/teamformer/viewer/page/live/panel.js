@@ -40,7 +40,7 @@ class MissionPanel {
     const status = history.end.status === "running" ? running : "Live, over";
     const doing = state.planning ? ", planning …" : "";
     const pages = state.watchers > 1 ? `, ${state.watchers} pages` : "";
-    this.planAnew.hidden = history.replay.method !== "plan" || history.end.status !== "running";
+    this.planAnew.hidden = history.record.method !== "plan" || history.end.status !== "running";
     this.head.replaceChildren(
       element("span", { class: `pulse ${isOn && !state.alerts.length ? "on" : ""}` }),
       `${status}${this.app.isCutOff ? ", connection lost" : doing || pages}`,
@@ -49,7 +49,7 @@ class MissionPanel {
     this.showOutlook();
     this.restart.hidden = state.isFleet;
     this.edit.hidden = !state.hasEditor;
-    const { world } = history.scenario;
+    const { world } = history.mission;
     const items = state.incidents.map(([step, text]) => element("li", {}, `${shortMoment(world, step)}: ${text}`));
     if (items.length && !state.isFleet) items.at(-1).append(" ", link("Undo", () => this.undo(), "undo"));
     refill(this.incidents, items.reverse()); // the latest first
@@ -69,8 +69,8 @@ class MissionPanel {
     const step = state.undoTo;
     const go = () => this.app.ask({ do: "undo" });
     if (step === history.last) return go();
-    const since = describeSpan(history.scenario.world, history.last - step);
-    this.doubt(`This also undoes the ${since} made since then.`, `Go back to ${describeMoment(history.scenario.world, step)}`, go);
+    const since = describeSpan(history.mission.world, history.last - step);
+    this.doubt(`This also undoes the ${since} made since then.`, `Go back to ${describeMoment(history.mission.world, step)}`, go);
   }
 
   askToRestart() {
@@ -123,7 +123,7 @@ class MissionPanel {
   // How the mission has ended, or what the server has worked out that it will come to.
   showOutlook() {
     const { state, history } = this.app;
-    const { world } = history.scenario;
+    const { world } = history.mission;
     stopWork(this.outlook);
     if (state.isFleet) this.outlook.textContent = "";
     else if (history.end.status !== "running") this.outlook.textContent = `${capitalised(describeOutcome(world, history.end))}.`;
@@ -133,7 +133,7 @@ class MissionPanel {
 
   // What the server worked out: the mission's end, or what an incident would make of it.
   tell(message) {
-    const { world } = this.app.history.scenario;
+    const { world } = this.app.history.mission;
     if (message.kind === "forecast") {
       this.ahead = message;
       this.app.expect(message.done_at ?? []);
@@ -166,7 +166,7 @@ class MissionPanel {
   // An incident that can only delay a mission, or only hasten it, does nothing else but by luck.
   tellLuck({ steps, is_luck: isLuck }) {
     this.stopWeighing();
-    const by = steps && describeSpan(this.app.history.scenario.world, Number(steps.toFixed(1)));
+    const by = steps && describeSpan(this.app.history.mission.world, Number(steps.toFixed(1)));
     const others = by ? `Other searches for plans differ by up to ${by}` : "Other searches find plans that end alike";
     const isSure = Math.abs(this.more) > steps;
     const so = isLuck || this.more === 0 ? "" : isSure ? ": this is more than luck" : ": this may be luck";
@@ -220,8 +220,8 @@ class MissionPanel {
 
   // The form of a new task, at a place that was clicked or at one to be typed.
   askForTask(at) {
-    const { scenario } = this.app.history;
-    if (this.form.hidden || !this.form.elements.length) this.fill(scenario);
+    const { mission } = this.app.history;
+    if (this.form.hidden || !this.form.elements.length) this.fill(mission);
     this.form.hidden = false;
     const { x, y } = this.form.elements;
     if (at) [x.value, y.value] = at;
@@ -262,14 +262,14 @@ class MissionPanel {
   // The place of the form on the map.
   mark() {
     const { x, y } = this.form.elements;
-    const { square = 1 } = this.app.history.scenario.world;
+    const { square = 1 } = this.app.history.mission.world;
     const place = [Number(x.value) / square, Number(y.value) / square];
     this.app.select(x.value === "" || y.value === "" ? {} : { place });
   }
 
   task() {
     const { elements } = this.form;
-    const { capabilities } = this.app.history.scenario;
+    const { capabilities } = this.app.history.mission;
     const counts = capabilities.map((name, cap) => [name, Number(elements[`cap ${cap}`].value)]);
     const task = {
       at: [Number(elements.x.value), Number(elements.y.value)],

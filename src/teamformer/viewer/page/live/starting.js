@@ -1,8 +1,8 @@
 // The page while the first plan of a mission is made: the mission as it is drawn, and for how long.
 
 class StartingApp extends App {
-  constructor({ scenario, text }) {
-    super(recordOfDraft(scenario));
+  constructor({ mission, text }) {
+    super(recordOfDraft(mission));
     this.doing = `${capitalised(text)} …`;
     document.body.classList.add("starting");
     this.options.lines = false;

@@ -17,8 +17,8 @@ function robotChips(app, robots, chosen) {
 }
 
 function robotChip(app, robot, isChosen) {
-  const { name, can } = app.history.scenario.robots[robot];
-  const title = `${name}: ${describeCounts(app.history.scenario, can)}`;
+  const { name, can } = app.history.mission.robots[robot];
+  const title = `${name}: ${describeCounts(app.history.mission, can)}`;
   const text = isChosen ? element("b", {}, name) : name;
   return chip(`robot ${robot}`, () => app.select({ robot }), title, ...swatches(app, can), text);
 }
@@ -29,7 +29,7 @@ function swatches(app, can) {
 }
 
 function taskChip(app, task) {
-  const name = taskName(app.history.scenario, task);
+  const name = taskName(app.history.mission, task);
   return chip(`task ${task}`, () => app.select({ task }), name, taskMark(app, task), name);
 }
 
@@ -38,7 +38,7 @@ function capabilityChips(app, key, counts, short = []) {
   const lacking = new Map(short);
   const order = ([one], [other]) => lacking.has(other) - lacking.has(one) || one - other;
   const chips = [...counts].sort(order).map(([cap, count]) => {
-    const text = describeCounts(app.history.scenario, [[cap, count]]);
+    const text = describeCounts(app.history.mission, [[cap, count]]);
     const title = lacking.has(cap) ? `${text}: nobody assigned brings it` : text;
     const node = chip(`${key} ${cap}`, () => app.select({ cap }), title, swatch(app, cap), text);
     node.classList.toggle("short", lacking.has(cap));
@@ -49,10 +49,10 @@ function capabilityChips(app, key, counts, short = []) {
 
 function teamLink(app, team) {
   const go = () => app.select({ robot: team.slot });
-  return link(nameOfTeam(app.history.scenario, team), go, `team ${team.slot}`);
+  return link(nameOfTeam(app.history.mission, team), go, `team ${team.slot}`);
 }
 
 function taskLink(app, task) {
   const go = () => app.select({ task });
-  return element("p", {}, link(taskName(app.history.scenario, task), go, `task ${task}`));
+  return element("p", {}, link(taskName(app.history.mission, task), go, `task ${task}`));
 }

@@ -197,19 +197,19 @@ function showTip(app, { offsetX, offsetY, pointerType }) {
 function tipLines(app, { robot, task, group }) {
   const { history } = app;
   if (group) return describeGroup(group);
-  const { scenario } = history;
+  const { mission } = history;
   if (task !== undefined) {
     const needs = describeNeeds(history, task, app.player.step);
     return [
-      taskName(scenario, task),
+      taskName(mission, task),
       `${describeStanding(history, task, app.scene())}; needs ${needs}`,
     ];
   }
   if (robot === undefined) return null;
   const team = teamOfRobot(app.scene(), robot);
-  const can = describeCounts(scenario, scenario.robots[robot].can, 5);
-  const title = `${robotName(scenario, robot)} (${can})`;
+  const can = describeCounts(mission, mission.robots[robot].can, 5);
+  const title = `${robotName(mission, robot)} (${can})`;
   if (!team) return [title, describeLoss(history, robot, app.player.step)];
-  const who = team.robots.length > 1 ? `in ${nameOfTeam(scenario, team)}, which ` : "";
+  const who = team.robots.length > 1 ? `in ${nameOfTeam(mission, team)}, which ` : "";
   return [title, who + describeDoing(history, team, app.player.step)];
 }

@@ -1,4 +1,4 @@
-// Building the page: every name from a replay goes in as text, never as markup.
+// Building the page: every name from a record goes in as text, never as markup.
 
 function element(tag, properties = {}, ...children) {
   const node = document.createElement(tag);

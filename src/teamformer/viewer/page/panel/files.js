@@ -54,14 +54,17 @@ function readRecord(text) {
   try {
     record = JSON.parse(text);
   } catch {
-    throw new Error("it is no JSON; drop a replay.json that `teamformer run --out` wrote");
+    throw new Error("it is no JSON; drop a record.json that `teamformer run --out` wrote");
   }
-  if (record?.teamformer_replay === undefined) {
-    throw new Error("it is no record of a trial; drop a replay.json that `teamformer run --out` wrote");
+  if (record?.teamformer_replay !== undefined) {
+    throw new Error("it is a record of an earlier teamformer; run the mission again");
   }
-  if (record.teamformer_replay !== KNOWN_FORMAT) {
-    const remedy = record.teamformer_replay < KNOWN_FORMAT ? "; run the mission again" : "";
-    throw new Error(`it has format ${record.teamformer_replay}, and this page knows ${KNOWN_FORMAT}${remedy}`);
+  if (record?.teamformer_record === undefined) {
+    throw new Error("it is no record of a trial; drop a record.json that `teamformer run --out` wrote");
+  }
+  if (record.teamformer_record !== KNOWN_FORMAT) {
+    const remedy = record.teamformer_record < KNOWN_FORMAT ? "; run the mission again" : "";
+    throw new Error(`it has format ${record.teamformer_record}, and this page knows ${KNOWN_FORMAT}${remedy}`);
   }
   try {
     checkRecord(record);
@@ -72,7 +75,7 @@ function readRecord(text) {
   return record;
 }
 
-const KNOWN_FORMAT = 2;
+const KNOWN_FORMAT = 3;
 
 // What is drawn as it is seen, one canvas for each record, with a line that says what it is.
 function savePicture(app) {
@@ -99,18 +102,18 @@ function savePicture(app) {
   ctx.font = `600 14px ${app.map.theme.font}`;
   ctx.fillStyle = app.map.theme.ink;
   ctx.textBaseline = "middle";
-  const { scenario, replay } = app.history;
-  const moment = describeAt(scenario.world, app.player.step);
-  const method = shown.length === 1 ? replay.method : "";
-  ctx.fillText([scenario.name, method, moment].filter(Boolean).join(", "), 12, 18);
-  canvas.toBlob((blob) => download(blob, `${fileName(scenario.name)}-${app.player.step}.png`));
+  const { mission, record } = app.history;
+  const moment = describeAt(mission.world, app.player.step);
+  const method = shown.length === 1 ? record.method : "";
+  ctx.fillText([mission.name, method, moment].filter(Boolean).join(", "), 12, 18);
+  canvas.toBlob((blob) => download(blob, `${fileName(mission.name)}-${app.player.step}.png`));
 }
 
 // The page as it came, with room for a record: what a page that is saved can do by itself.
 const [PAGE_BEFORE, PAGE_AFTER] = emptyPage();
 
 function emptyPage() {
-  const holder = byId("replay");
+  const holder = byId("record");
   const record = holder.textContent;
   holder.textContent = "\u0000";
   const page = `<!doctype html>\n${document.documentElement.outerHTML}\n`;
@@ -120,12 +123,12 @@ function emptyPage() {
 
 // What a page makes by itself: mission and record, those in front, and itself with all records.
 function ownDownloads(app) {
-  const name = () => fileName(app.history.scenario.name);
+  const name = () => fileName(app.history.mission.name);
   const json = (tree) => new Blob([`${JSON.stringify(tree, null, 1)}\n`], { type: "application/json" });
   const page = () => new Blob([PAGE_BEFORE, harmlessJson(shownRecords(app)), PAGE_AFTER], { type: "text/html" });
   return [
-    downloadButton("Mission (JSON)", () => download(json(app.record.scenario), `${name()}.json`)),
-    downloadButton("Record (JSON)", () => download(json(app.record), `${name()}-replay.json`)),
+    downloadButton("Mission (JSON)", () => download(json(app.record.mission), `${name()}.json`)),
+    downloadButton("Record (JSON)", () => download(json(app.record), `${name()}-record.json`)),
     downloadButton("This page (HTML)", () => download(page(), `${name()}.html`)),
     element("p", {}, "CSV: beside each table. MCAP, GIF and all tables: ", element("code", {}, "teamformer export")),
   ];
@@ -170,7 +173,7 @@ function toggleVideo(app) {
     app.recorder = null;
     app.player.pause();
     byId("save-video").textContent = "Record a video";
-    const name = `${fileName(app.history.scenario.name)}.webm`;
+    const name = `${fileName(app.history.mission.name)}.webm`;
     download(new Blob(parts, { type: "video/webm" }), name);
   };
   app.recorder = recorder;

@@ -4,15 +4,15 @@ const LEGEND_SHOWN = 10;
 
 function showHeader(app) {
   const { history } = app;
-  const { scenario, replay } = history;
-  byId("name").textContent = scenario.name;
+  const { mission, record } = history;
+  byId("name").textContent = mission.name;
   byId("about").textContent = [
-    ...(replay.method ? [`Method ${replay.method}`, `seed ${replay.seed}`] : ["Draft"]),
-    plural(scenario.robots.length, "robot"),
-    plural(scenario.tasks.length, "task"),
-    scenario.capabilities.length === 1
+    ...(record.method ? [`Method ${record.method}`, `seed ${record.seed}`] : ["Draft"]),
+    plural(mission.robots.length, "robot"),
+    plural(mission.tasks.length, "task"),
+    mission.capabilities.length === 1
       ? "1 capability"
-      : `${scenario.capabilities.length} capabilities`,
+      : `${mission.capabilities.length} capabilities`,
   ].join(", ");
   notify(noticeText(history));
   byId("legend").replaceChildren(...legend(app));
@@ -27,7 +27,7 @@ function noticeText({ end }) {
 }
 
 function legend(app) {
-  const { capabilities } = app.history.scenario;
+  const { capabilities } = app.history.mission;
   if (capabilities.length > LEGEND_SHOWN) {
     const open = () => {
       app.lists.open("capabilities");
@@ -61,7 +61,7 @@ function showFigures(app) {
   const done = countDone(history, player.step);
   const { makespan } = history.end;
   const bound = history.lowerBound;
-  const { world } = history.scenario;
+  const { world } = history.mission;
   const shortSpan = (steps) => (world.isPlane ? describeSpan(world, steps) : String(steps));
   byId("figures").replaceChildren(
     figure("Tasks done", String(done), ` of ${history.doneAt.length}${cancelledText(history, player.step)}`),
@@ -84,18 +84,18 @@ function cancelledText(history, step) {
 // What the mission cost, by its own weights.
 function costFigure(history) {
   const cost = costOf(history);
-  if (!history.scenario.cost) return [];
+  if (!history.mission.cost) return [];
   return [figure("Cost", cost === null ? noMakespan(history) : String(Number(cost.toPrecision(6))), "")];
 }
 
 // What the mission cost, if it has a cost and is over; else null.
 function costOf(history) {
-  return history.scenario.cost ? weighedBy(history.scenario.cost, history) : null;
+  return history.mission.cost ? weighedBy(history.mission.cost, history) : null;
 }
 
 // The mean by weight of when all is over, and when tasks are done and how late; null before that.
-function weighedBy(weights, { scenario, doneAt, end }) {
-  const { tasks } = scenario;
+function weighedBy(weights, { mission, doneAt, end }) {
+  const { tasks } = mission;
   if (end.makespan === null) return null;
   const done = [...tasks.keys()].filter((task) => doneAt[task] < Infinity);
   const late = done.map((task) => Math.max(0, doneAt[task] - tasks[task].due));
@@ -122,21 +122,21 @@ function statusAt(history, step) {
 
 function lostFigure(history, step) {
   const lost = robotsLostAt(history, step);
-  return lost.length ? [figure("Lost", listRobots(history.scenario, lost), "")] : [];
+  return lost.length ? [figure("Lost", listRobots(history.mission, lost), "")] : [];
 }
 
 // Where a record stands, in a line.
 function describeProgress(history, step) {
-  const { scenario, end, doneAt } = history;
+  const { mission, end, doneAt } = history;
   const done = `${countDone(history, step)} of ${doneAt.length} tasks${cancelledText(history, step)}`;
   if (step < history.last) return done;
-  const makespan = end.makespan === null ? "" : ` ${describeAt(scenario.world, end.makespan)}`;
+  const makespan = end.makespan === null ? "" : ` ${describeAt(mission.world, end.makespan)}`;
   return `${done}, ${end.status}${makespan}`;
 }
 
-function ratioText({ end, lowerBound, scenario }) {
+function ratioText({ end, lowerBound, mission }) {
   if (end.makespan === null) return "";
-  const seconds = scenario.world.isPlane ? plural(end.makespan, "step") : "";
+  const seconds = mission.world.isPlane ? plural(end.makespan, "step") : "";
   const ratio = lowerBound ? `${(end.makespan / lowerBound).toFixed(2)} x the bound` : "";
   const notes = [seconds, ratio].filter(Boolean);
   return notes.length ? ` ${notes.join(", ")}` : "";

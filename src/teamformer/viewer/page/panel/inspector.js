@@ -39,7 +39,7 @@ function overview(app) {
   const hint =
     "Click a team or a task, on the map or in the lists, to see what it does and waits for.";
   return [
-    element("h2", {}, `${plural(teams.length, "team")} ${describeAt(app.history.scenario.world, scene.step)}`),
+    element("h2", {}, `${plural(teams.length, "team")} ${describeAt(app.history.mission.world, scene.step)}`),
     lead(parts.join(", ") || "Nobody is left"),
     element("p", { class: "muted" }, hint),
   ];
@@ -47,30 +47,30 @@ function overview(app) {
 
 // What a robot's team is doing; the robot is the one that the page follows.
 function teamDetails(app, team, robot) {
-  const { scenario } = app.history;
+  const { mission } = app.history;
   return [
-    heading(app, teamMark(app, team), titleOfTeam(scenario, team)),
+    heading(app, teamMark(app, team), titleOfTeam(mission, team)),
     lead(capitalised(describeDoing(app.history, team, app.player.step))),
     whyText(app, team),
     ...(app.actionsFor?.(robot) ?? []),
     waitingFor(app, team.goal, team.missing, team),
     delayText(app, robot),
     sharesText(app, robot),
-    ...saidOf(FILE_KEYS.robots, scenario.robots[robot]),
+    ...saidOf(FILE_KEYS.robots, mission.robots[robot]),
     ...(team.robots.length > 1 ? titled("Robots", robotChips(app, team.robots, robot)) : []),
     ...titled("Brings", capabilityChips(app, "brings", team.counts)),
     ...(team.goal === NOBODY ? [] : titled("Task", taskLink(app, team.goal))),
     ...titled(
-      `History of ${robotName(scenario, robot)}`,
+      `History of ${robotName(mission, robot)}`,
       storyList(app, robotStory(app.history, robot)),
     ),
   ];
 }
 
-function titleOfTeam(scenario, team) {
+function titleOfTeam(mission, team) {
   const { length } = team.robots;
-  if (length === 1) return robotName(scenario, team.slot);
-  return `Team ${robotName(scenario, team.slot)} of ${length} robots`;
+  if (length === 1) return robotName(mission, team.slot);
+  return `Team ${robotName(mission, team.slot)} of ${length} robots`;
 }
 
 function whyText({ history, player }, team) {
@@ -80,12 +80,12 @@ function whyText({ history, player }, team) {
 
 function sharesText({ history, player }, robot) {
   if (!player.step) return null;
-  const text = `${robotName(history.scenario, robot)} so far: ${describeShares(history, robot, player.step)}`;
+  const text = `${robotName(history.mission, robot)} so far: ${describeShares(history, robot, player.step)}`;
   return element("p", { class: "muted" }, text);
 }
 
 function delayText({ history }, robot) {
-  const { delay } = history.scenario.robots[robot];
+  const { delay } = history.mission.robots[robot];
   return delay ? element("p", { class: "muted" }, `Stands still in ${percent(delay)} of the steps`) : null;
 }
 
@@ -97,32 +97,32 @@ function saidOf(keys, { said }) {
 
 function lostDetails(app, robot) {
   const { history, player } = app;
-  const name = robotName(history.scenario, robot);
+  const name = robotName(history.mission, robot);
   return [
     heading(app, mark("mark", app.map.theme.lost), name),
     lead(capitalised(describeLoss(history, robot, player.step))),
     ...(app.actionsFor?.(robot) ?? []),
-    ...saidOf(FILE_KEYS.robots, history.scenario.robots[robot]),
+    ...saidOf(FILE_KEYS.robots, history.mission.robots[robot]),
     ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
   ];
 }
 
 function taskDetails(app, task) {
   const { history, player } = app;
-  const { name, sure, mayNeed, duration } = history.scenario.tasks[task];
+  const { name, sure, mayNeed, duration } = history.mission.tasks[task];
   const isShown = history.shownAt[task] <= player.step;
   const needs = isShown ? needsAt(history, task, player.step) : sure;
   const standing = standingOf(history, task, player.step);
   const isOpen = standing === "open";
-  const what = history.scenario.tasks[task].to ? "loading takes" : "takes";
+  const what = history.mission.tasks[task].to ? "loading takes" : "takes";
   const steps = duration ? `, ${what} ${durationText(history, task, player.step)}` : "";
   return [
     heading(app, taskMark(app, task), name),
     lead(capitalised(describeStanding(history, task, app.scene()))),
     element("p", { class: "muted" }, `${placeText(history, task, player.step)}${steps}${orderText(app, task)}`),
-    ...saidOf(FILE_KEYS.tasks, history.scenario.tasks[task]),
+    ...saidOf(FILE_KEYS.tasks, history.mission.tasks[task]),
     ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
-    ...(isShown ? [] : titled("May need", element("p", {}, describeChances(history.scenario, mayNeed)))),
+    ...(isShown ? [] : titled("May need", element("p", {}, describeChances(history.mission, mayNeed)))),
     ...(app.actionsForTask?.(task) ?? []),
     isOpen ? waitingFor(app, task, missingOfBest(app, task), null) : null,
     isOpen || standing === "served" ? assignedTeams(app, task) : null,
@@ -132,7 +132,7 @@ function taskDetails(app, task) {
 
 // Where it is, or where it is believed to be while nobody knows.
 function placeText(history, task, step) {
-  const { world, tasks } = history.scenario;
+  const { world, tasks } = history.mission;
   const { around, within } = tasks[task];
   const site = sitesAt(history, step)[task];
   const at = describePlace(world, site.at);
@@ -141,18 +141,18 @@ function placeText(history, task, step) {
 }
 
 // Where a task is, and where its load goes; one that is carried is where its team is.
-function loadPlaceText({ scenario }, task, at, isUp) {
-  const { to, unload } = scenario.tasks[task];
+function loadPlaceText({ mission }, task, at, isUp) {
+  const { to, unload } = mission.tasks[task];
   if (!to) return `At ${at}`;
-  const stay = unload ? `, unloading takes ${describeSpan(scenario.world, unload)}` : "";
+  const stay = unload ? `, unloading takes ${describeSpan(mission.world, unload)}` : "";
   const where = isUp ? "On its way" : `At ${at}, to be brought`;
-  return `${where} to ${describePlace(scenario.world, to)}${stay}`;
+  return `${where} to ${describePlace(mission.world, to)}${stay}`;
 }
 
 // Once it is done, how long it really took is known.
-function durationText({ scenario, doneAt }, task, step) {
-  const known = scenario.tasks[task];
-  return doneAt[task] <= step ? describeSpan(scenario.world, known.duration) : describeDuration(scenario.world, known);
+function durationText({ mission, doneAt }, task, step) {
+  const known = mission.tasks[task];
+  return doneAt[task] <= step ? describeSpan(mission.world, known.duration) : describeDuration(mission.world, known);
 }
 
 function orderText(app, task) {
@@ -166,7 +166,7 @@ function capabilityDetails(app, cap) {
   const tasks = tasksNeeding(history, cap, player.step);
   const links = tasks.map((task) => taskChip(app, task));
   return [
-    heading(app, swatch(app, cap), history.scenario.capabilities[cap]),
+    heading(app, swatch(app, cap), history.mission.capabilities[cap]),
     lead(capitalised(describeCapability(app, cap))),
     ...(robots.length ? titled("Robots", robotChips(app, robots)) : []),
     ...(tasks.length ? titled("Open tasks", foldedList("open", "chips", links, CHIPS_SHOWN)) : []),
@@ -200,7 +200,7 @@ function storyList(app, events) {
   const items = events.map((event, number) => {
     const text = describeEvent(app.history, event);
     const go = link(text, () => app.go(event.step), `story ${number}`);
-    const { world } = app.history.scenario;
+    const { world } = app.history.mission;
     const when = element("span", { class: "when" }, shortMoment(world, event.step));
     return element("li", { class: event.step > step ? "ahead" : "" }, when, go);
   });

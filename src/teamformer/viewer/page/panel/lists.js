@@ -89,10 +89,10 @@ function eventRow(app, event) {
   const text = describeEvent(app.history, event);
   return {
     class: event.step === step ? "now" : event.step > step ? "ahead" : "",
-    title: `${capitalised(describeMoment(app.history.scenario.world, event.step))}: ${text}`,
+    title: `${capitalised(describeMoment(app.history.mission.world, event.step))}: ${text}`,
     on: () => app.goToEvent(event),
     children: [
-      element("span", { class: "when" }, shortMoment(app.history.scenario.world, event.step)),
+      element("span", { class: "when" }, shortMoment(app.history.mission.world, event.step)),
       element("span", { class: "dot", colour: eventColour(app, event) }),
       element("span", { class: "text" }, element("span", {}, text)),
     ],
@@ -106,7 +106,7 @@ function eventColour({ map }, { kind, task }) {
 }
 
 function listedTasks(app, isWanted) {
-  const { tasks } = app.history.scenario;
+  const { tasks } = app.history.mission;
   return tasks.map((_, task) => task).filter((task) => isWanted(() => tasks[task].name));
 }
 
@@ -117,7 +117,7 @@ function taskRow(app, task) {
     on: () => app.select({ task }),
     children: [
       taskMark(app, task),
-      twoLines(taskName(history.scenario, task), describeStanding(history, task, app.scene())),
+      twoLines(taskName(history.mission, task), describeStanding(history, task, app.scene())),
     ],
   };
 }
@@ -132,38 +132,38 @@ function twoLines(first, second) {
 }
 
 function listedTeams(app, isWanted) {
-  const { scenario } = app.history;
+  const { mission } = app.history;
   const teams = [...app.scene().teams.values()];
-  return teams.filter(({ robots }) => robots.some((robot) => isWanted(() => robotName(scenario, robot))));
+  return teams.filter(({ robots }) => robots.some((robot) => isWanted(() => robotName(mission, robot))));
 }
 
 function teamRow(app, team) {
-  const { scenario } = app.history;
+  const { mission } = app.history;
   const size = team.robots.length > 1 ? ` (${team.robots.length})` : "";
   return {
     class: app.selectedTeam() === team ? "now" : "",
     on: () => app.select({ robot: team.slot }),
     children: [
       teamMark(app, team),
-      twoLines(nameOfTeam(scenario, team) + size, describeDoing(app.history, team, app.player.step)),
+      twoLines(nameOfTeam(mission, team) + size, describeDoing(app.history, team, app.player.step)),
     ],
   };
 }
 
 function listedRobots(app, isWanted) {
-  const { robots } = app.history.scenario;
+  const { robots } = app.history.mission;
   return robots.map((_, robot) => robot).filter((robot) => isWanted(() => robots[robot].name));
 }
 
 function robotRow(app, robot) {
   const { history, selection, player } = app;
-  const { can } = history.scenario.robots[robot];
+  const { can } = history.mission.robots[robot];
   return {
     class: selection.robot === robot ? "now" : "",
     on: () => app.select({ robot }),
     children: [
       element("span", { class: "swatches" }, ...swatches(app, can)),
-      twoLines(robotName(history.scenario, robot), describeSoFar(history, robot, player.step)),
+      twoLines(robotName(history.mission, robot), describeSoFar(history, robot, player.step)),
     ],
   };
 }
@@ -172,11 +172,11 @@ function robotRow(app, robot) {
 function describeSoFar(history, robot, step) {
   if (isLost(history, robot, step)) return describeLoss(history, robot, step);
   if (step) return describeShares(history, robot, step);
-  return `brings ${describeCounts(history.scenario, history.scenario.robots[robot].can, MANY)}`;
+  return `brings ${describeCounts(history.mission, history.mission.robots[robot].can, MANY)}`;
 }
 
 function listedCapabilities(app, isWanted) {
-  const names = app.history.scenario.capabilities;
+  const names = app.history.mission.capabilities;
   return names.map((_, cap) => cap).filter((cap) => isWanted(() => names[cap]));
 }
 
@@ -186,7 +186,7 @@ function capabilityRow(app, cap) {
     on: () => app.select({ cap }),
     children: [
       swatch(app, cap),
-      twoLines(app.history.scenario.capabilities[cap], describeCapability(app, cap)),
+      twoLines(app.history.mission.capabilities[cap], describeCapability(app, cap)),
     ],
   };
 }

@@ -2,7 +2,7 @@
 
 function showPlayback(app) {
   const { player, history } = app;
-  const { world } = history.scenario;
+  const { world } = history.mission;
   byId("counter").replaceChildren(
     "Step ",
     element("b", {}, String(player.step)),

@@ -12,14 +12,14 @@ function waitingFor(app, task, short, team) {
 }
 
 function waitingItem(app, task, [cap, count], team) {
-  const { scenario } = app.history;
+  const { mission } = app.history;
   const bringers = assignedByDistance(app, task).filter(
     (other) => other !== team && other.counts.has(cap),
   );
-  const what = describeCounts(scenario, [[cap, count]]);
+  const what = describeCounts(mission, [[cap, count]]);
   const who = bringers
     .slice(0, BRINGERS_SHOWN)
-    .map((other) => [teamLink(app, other), ` brings it and ${farText(scenario, other, task)}`]);
+    .map((other) => [teamLink(app, other), ` brings it and ${farText(mission, other, task)}`]);
   if (!who.length) who.push([nobodyBrings(app, cap)]);
   return element(
     "li",
@@ -30,23 +30,23 @@ function waitingItem(app, task, [cap, count], team) {
 }
 
 function assignedByDistance(app, task) {
-  const { scenario } = app.history;
+  const { mission } = app.history;
   const teams = [...(app.scene().assignedTo.get(task) ?? [])];
-  const away = new Map(teams.map((team) => [team, distanceTo(scenario, team)]));
+  const away = new Map(teams.map((team) => [team, distanceTo(mission, team)]));
   return teams.sort((one, other) => away.get(one) - away.get(other));
 }
 
-function farText(scenario, team) {
-  if (isSamePlace(scenario.world, [team.x, team.y], team.site.at)) return "is there";
-  const way = describeWay(scenario.world, distanceTo(scenario, team));
+function farText(mission, team) {
+  if (isSamePlace(mission.world, [team.x, team.y], team.site.at)) return "is there";
+  const way = describeWay(mission.world, distanceTo(mission, team));
   return team.carries ? `carries it, ${way} to go` : `is ${way} away`;
 }
 
 function nobodyBrings({ history, player }, cap) {
-  const { scenario } = history;
+  const { mission } = history;
   const left = robotsWith(history, cap, player.step);
-  if (!left.length) return `lost with ${listRobots(scenario, robotsWith(history, cap, 0))}`;
-  return `nobody assigned brings it; ${listRobots(scenario, left)} could`;
+  if (!left.length) return `lost with ${listRobots(mission, robotsWith(history, cap, 0))}`;
+  return `nobody assigned brings it; ${listRobots(mission, left)} could`;
 }
 
 // What is short at the task itself: beyond the team there that lacks least.
@@ -70,11 +70,11 @@ function needsNow({ history, player }, task) {
 }
 
 function assignedTeams(app, task) {
-  const { scenario } = app.history;
+  const { mission } = app.history;
   const needs = needsNow(app, task);
   const items = assignedByDistance(app, task).map((team) => {
-    const brings = describeCounts(scenario, overlap(team.counts, needs), WAITS_SHOWN) || "nothing";
-    const text = ` ${farText(scenario, team)}, brings ${brings}`;
+    const brings = describeCounts(mission, overlap(team.counts, needs), WAITS_SHOWN) || "nothing";
+    const text = ` ${farText(mission, team)}, brings ${brings}`;
     return element("li", {}, teamLink(app, team), text);
   });
   if (!items.length) return null;

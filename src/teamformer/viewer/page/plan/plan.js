@@ -59,6 +59,6 @@ document.addEventListener("click", ({ target }) => {
 });
 document.addEventListener("keydown", ({ key }) => key === "Escape" && select({}));
 addEventListener("hashchange", readAddress);
-byId("save").addEventListener("click", () => download(csvOf(tableOfStops()), `${fileName(plan.scenario)}-plan.csv`));
+byId("save").addEventListener("click", () => download(csvOf(tableOfStops()), `${fileName(plan.mission)}-plan.csv`));
 byId("save").hidden = false;
 readAddress();

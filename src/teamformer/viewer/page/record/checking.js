@@ -1,6 +1,6 @@
 // Whether a record that somebody opens is whole: the keys and numbers that `view` and `check` ask for.
 
-const NEEDED_KEYS = ["scenario", "method", "seed", "orders", "start", "steps", "end", "lower_bound"];
+const NEEDED_KEYS = ["mission", "method", "seed", "orders", "start", "steps", "end", "lower_bound"];
 const STATUSES = ["completed", "step limit", "infeasible", "interrupted"];
 const END_COUNTS = ["steps", "tasks_done", "joins", "splits", "illegal_decisions"];
 
@@ -26,10 +26,10 @@ const ROWS_OF_STEP = {
 // Throws an Error that says where a record is damaged.
 function checkRecord(record) {
   for (const key of NEEDED_KEYS) if (record[key] === undefined) throw new Error(`'${key}' is missing`);
-  const { scenario, truth, steps, start, orders, end } = record;
-  const listed = Array.isArray(scenario?.tasks) && Array.isArray(scenario.robots) && Array.isArray(scenario.capabilities);
+  const { mission, truth, steps, start, orders, end } = record;
+  const listed = Array.isArray(mission?.tasks) && Array.isArray(mission.robots) && Array.isArray(mission.capabilities);
   if (!listed) throw new Error("its mission has no lists of robots, tasks and capabilities");
-  const counts = { robot: scenario.robots.length, task: scenario.tasks.length + (truth?.arrivals?.length ?? 0) };
+  const counts = { robot: mission.robots.length, task: mission.tasks.length + (truth?.arrivals?.length ?? 0) };
   checkRows(counts, start, ["robot", "robots", "number", "number"], "start");
   checkRows(counts, orders, ["count", "tasks"], "orders");
   if (!Array.isArray(steps)) throw new Error("its steps are no list");

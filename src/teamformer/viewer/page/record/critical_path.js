@@ -126,8 +126,8 @@ class PathTracing {
 
   // Back to before the time in which nobody who was needed did anything.
   goBeforeWait(robot, busy) {
-    const { scenario, doneAt, doers } = this.history;
-    const { appears, opens } = scenario.tasks[this.task] ?? { appears: -1, opens: -1 };
+    const { mission, doneAt, doers } = this.history;
+    const { appears, opens } = mission.tasks[this.task] ?? { appears: -1, opens: -1 };
     const opened = Math.max(appears, opens);
     this.tellOf(robot);
     if (opened > 0 && busy <= opened && opened <= this.now) {
@@ -158,13 +158,13 @@ class PathTracing {
 
   // Back from when a task opened to what it waited for.
   goBeforeOpening() {
-    const { scenario, doneAt } = this.history;
-    const before = scenario.tasks[this.task].after.find((task) => doneAt[task] === this.now);
+    const { mission, doneAt } = this.history;
+    const before = mission.tasks[this.task].after.find((task) => doneAt[task] === this.now);
     if (before !== undefined) {
       this.goBefore(before, this.now);
       return;
     }
-    const isClosed = scenario.tasks[this.task].appears < this.now;
+    const isClosed = mission.tasks[this.task].appears < this.now;
     const doing = isClosed ? "closed" : "unknown";
     this.found.push({ from: 0, to: this.now, doing, robot: NOBODY, task: this.task });
     this.now = 0;

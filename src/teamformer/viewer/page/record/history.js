@@ -1,43 +1,43 @@
-// From the deltas of a replay to the state after any step, and to the list of what happened.
+// From the deltas of a record to the state after any step, and to the list of what happened.
 
 const KEYFRAME_EVERY = 50;
 const STATES_KEPT = 40;
 const NOBODY = -1;
 const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"]; // events after which it is planned anew
 
-// Read a replay once; then `at(step)` gives the state after that many steps. Memory stays bounded:
+// Read a record once; then `at(step)` gives the state after that many steps. Memory stays bounded:
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
 function frames(recorded) {
-  const replay = inSquares(recorded);
-  const scenario = readScenario(replay.scenario, replay.truth, replay.foresight);
+  const record = inSquares(recorded);
+  const mission = readMission(record.mission, record.truth, record.foresight);
   const history = {
-    replay,
-    scenario,
-    last: replay.steps.length,
-    end: replay.end,
-    lowerBound: replay.lower_bound ?? null,
-    hasMessages: replay.steps.some(({ heard }) => heard),
+    record,
+    mission,
+    last: record.steps.length,
+    end: record.end,
+    lowerBound: record.lower_bound ?? null,
+    hasMessages: record.steps.some(({ heard }) => heard),
     keyframes: [],
     events: [],
-    services: scenario.tasks.map(() => []), // [{slot, from, to, robots, leftIn}], steps; `to` is open till it ends
-    doneAt: scenario.tasks.map(() => Infinity),
-    overAt: scenario.tasks.map(({ cancelled }) => cancelled), // the step in which it is done or called off
-    doneBy: scenario.tasks.map(() => NOBODY),
-    doers: scenario.tasks.map(() => []), // the robots of the team that did it
-    shownAt: scenario.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
-    foundAt: scenario.tasks.map(({ within }) => (within ? Infinity : 0)),
+    services: mission.tasks.map(() => []), // [{slot, from, to, robots, leftIn}], steps; `to` is open till it ends
+    doneAt: mission.tasks.map(() => Infinity),
+    overAt: mission.tasks.map(({ cancelled }) => cancelled), // the step in which it is done or called off
+    doneBy: mission.tasks.map(() => NOBODY),
+    doers: mission.tasks.map(() => []), // the robots of the team that did it
+    shownAt: mission.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
+    foundAt: mission.tasks.map(({ within }) => (within ? Infinity : 0)),
     moves: [], // {step, task, at, isUp} of tasks that are elsewhere from then on, or believed to be
-    lies: scenario.tasks.map(({ at }) => at), // where tasks really are; loads where they were taken up
+    lies: mission.tasks.map(({ at }) => at), // where tasks really are; loads where they were taken up
     carriedBy: new Map(), // load -> the slot of the team that has it up after the latest step read
-    absences: scenario.robots.map(() => []), // [{from, to, place}], steps; `to` is open till it is back
-    headings: scenario.robots.map(() => NOBODY), // by slot, the task last headed for
+    absences: mission.robots.map(() => []), // [{from, to, place}], steps; `to` is open till it is back
+    headings: mission.robots.map(() => NOBODY), // by slot, the task last headed for
     leaving: new Map(), // of a live mission: robot -> its absence from the next step on
     sitesLeft: null, // where tasks are after the latest step then, once asked for
   };
   history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
   history.sitesAfter = rememberLast(STATES_KEPT, (count) => sitesAfter(history, count));
   const take = stepTaker(history);
-  replay.steps.forEach((change, index) => take(change, index + 1));
+  record.steps.forEach((change, index) => take(change, index + 1));
   if (history.end.status !== "running") history.events.push({ step: history.last, kind: "end" });
   history.grow = (change, end) => grow(history, take, change, end);
   return history;
@@ -45,27 +45,27 @@ function frames(recorded) {
 
 // One step more of a mission that runs; `end` says how it ended, if it did.
 function grow(history, take, change, end) {
-  const step = stepInSquares(history.scenario.world, change);
-  history.replay.steps.push(step);
+  const step = stepInSquares(history.mission.world, change);
+  history.record.steps.push(step);
   history.last++;
   if (history.leaving.size) history.leaving = new Map(); // the step says that they are lost
   history.sitesLeft = null;
   take(step, history.last);
   if (!end) return;
-  history.end = history.replay.end = end;
+  history.end = history.record.end = end;
   history.events.push({ step: history.last, kind: "end" });
 }
 
 // A state holds, by robot, the slot of its team, and by slot the team's place and task.
-function startState(replay, scenario) {
-  const count = scenario.robots.length;
+function startState(record, mission) {
+  const count = mission.robots.length;
   const state = {
     team: new Int32Array(count).fill(NOBODY),
     x: new Float64Array(count),
     y: new Float64Array(count),
     task: new Int32Array(count).fill(NOBODY),
   };
-  for (const [slot, robots, x, y] of replay.start) {
+  for (const [slot, robots, x, y] of record.start) {
     for (const robot of robots) state.team[robot] = slot;
     putTeam(state, [slot, x, y, null]);
   }
@@ -87,7 +87,7 @@ function putTeam(state, [slot, x, y, task]) {
   state.task[slot] = task ?? NOBODY;
 }
 
-// The order is the replay's own: splits, joins, losses, returns, then where everybody is.
+// The order is the record's own: splits, joins, losses, returns, then where everybody is.
 function applyStep(state, step) {
   formTeams(state, step);
   for (const robot of step.lost ?? []) loseRobot(state, robot);
@@ -147,7 +147,7 @@ function stateAt(history, step) {
   const { latest } = history;
   const near = latest && latest.step > keyframe.step && latest.step <= step ? latest : keyframe;
   const state = copyState(near.state);
-  for (let done = near.step; done < step; done++) applyStep(state, history.replay.steps[done]);
+  for (let done = near.step; done < step; done++) applyStep(state, history.record.steps[done]);
   history.latest = { step, state };
   return state;
 }
@@ -165,10 +165,10 @@ function rememberLast(kept, make) {
 
 // Returns what to call with each step in turn: keyframes, events, services, completions, losses.
 function stepTaker(history) {
-  const { replay, scenario } = history;
+  const { record, mission } = history;
   const keepServices = serviceKeeper(history);
-  const arrivals = arrivalsByStep(scenario);
-  const state = startState(replay, scenario);
+  const arrivals = arrivalsByStep(mission);
+  const state = startState(record, mission);
   history.keyframes.push(copyState(state));
   return (change, step) => {
     recordStep(history, state, change, step);
@@ -188,19 +188,19 @@ function stepTaker(history) {
   };
 }
 
-function arrivalsByStep(scenario) {
+function arrivalsByStep(mission) {
   const arrivals = new Map();
-  scenario.tasks.forEach(({ appears, cancelled }, task) => {
+  mission.tasks.forEach(({ appears, cancelled }, task) => {
     if (appears > 0 && appears < cancelled) arrivals.set(appears, [...(arrivals.get(appears) ?? []), task]);
   });
   return arrivals;
 }
 
 // Tasks may begin when the last task that they are after is over.
-function openNextTasks({ scenario, replay, overAt }, step) {
-  scenario.tasks.forEach((task, number) => {
+function openNextTasks({ mission, record, overAt }, step) {
+  mission.tasks.forEach((task, number) => {
     if (task.opens < Infinity || task.after.some((other) => overAt[other] > step)) return;
-    task.opens = Math.max(windowOpens(replay.scenario.tasks[number].between), step);
+    task.opens = Math.max(windowOpens(record.mission.tasks[number].between), step);
   });
 }
 
@@ -224,7 +224,7 @@ function recordStep(history, state, change, step) {
 
 // Loads that are taken up are where they are brought, and `isUp`, until they are done or set down.
 function recordLoads(history, change, step) {
-  const { scenario, moves, events, lies, carriedBy } = history;
+  const { mission, moves, events, lies, carriedBy } = history;
   for (const [task, ...at] of change.left ?? []) {
     moves.push({ step, task, at });
     events.push({ step, kind: "left", task, at });
@@ -232,19 +232,19 @@ function recordLoads(history, change, step) {
     carriedBy.delete(task);
   }
   for (const [task, slot] of takenIn(history, change, step)) {
-    moves.push({ step, task, at: scenario.tasks[task].to, isUp: true });
+    moves.push({ step, task, at: mission.tasks[task].to, isUp: true });
     carriedBy.set(task, slot);
   }
   for (const [task] of change.done ?? []) {
     carriedBy.delete(task); // or it was taken up and brought in this step
-    if (scenario.tasks[task].to) moves.push({ step, task, at: scenario.tasks[task].to });
+    if (mission.tasks[task].to) moves.push({ step, task, at: mission.tasks[task].to });
   }
 }
 
-// Where tasks are believed to be after a step: by task {at, mates}, as in the scenario.
+// Where tasks are believed to be after a step: by task {at, mates}, as in the mission.
 function sitesAt(history, step) {
-  const { moves, scenario } = history;
-  if (!scenario.doTasksMove) return scenario.tasks;
+  const { moves, mission } = history;
+  if (!mission.doTasksMove) return mission.tasks;
   if (step >= history.last && history.leaving.size) return (history.sitesLeft ??= sitesLeft(history));
   let count = moves.length;
   while (count > 0 && moves[count - 1].step > step) count--;
@@ -265,8 +265,8 @@ function sitesLeft(history) {
 }
 
 // The same after the first moves.
-function sitesAfter({ moves, scenario }, count) {
-  const sites = scenario.tasks.map(({ first }) => ({ at: first }));
+function sitesAfter({ moves, mission }, count) {
+  const sites = mission.tasks.map(({ first }) => ({ at: first }));
   for (const { task, at, isUp } of moves.slice(0, count)) sites[task] = { at, isUp };
   shareSites(sites);
   return sites;
@@ -301,7 +301,7 @@ function recordReturn(history, state, robot, step) {
 
 // What everybody believes that a task needs after a step.
 function needsAt(history, task, step) {
-  const { needs, believed } = history.scenario.tasks[task];
+  const { needs, believed } = history.mission.tasks[task];
   return history.shownAt[task] <= step ? needs : believed;
 }
 
@@ -363,14 +363,14 @@ function recordCompletions(history, state, change, step) {
 }
 
 // The tasks that are called off in a step.
-function cancelledIn({ scenario, doneAt }, step) {
-  const all = scenario.tasks.map((_, task) => task);
-  return all.filter((task) => scenario.tasks[task].cancelled === step && doneAt[task] === Infinity);
+function cancelledIn({ mission, doneAt }, step) {
+  const all = mission.tasks.map((_, task) => task);
+  return all.filter((task) => mission.tasks[task].cancelled === step && doneAt[task] === Infinity);
 }
 
 // What teams pursued in a step whose assignments neither before nor after it say so: news took them back.
-function pursuedIn({ replay }, step) {
-  return new Map(replay.steps[step - 1].pursued ?? []);
+function pursuedIn({ record }, step) {
+  return new Map(record.steps[step - 1].pursued ?? []);
 }
 
 function sizeOf(state, slot) {

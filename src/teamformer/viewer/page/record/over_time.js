@@ -16,9 +16,9 @@ function curvesOf(history) {
 }
 
 // Tasks that are known and not over, after each step.
-function openAfterSteps({ scenario, overAt, last }) {
-  const everOpen = scenario.tasks.flatMap(({ appears }, task) => (appears < overAt[task] ? [task] : []));
-  const known = countsUpTo(everOpen.map((task) => scenario.tasks[task].appears), last);
+function openAfterSteps({ mission, overAt, last }) {
+  const everOpen = mission.tasks.flatMap(({ appears }, task) => (appears < overAt[task] ? [task] : []));
+  const known = countsUpTo(everOpen.map((task) => mission.tasks[task].appears), last);
   const over = countsUpTo(everOpen.map((task) => overAt[task]), last);
   return known.map((count, step) => count - over[step]);
 }
@@ -39,7 +39,7 @@ function countsUpTo(steps, last) {
 // The way that all robots make in a step. They go by shortest ways, so where none turns back around
 // the end of a wall, which takes four cells in one step, it is what lies between the two places.
 function wayIn(history, step) {
-  const { world } = history.scenario;
+  const { world } = history.mission;
   const [before, after] = [history.at(step - 1), history.at(step)];
   let sum = 0;
   for (let robot = 0; robot < after.team.length; robot++) {
@@ -53,7 +53,7 @@ function wayIn(history, step) {
 
 // How many steps each robot was idle up to one, by robot.
 function idleStepsUpTo(history, step) {
-  history.idleSteps ??= [new Uint32Array(history.scenario.robots.length)];
+  history.idleSteps ??= [new Uint32Array(history.mission.robots.length)];
   const { idleSteps } = history;
   for (let made = idleSteps.length; made <= step; made++) {
     const row = idleSteps[made - 1].slice();

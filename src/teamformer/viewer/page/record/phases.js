@@ -36,7 +36,7 @@ function workIn(history, step) {
 
 function workOut(history, step) {
   const [before, after] = [history.at(step - 1), history.at(step)];
-  const forming = robotsForming(before, history.replay.steps[step - 1]);
+  const forming = robotsForming(before, history.record.steps[step - 1]);
   const work = workOfTeams(history, after, step);
   const pursuits = pursuitsFrom(history, before, after, step);
   const phases = Uint8Array.from(after.team, (slot, robot) => {
@@ -47,7 +47,7 @@ function workOut(history, step) {
     if (was.x !== is.x || was.y !== is.y) return WALKS;
     if (pursuits[robot] === NOBODY) return IDLE;
     const { at } = sitesAt(history, step)[pursuits[robot]];
-    return isSamePlace(history.scenario.world, [is.x, is.y], at) ? WAITS : WALKS;
+    return isSamePlace(history.mission.world, [is.x, is.y], at) ? WAITS : WALKS;
   });
   return { phases, pursuits };
 }
@@ -93,7 +93,7 @@ function workOfTeams(history, after, step) {
 
 // What a team does for a task that it serves in a step.
 function workOn(history, task, step) {
-  const { to, unload } = history.scenario.tasks[task];
+  const { to, unload } = history.mission.tasks[task];
   if (!to) return SERVES;
   if (!sitesAt(history, step - 1)[task].isUp) return LOADS;
   return step > history.doneAt[task] - unload ? UNLOADS : CARRIES;
@@ -117,8 +117,8 @@ function phaseRuns(history, robot) {
 }
 
 // The tasks that each robot has done, by robot: [{task, step}] in their order.
-function deedsOfRobots({ scenario, doers, doneAt }) {
-  const deeds = scenario.robots.map(() => []);
+function deedsOfRobots({ mission, doers, doneAt }) {
+  const deeds = mission.robots.map(() => []);
   doers.forEach((robots, task) => {
     for (const robot of robots) deeds[robot].push({ task, step: doneAt[task] });
   });
@@ -128,7 +128,7 @@ function deedsOfRobots({ scenario, doers, doneAt }) {
 
 // The part of the steps up to one that each robot spent in each phase, by robot and phase.
 function phaseShares(history, step) {
-  const shares = history.scenario.robots.map(() => new Float64Array(PHASES.length));
+  const shares = history.mission.robots.map(() => new Float64Array(PHASES.length));
   for (let made = 1; made <= step; made++) {
     phasesIn(history, made).forEach((phase, robot) => shares[robot][phase]++);
   }

@@ -2,17 +2,17 @@
 
 const MOST_SQUARES = 300; // along a side
 
-// The same replay with all lengths in squares; on a grid, the replay itself.
-function inSquares(replay) {
-  const { world } = replay.scenario;
-  if (!world.plane) return replay;
+// The same record with all lengths in squares; on a grid, the record itself.
+function inSquares(record) {
+  const { world } = record.mission;
+  if (!world.plane) return record;
   const square = squareOf(world);
   return {
-    ...replay,
-    truth: truthInSquares(replay.truth, square),
-    scenario: scenarioInSquares(replay.scenario, square),
-    start: replay.start.map(([slot, robots, x, y]) => [slot, robots, x / square, y / square]),
-    steps: replay.steps.map((step) => stepInSquares({ square }, step)),
+    ...record,
+    truth: truthInSquares(record.truth, square),
+    mission: missionInSquares(record.mission, square),
+    start: record.start.map(([slot, robots, x, y]) => [slot, robots, x / square, y / square]),
+    steps: record.steps.map((step) => stepInSquares({ square }, step)),
   };
 }
 
@@ -32,18 +32,18 @@ function stepInSquares({ square }, step) {
   return { ...step, teams: (step.teams ?? []).map(team), moved, left };
 }
 
-function scenarioInSquares(scenario, square) {
+function missionInSquares(mission, square) {
   const placed = (thing) => ({ ...thing, at: thing.at.map((along) => along / square) });
-  const radius = readRadius(scenario.sensing_radius);
+  const radius = readRadius(mission.sensing_radius);
   return {
-    ...scenario,
-    robots: scenario.robots.map(placed),
-    tasks: scenario.tasks.map((task) => ({
+    ...mission,
+    robots: mission.robots.map(placed),
+    tasks: mission.tasks.map((task) => ({
       ...placed(task),
       within: (task.within ?? 0) / square,
       to: task.to?.map((along) => along / square),
     })),
-    sensing_radius: Math.max(radius, scenario.world.arrival_radius) / square,
+    sensing_radius: Math.max(radius, mission.world.arrival_radius) / square,
   };
 }
 

@@ -12,7 +12,7 @@ function reasonFor(history, team, step) {
 
 function reasonForTask(history, team, step) {
   const task = team.assigned;
-  const { steps } = history.replay;
+  const { steps } = history.record;
   const named = steps.slice(Math.max(0, step - 1), step).some((it) => it.named?.includes(team.slot));
   if (named) return "its policy named the task itself";
   const plan = sharedPlanAt(history, step);
@@ -25,13 +25,13 @@ function reasonForTask(history, team, step) {
 
 // The shared plan that holds: {made, reasons, coalitions, scouts}, coalitions by task, scouts as
 // [robot, the task it looks at first]; null without one. Like robots may have exchanged their parts since it was made.
-function sharedPlanAt({ replay }, step) {
-  const latest = (replay.plans ?? []).findLast(([made]) => made <= step);
+function sharedPlanAt({ record }, step) {
+  const latest = (record.plans ?? []).findLast(([made]) => made <= step);
   if (!latest) return null;
   const [made, [reasons, planned]] = latest;
-  const [, order] = replay.orders.findLast(([at]) => at <= made);
+  const [, order] = record.orders.findLast(([at]) => at <= made);
   const parts = new Map();
-  for (const { took = [] } of replay.steps.slice(made, step)) {
+  for (const { took = [] } of record.steps.slice(made, step)) {
     for (const [one, other] of took) {
       const [mine, theirs] = [parts.get(one) ?? one, parts.get(other) ?? other];
       parts.set(one, theirs).set(other, mine);
@@ -40,36 +40,36 @@ function sharedPlanAt({ replay }, step) {
   const playedBy = new Map([...parts].map(([robot, part]) => [part, robot]));
   const robotsOf = (robots) => robots.map((robot) => playedBy.get(robot) ?? robot);
   const coalitions = new Map(order.map((task, at) => [task, robotsOf(planned[at])]));
-  const [, looking = []] = (replay.scouts ?? []).find(([at]) => at === made) ?? [];
+  const [, looking = []] = (record.scouts ?? []).find(([at]) => at === made) ?? [];
   const scouts = looking.map(([robot, task]) => [playedBy.get(robot) ?? robot, task]);
   return { made, reasons, coalitions, scouts };
 }
 
-function reasonInPlan({ scenario }, { coalitions, scouts }, team, task) {
+function reasonInPlan({ mission }, { coalitions, scouts }, team, task) {
   const looking = scouts.filter(([robot, at]) => at === task && team.robots.includes(robot));
-  if (looking.length) return `the plan has ${listRobots(scenario, looking.map(([it]) => it))} look first what it needs`;
+  if (looking.length) return `the plan has ${listRobots(mission, looking.map(([it]) => it))} look first what it needs`;
   const robots = coalitions.get(task);
   if (!robots) return "";
-  const names = listRobots(scenario, robots);
+  const names = listRobots(mission, robots);
   return robots.length > 1 ? `the plan has ${names} do it together` : `the plan has ${names} do it`;
 }
 
 // Who has no assignment: whether anything is left that its robots could help with.
 function reasonForRest(history, team, step) {
-  const { scenario } = history;
-  const all = scenario.tasks.map((_, task) => task);
-  const open = all.filter((task) => scenario.tasks[task].appears <= step && !isOver(history, task, step));
+  const { mission } = history;
+  const all = mission.tasks.map((_, task) => task);
+  const open = all.filter((task) => mission.tasks[task].appears <= step && !isOver(history, task, step));
   if (!open.length) return "no task is open";
   const plan = sharedPlanAt(history, step);
   const isWanted = ([task, robots]) =>
     !isOver(history, task, step) && robots.some((robot) => team.robots.includes(robot));
   if (plan) {
     const [next] = [...plan.coalitions].filter(isWanted);
-    return next ? `the plan has it do ${taskName(scenario, next[0])} next` : "the plan has nothing left for it";
+    return next ? `the plan has it do ${taskName(mission, next[0])} next` : "the plan has nothing left for it";
   }
   const useful = open.filter((task) => needsAt(history, task, step).some(([cap]) => team.counts.has(cap)));
   if (!useful.length) return "no open task needs what it brings";
-  const names = useful.slice(0, MANY).map((task) => taskName(scenario, task));
+  const names = useful.slice(0, MANY).map((task) => taskName(mission, task));
   const more = useful.length > MANY ? ` and ${useful.length - MANY} more` : "";
   return `others are to do ${names.join(", ")}${more}`;
 }
@@ -82,12 +82,12 @@ function planText(history, step) {
   const taken = reasons.includes("taken over") ? "a longer search was taken over" : "";
   const causes = [causesIn(history, made), taken].filter(Boolean).join(", ") || reasons.join(", ");
   if (made === 0) return "";
-  const when = describeMoment(history.scenario.world, made);
-  return `planned anew ${history.scenario.world.isPlane ? "at" : "after"} ${when}${causes ? `: ${causes}` : ""}`;
+  const when = describeMoment(history.mission.world, made);
+  return `planned anew ${history.mission.world.isPlane ? "at" : "after"} ${when}${causes ? `: ${causes}` : ""}`;
 }
 
-function latestPlan({ replay }, step) {
-  const kept = [replay.orders, replay.plans];
+function latestPlan({ record }, step) {
+  const kept = [record.orders, record.plans];
   const plans = kept.flatMap((rows) => rows ?? []).map(([made]) => made);
   return Math.max(0, ...plans.filter((made) => made <= step));
 }

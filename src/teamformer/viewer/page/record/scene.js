@@ -5,7 +5,7 @@
 // `site` is where its task is believed to be, `goal` is the task whose colour the ring may take: the one served, just done or headed for.
 function sceneAt(history, step) {
   const state = stateShown(history, step);
-  const teams = gatherTeams(history.scenario, state);
+  const teams = gatherTeams(history.mission, state);
   const serving = servicesAt(history, step);
   const justDone = doneIn(history, step);
   const sites = sitesAt(history, step);
@@ -13,13 +13,13 @@ function sceneAt(history, step) {
     describeGoal(history, step, team, serving.get(team.slot), justDone.get(team.slot));
     team.site = sites[team.assigned] ?? null;
     team.carries = team.service !== null && sites[team.service.task].isUp === true;
-    team.activity = activityOf(history.scenario.world, team);
+    team.activity = activityOf(history.mission.world, team);
   }
   tellWhoAwaitsAPlan(history, step, [...teams.values()]);
   return { step, state, teams, assignedTo: groupByTask(teams) };
 }
 
-function gatherTeams(scenario, state) {
+function gatherTeams(mission, state) {
   const teams = new Map();
   for (let robot = 0; robot < state.team.length; robot++) {
     const slot = state.team[robot];
@@ -27,7 +27,7 @@ function gatherTeams(scenario, state) {
     if (!teams.has(slot)) teams.set(slot, newTeam(state, slot));
     const team = teams.get(slot);
     team.robots.push(robot);
-    for (const [cap, count] of scenario.robots[robot].can) {
+    for (const [cap, count] of mission.robots[robot].can) {
       team.counts.set(cap, exact((team.counts.get(cap) ?? 0) + count));
     }
   }
@@ -74,9 +74,9 @@ function whoIsAboutATask(history, step) {
 }
 
 // Whether a plan or an order is made after a step, before anybody goes on.
-function isPlannedAnew({ replay, events }, step) {
+function isPlannedAnew({ record, events }, step) {
   if (step === 0) return true;
-  const kept = [replay.orders, replay.plans];
+  const kept = [record.orders, record.plans];
   if (kept.some((rows) => rows?.some(([made]) => made === step))) return true;
   return events.some((event) => event.step === step && NEWS.includes(event.kind));
 }
@@ -124,11 +124,11 @@ function teamOfRobot(scene, robot) {
 // How a task stands after a step: hidden, open, served, done, cancelled or (at the end) blocked.
 function standingOf(history, task, step) {
   if (isOver(history, task, step)) return history.doneAt[task] <= step ? "done" : "cancelled";
-  if (history.scenario.tasks[task].appears > step) return "hidden";
+  if (history.mission.tasks[task].appears > step) return "hidden";
   if (serviceOf(history, task, step)) return "served";
   if (
     step === history.last &&
-    history.end.blocked_tasks.includes(history.scenario.tasks[task].name)
+    history.end.blocked_tasks.includes(history.mission.tasks[task].name)
   )
     return "blocked";
   return "open";
@@ -139,12 +139,12 @@ function standingOf(history, task, step) {
 function serviceOf(history, task, step) {
   const service = history.services[task].find(({ from, to }) => from <= step && step < to);
   if (!service) return null;
-  const { scenario } = history;
+  const { mission } = history;
   const state = stateShown(history, step);
   const robots = robotsServing(service, step + 1).filter((robot) => state.team[robot] !== NOBODY);
   const slot = state.team[robots[0]];
   const isLeft = step >= history.last && history.leaving.size > 0;
-  if (isLeft && !(robots.length && covers(countsOfTeam(scenario, state, slot), scenario.tasks[task].needs))) return null;
+  if (isLeft && !(robots.length && covers(countsOfTeam(mission, state, slot), mission.tasks[task].needs))) return null;
   return { ...service, slot, robots };
 }
 
@@ -164,7 +164,7 @@ function countCancelled(history, step) {
 // The open tasks in the order that everybody shares, as last computed.
 function orderAt(history, step) {
   let tasks = [];
-  for (const [made, order] of history.replay.orders ?? []) if (made <= step) tasks = order;
+  for (const [made, order] of history.record.orders ?? []) if (made <= step) tasks = order;
   return tasks.filter((task) => !isOver(history, task, step));
 }
 
@@ -174,17 +174,17 @@ function namesCap(counts, cap) {
 
 // The robots that bring a capability and are not lost.
 function robotsWith(history, cap, step) {
-  const { robots } = history.scenario;
+  const { robots } = history.mission;
   const all = robots.map((_, robot) => robot);
   return all.filter((robot) => !isLost(history, robot, step) && namesCap(robots[robot].can, cap));
 }
 
 // The tasks that are known, not over and need a capability.
 function tasksNeeding(history, cap, step) {
-  const { scenario } = history;
-  const all = scenario.tasks.map((_, task) => task);
+  const { mission } = history;
+  const all = mission.tasks.map((_, task) => task);
   return all.filter((task) => {
-    const { appears } = scenario.tasks[task];
+    const { appears } = mission.tasks[task];
     return appears <= step && !isOver(history, task, step) && namesCap(needsAt(history, task, step), cap);
   });
 }

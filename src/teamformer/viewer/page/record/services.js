@@ -6,22 +6,22 @@
 // load is recorded, and its robots have it until the record says that it is down, in however many
 // teams they are.
 function serviceKeeper(history) {
-  const { scenario, services, events } = history;
-  const lasting = scenario.tasks
+  const { mission, services, events } = history;
+  const lasting = mission.tasks
     .map((_, task) => task)
-    .filter((task) => scenario.tasks[task].duration > 0 || scenario.tasks[task].to)
-    .sort((one, other) => !scenario.tasks[one].to - !scenario.tasks[other].to || one - other);
+    .filter((task) => mission.tasks[task].duration > 0 || mission.tasks[task].to)
+    .sort((one, other) => !mission.tasks[one].to - !mission.tasks[other].to || one - other);
   const running = new Map(); // task -> its service, with the robots that began it
   return (state, change, step) => {
     if (!lasting.length) return;
-    const teamsAt = teamFinder(scenario.world, state);
+    const teamsAt = teamFinder(mission.world, state);
     const takers = new Map(takenIn(history, change, step));
     endServices(history, running, state, change, step, takers);
     for (const task of lasting) {
       if (running.has(task) || isDoneIn(change, task)) continue;
       const rests = isSetDownIn(change, task) || isClosed(history, task, step);
       if (rests && !takers.has(task)) continue; // or it was set down and taken up again
-      const loads = [...running].filter(([other]) => scenario.tasks[other].to);
+      const loads = [...running].filter(([other]) => mission.tasks[other].to);
       const busy = loads.flatMap(([, service]) => robotsServing(service, step + 1).map((robot) => state.team[robot]));
       const slot = takers.get(task) ?? findServer(history, state, teamsAt, task, busy);
       if (slot === undefined) continue;
@@ -34,7 +34,7 @@ function serviceKeeper(history) {
 }
 
 function isClosed(history, task, step) {
-  const { appears, opens, cancelled } = history.scenario.tasks[task];
+  const { appears, opens, cancelled } = history.mission.tasks[task];
   return history.doneAt[task] < Infinity || cancelled <= step || Math.max(appears, opens) >= step;
 }
 
@@ -43,9 +43,9 @@ function isDoneIn(change, task) {
 }
 
 // Loads that teams take up in a step: [task, slot].
-function takenIn({ scenario, doneAt }, { taken = [] }, step) {
+function takenIn({ mission, doneAt }, { taken = [] }, step) {
   return taken.filter(([task]) => {
-    const { to, cancelled } = scenario.tasks[task];
+    const { to, cancelled } = mission.tasks[task];
     return to && cancelled > step && doneAt[task] === Infinity;
   });
 }
@@ -55,7 +55,7 @@ function endServices(history, running, state, change, step, takers) {
     const slots = robotsServing(service, step)
       .map((robot) => state.team[robot])
       .filter((slot) => slot !== NOBODY);
-    const isCancelled = history.scenario.tasks[task].cancelled === step && !isDoneIn(change, task);
+    const isCancelled = history.mission.tasks[task].cancelled === step && !isDoneIn(change, task);
     const isUp = history.carriedBy.has(task);
     if (isCancelled || (isUp && !slots.length)) leaveLoad(history, state, slots[0] ?? service.slot, task, step);
     const hasEnded = isCancelled || isDoneIn(change, task) || isSetDownIn(change, task);
@@ -106,13 +106,13 @@ function isSetDownIn(change, task) {
 
 // A load is taken up only by a team that heads for it; `busy` teams have one and do nothing else.
 function findServer(history, state, teamsAt, task, busy) {
-  const { scenario } = history;
-  const { needs, to } = scenario.tasks[task];
+  const { mission } = history;
+  const { needs, to } = mission.tasks[task];
   return teamsAt(history.lies[task]).find(
     (team) =>
       !busy.includes(team) &&
       (!to || state.task[team] === task) &&
-      covers(countsOfTeam(scenario, state, team), needs),
+      covers(countsOfTeam(mission, state, team), needs),
   );
 }
 
@@ -121,17 +121,17 @@ function goesOn(history, state, slot, task) {
 }
 
 // Whether a team heads for no other task than a load.
-function isAbout({ scenario }, state, slot, task) {
-  return !scenario.tasks[task].to || [task, NOBODY].includes(state.task[slot]);
+function isAbout({ mission }, state, slot, task) {
+  return !mission.tasks[task].to || [task, NOBODY].includes(state.task[slot]);
 }
 
-function isAble({ scenario }, state, slot, task) {
-  return covers(countsOfTeam(scenario, state, slot), scenario.tasks[task].needs);
+function isAble({ mission }, state, slot, task) {
+  return covers(countsOfTeam(mission, state, slot), mission.tasks[task].needs);
 }
 
 function standsAt(history, state, slot, task) {
   const place = [state.x[slot], state.y[slot]];
-  return isSamePlace(history.scenario.world, place, history.lies[task]);
+  return isSamePlace(history.mission.world, place, history.lies[task]);
 }
 
 // Returns what finds the slots of the teams in a place, lowest first.
@@ -157,6 +157,6 @@ function robotsOfTeam(state, slot) {
   return robots;
 }
 
-function countsOfTeam(scenario, state, slot) {
-  return addCounts(robotsOfTeam(state, slot).map((robot) => scenario.robots[robot].can));
+function countsOfTeam(mission, state, slot) {
+  return addCounts(robotsOfTeam(state, slot).map((robot) => mission.robots[robot].can));
 }

@@ -6,7 +6,7 @@ function taskStory(history, task) {
 
 // Follow the robot's team through its changing slots.
 function robotStory(history, robot) {
-  const start = history.replay.start.find(([, robots]) => robots.includes(robot));
+  const start = history.record.start.find(([, robots]) => robots.includes(robot));
   let team = start[0];
   const story = [];
   for (const event of history.events) {

@@ -3,34 +3,34 @@
 const MANY = 3; // names written out
 const MANY_NEEDS = 12; // kinds of needs written out
 
-function robotName(scenario, robot) {
-  return scenario.robots[robot].name;
+function robotName(mission, robot) {
+  return mission.robots[robot].name;
 }
 
-function taskName(scenario, task) {
-  return scenario.tasks[task].name;
+function taskName(mission, task) {
+  return mission.tasks[task].name;
 }
 
 // A lone robot goes by its own name, a team by that of its lowest robot.
-function teamName(scenario, slot, size) {
-  return size === 1 ? robotName(scenario, slot) : `team ${robotName(scenario, slot)}`;
+function teamName(mission, slot, size) {
+  return size === 1 ? robotName(mission, slot) : `team ${robotName(mission, slot)}`;
 }
 
-function nameOfTeam(scenario, team) {
-  return teamName(scenario, team.slot, team.robots.length);
+function nameOfTeam(mission, team) {
+  return teamName(mission, team.slot, team.robots.length);
 }
 
 // A few names are written out; of more than `most`, the first stands for all.
-function listRobots(scenario, robots, most = MANY) {
+function listRobots(mission, robots, most = MANY) {
   const shown = robots.length <= most ? robots : robots.slice(0, 1);
-  const names = shown.map((robot) => robotName(scenario, robot)).join(", ");
+  const names = shown.map((robot) => robotName(mission, robot)).join(", ");
   return shown.length < robots.length ? `${names} + ${robots.length - 1} more` : names;
 }
 
-function describeCounts(scenario, counts, shown = Infinity) {
+function describeCounts(mission, counts, shown = Infinity) {
   const pairs = [...counts];
   const texts = pairs.slice(0, shown).map(([cap, count]) => {
-    const name = scenario.capabilities[cap];
+    const name = mission.capabilities[cap];
     return count === 1 ? name : `${count} x ${name}`;
   });
   if (pairs.length > shown) texts.push(`${pairs.length - shown} more`);
@@ -46,19 +46,19 @@ function capitalised(text) {
 }
 
 // How far a team has to go to where its task is believed to be.
-function distanceTo(scenario, team) {
-  return walkingDistance(scenario.world, [team.x, team.y], team.site.at, isFlying(scenario, team));
+function distanceTo(mission, team) {
+  return walkingDistance(mission.world, [team.x, team.y], team.site.at, isFlying(mission, team));
 }
 
 function describeDoing(history, team, step) {
-  const { scenario } = history;
-  const name = team.goal === NOBODY ? "" : taskName(scenario, team.goal);
-  const lack = describeCounts(scenario, team.missing, MANY);
+  const { mission } = history;
+  const name = team.goal === NOBODY ? "" : taskName(mission, team.goal);
+  const lack = describeCounts(mission, team.missing, MANY);
   switch (team.activity) {
     case "serves": {
       const made = step - team.service.from;
-      if (scenario.tasks[team.goal].to) return describeLoading(scenario, team, name);
-      return `does ${name}, ${describePart(scenario.world, made, scenario.tasks[team.goal])}`;
+      if (mission.tasks[team.goal].to) return describeLoading(mission, team, name);
+      return `does ${name}, ${describePart(mission.world, made, mission.tasks[team.goal])}`;
     }
     case "done":
       return `has just done ${name}`;
@@ -72,9 +72,9 @@ function describeDoing(history, team, step) {
       if (!team.isMet) return `waits at ${name} for ${lack}`;
       return [`is at ${name} with all it needs`, whyClosed(history, team.goal, step)].filter(Boolean).join("; that ");
     default: {
-      const away = distanceTo(scenario, team);
-      const way = `${describeWay(scenario.world, away)} to go`;
-      const goes = isFlying(scenario, team) ? "flies" : "walks";
+      const away = distanceTo(mission, team);
+      const way = `${describeWay(mission.world, away)} to go`;
+      const goes = isFlying(mission, team) ? "flies" : "walks";
       return team.isMet
         ? `${goes} to ${name} with all it needs, ${way}`
         : `${goes} to ${name}, ${way}; lacks ${lack}`;
@@ -84,11 +84,11 @@ function describeDoing(history, team, step) {
 
 // Why a known task may not begin in the next step; nothing if it may.
 function whyClosed(history, task, step) {
-  const { scenario } = history;
-  const { after, opens } = scenario.tasks[task];
+  const { mission } = history;
+  const { after, opens } = mission.tasks[task];
   const before = after.filter((other) => !isOver(history, other, step));
-  if (before.length) return `comes after ${before.map((other) => taskName(scenario, other)).join(", ")}`;
-  return opens > step ? `may begin after ${describeMoment(scenario.world, opens)}` : "";
+  if (before.length) return `comes after ${before.map((other) => taskName(mission, other)).join(", ")}`;
+  return opens > step ? `may begin after ${describeMoment(mission.world, opens)}` : "";
 }
 
 // What a team does with its load.
@@ -116,14 +116,14 @@ function describeDuration(world, { duration, lasts }) {
 
 // What a task needs, and what it may need while nobody knows.
 function describeNeeds(history, task, step, most = MANY_NEEDS) {
-  const { scenario, shownAt } = history;
-  if (shownAt[task] <= step) return describeCounts(scenario, needsAt(history, task, step), most);
-  const { sure, mayNeed } = scenario.tasks[task];
-  return `${describeCounts(scenario, sure, most)}, may need ${describeChances(scenario, mayNeed)}`;
+  const { mission, shownAt } = history;
+  if (shownAt[task] <= step) return describeCounts(mission, needsAt(history, task, step), most);
+  const { sure, mayNeed } = mission.tasks[task];
+  return `${describeCounts(mission, sure, most)}, may need ${describeChances(mission, mayNeed)}`;
 }
 
-function describeChances(scenario, mayNeed) {
-  return mayNeed.map(([cap, chance]) => `${scenario.capabilities[cap]} (${percent(chance)})`).join(", ");
+function describeChances(mission, mayNeed) {
+  return mayNeed.map(([cap, chance]) => `${mission.capabilities[cap]} (${percent(chance)})`).join(", ");
 }
 
 function describeAt(world, step) {
@@ -150,34 +150,34 @@ function describeShares(history, robot, step) {
 function describeLoss(history, robot, step) {
   const absence = absenceAt(history, robot, step);
   if (!absence) return "lost";
-  return `lost ${describeWhen(history.scenario.world, absence.from)}`;
+  return `lost ${describeWhen(history.mission.world, absence.from)}`;
 }
 
-function describeLateness({ scenario, doneAt }, task) {
-  const late = doneAt[task] - scenario.tasks[task].due;
-  return late > 0 ? `, late by ${describeSpan(scenario.world, late)}` : "";
+function describeLateness({ mission, doneAt }, task) {
+  const late = doneAt[task] - mission.tasks[task].due;
+  return late > 0 ? `, late by ${describeSpan(mission.world, late)}` : "";
 }
 
 function describeStanding(history, task, scene) {
-  const { scenario } = history;
+  const { mission } = history;
   const { step } = scene;
-  const { appears, cancelled } = scenario.tasks[task];
+  const { appears, cancelled } = mission.tasks[task];
   const standing = standingOf(history, task, step);
   const goesOn = step < history.last || history.end.status === "running";
   if (goesOn && cancelled === step + 1 && standing !== "done") return "called off with the next step";
   switch (standing) {
     case "hidden":
-      return `appears after ${describeMoment(scenario.world, appears)}`;
+      return `appears after ${describeMoment(mission.world, appears)}`;
     case "done":
-      if (history.doneBy[task] === NOBODY) return `done by ${describeMoment(scenario.world, history.doneAt[task])}, nobody heard by whom`;
-      return `done ${describeWhen(scenario.world, history.doneAt[task])}${describeLateness(history, task)}`;
+      if (history.doneBy[task] === NOBODY) return `done by ${describeMoment(mission.world, history.doneAt[task])}, nobody heard by whom`;
+      return `done ${describeWhen(mission.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "cancelled":
-      return `called off ${describeWhen(scenario.world, cancelled)}`;
+      return `called off ${describeWhen(mission.world, cancelled)}`;
     case "served": {
       if (sitesAt(history, step)[task].isUp) return "being carried";
-      if (scenario.tasks[task].to) return "being taken up";
+      if (mission.tasks[task].to) return "being taken up";
       const made = step - serviceOf(history, task, step).from;
-      return `under way, ${describePart(scenario.world, made, scenario.tasks[task])}`;
+      return `under way, ${describePart(mission.world, made, mission.tasks[task])}`;
     }
     case "blocked":
       return "can never be done";
@@ -198,26 +198,26 @@ function describeEvent(history, event) {
 }
 
 function eventText(history, event) {
-  const { scenario } = history;
-  const task = event.task === undefined ? "" : taskName(scenario, event.task);
-  const team = event.slot === undefined || event.slot === NOBODY ? "" : teamName(scenario, event.slot, event.size);
+  const { mission } = history;
+  const task = event.task === undefined ? "" : taskName(mission, event.task);
+  const team = event.slot === undefined || event.slot === NOBODY ? "" : teamName(mission, event.slot, event.size);
   switch (event.kind) {
     case "join":
-      return describeJoin(scenario, event);
+      return describeJoin(mission, event);
     case "split":
-      return describeSplit(scenario, event);
+      return describeSplit(mission, event);
     case "lost":
-      return `${robotName(scenario, event.robot)} is lost`;
+      return `${robotName(mission, event.robot)} is lost`;
     case "back":
-      return `${robotName(scenario, event.robot)} is back`;
+      return `${robotName(mission, event.robot)} is back`;
     case "appears":
       return `${task} appears`;
     case "cancelled":
       return `${task} is called off`;
     case "shown":
-      return `${task} needs ${describeCounts(scenario, scenario.tasks[event.task].needs)}, as it turns out`;
+      return `${task} needs ${describeCounts(mission, mission.tasks[event.task].needs)}, as it turns out`;
     case "found":
-      return `${task} found at ${describePlace(scenario.world, scenario.tasks[event.task].at)}`;
+      return `${task} found at ${describePlace(mission.world, mission.tasks[event.task].at)}`;
     case "heads":
       return `${team} heads for ${task}`;
     case "begins":
@@ -225,7 +225,7 @@ function eventText(history, event) {
     case "taken":
       return `${team} has taken up ${task}`;
     case "left":
-      return `${task} is set down at ${describePlace(scenario.world, event.at)}`;
+      return `${task} is set down at ${describePlace(mission.world, event.at)}`;
     case "done":
       return team ? `${task} done by ${team}` : `${task} done by then, nobody heard by whom`;
     default:
@@ -233,21 +233,21 @@ function eventText(history, event) {
   }
 }
 
-function describeJoin(scenario, { joiner, partner, joiners, partners }) {
-  const names = [teamName(scenario, joiner, joiners), teamName(scenario, partner, partners)];
+function describeJoin(mission, { joiner, partner, joiners, partners }) {
+  const names = [teamName(mission, joiner, joiners), teamName(mission, partner, partners)];
   const text = names.join(" joins ");
   const total = joiners + partners;
   return total > 2 ? `${text}, now ${total}` : text;
 }
 
-function describeSplit(scenario, { slot, stay, leave }) {
-  const parts = `${listRobots(scenario, stay)} | ${listRobots(scenario, leave)}`;
-  return `${teamName(scenario, slot, stay.length + leave.length)} splits: ${parts}`;
+function describeSplit(mission, { slot, stay, leave }) {
+  const parts = `${listRobots(mission, stay)} | ${listRobots(mission, leave)}`;
+  return `${teamName(mission, slot, stay.length + leave.length)} splits: ${parts}`;
 }
 
-function describeEnd({ end, scenario }) {
+function describeEnd({ end, mission }) {
   const blocked = end.blocked_tasks.join(", ");
-  const { world } = scenario;
+  const { world } = mission;
   const makespan = world.isPlane ? describeMoment(world, end.makespan) : end.makespan;
   return {
     completed: `completed, makespan ${makespan}`,

@@ -74,7 +74,7 @@ function nameBar(ctx, gantt, { phase, task, from, to }, marks, middle, ink) {
   ctx.textAlign = "left";
   ctx.textBaseline = "middle";
   ctx.fillStyle = ink;
-  const text = clipped(ctx, taskName(gantt.app.history.scenario, task), room - 12);
+  const text = clipped(ctx, taskName(gantt.app.history.mission, task), room - 12);
   ctx.fillText(text, left + 7, middle + 0.5);
 }
 
@@ -124,7 +124,7 @@ function drawEndsOfRow(ctx, gantt, robot, top, row) {
   ctx.textBaseline = "middle";
   ctx.textAlign = "right";
   ctx.fillStyle = theme.ink;
-  const name = clipped(ctx, robotName(history.scenario, robot), NAME_WIDTH - 14);
+  const name = clipped(ctx, robotName(history.mission, robot), NAME_WIDTH - 14);
   ctx.fillText(name, NAME_WIDTH - 8, top + row / 2);
   ctx.fillStyle = theme.muted;
   ctx.fillText(percent(gantt.shares[robot][IDLE]), gantt.width - 10, top + row / 2);
@@ -133,14 +133,14 @@ function drawEndsOfRow(ctx, gantt, robot, top, row) {
 // What a robot did in a step, in words.
 function describeBar(gantt, robot, step) {
   const { history } = gantt.app;
-  const { scenario } = history;
+  const { mission } = history;
   const run = gantt.runs[robot].find(({ from, to }) => from < step && step <= to);
-  if (!run) return robotName(scenario, robot);
-  const about = run.task === NOBODY ? "" : `, ${taskName(scenario, run.task)}`;
-  const [from, to] = [run.from, run.to].map((it) => describeMoment(scenario.world, it));
+  if (!run) return robotName(mission, robot);
+  const about = run.task === NOBODY ? "" : `, ${taskName(mission, run.task)}`;
+  const [from, to] = [run.from, run.to].map((it) => describeMoment(mission.world, it));
   const done = gantt.deeds[robot].filter((deed) => deed.step > run.from && deed.step <= run.to);
-  const deeds = done.map(({ task, step: at }) => `${taskName(scenario, task)} done ${describeWhen(scenario.world, at)}`);
-  const name = robotName(scenario, robot);
+  const deeds = done.map(({ task, step: at }) => `${taskName(mission, task)} done ${describeWhen(mission.world, at)}`);
+  const name = robotName(mission, robot);
   if (isOnPath(gantt, robot, step)) deeds.push("the end hangs on it");
   return [`${name}: ${PHASE_NAMES[PHASES[run.phase]]}${about}, ${from} to ${to}`, ...deeds].join("\n");
 }

@@ -7,7 +7,7 @@
 const STATES = ["can never be done", "open", "waiting", "on the way", "under way", "to come", "called off", "done"];
 
 const TASK_COLUMNS = [
-  { name: "Task", of: ({ scenario }, task) => word(taskName(scenario, task)) },
+  { name: "Task", of: ({ mission }, task) => word(taskName(mission, task)) },
   { name: "State", of: (moment, task) => stateCell(stateOfTask(moment, task)) },
   { name: "Who", of: whoCell },
   { name: "End", of: endCell },
@@ -16,12 +16,12 @@ const TASK_COLUMNS = [
 ];
 
 const ROBOT_COLUMNS = [
-  { name: "Robot", of: ({ scenario }, robot) => word(robotName(scenario, robot)) },
+  { name: "Robot", of: ({ mission }, robot) => word(robotName(mission, robot)) },
   { name: "Doing", of: (moment, robot) => word(doingOf(moment, robot)) },
   { name: "Next", of: nextCell },
   { name: "Done", of: ({ deeds, step }, robot) => count(deeds[robot].filter((deed) => deed.step <= step).length) },
   { name: "Idle", of: idleCell },
-  { name: "Brings", of: ({ scenario }, robot) => word(describeCounts(scenario, scenario.robots[robot].can)) },
+  { name: "Brings", of: ({ mission }, robot) => word(describeCounts(mission, mission.robots[robot].can)) },
 ];
 
 // What the cells of one moment have in common, worked out once.
@@ -30,7 +30,7 @@ function momentOf(app) {
   const step = Math.min(app.player.step, history.last);
   const scene = app.scene();
   const plan = sharedPlanAt(history, step);
-  const moment = { history, step, scene, plan, scenario: history.scenario, deeds: deedsOfRobots(history) };
+  const moment = { history, step, scene, plan, mission: history.mission, deeds: deedsOfRobots(history) };
   moment.next = nextTasks(moment);
   return moment;
 }
@@ -50,8 +50,8 @@ function wholeText({ text, whole }) {
   return whole ? whole() : text;
 }
 
-function robotsCell(scenario, robots, isAhead = false) {
-  return { ...word(listRobots(scenario, robots), isAhead), whole: () => listRobots(scenario, robots, Infinity) };
+function robotsCell(mission, robots, isAhead = false) {
+  return { ...word(listRobots(mission, robots), isAhead), whole: () => listRobots(mission, robots, Infinity) };
 }
 
 function needsCell({ history, step }, task) {
@@ -74,16 +74,16 @@ function stateCell(state) {
 
 // Those that did it or head for it; else, paler, those that the plan has do it, or that will have done it.
 function whoCell(moment, task) {
-  const { history, scene, plan, scenario, step } = moment;
+  const { history, scene, plan, mission, step } = moment;
   const isDone = history.doneAt[task] <= step;
   if (!isDone && isOver(history, task, step)) return NOTHING;
   const there = (scene.assignedTo.get(task) ?? []).flatMap(({ robots }) => robots);
   const served = serviceOf(history, task, step)?.robots ?? [];
   const now = isDone ? history.doers[task] : [...new Set([...served, ...there])];
-  if (now.length) return robotsCell(scenario, now);
+  if (now.length) return robotsCell(mission, now);
   const planned = plan?.coalitions.get(task) ?? history.doers[task];
   const later = planned.filter((robot) => !isLost(history, robot, step));
-  return later.length ? robotsCell(scenario, later, true) : NOTHING;
+  return later.length ? robotsCell(mission, later, true) : NOTHING;
 }
 
 // When a task is done: {at, isAhead}; null if nobody knows. A mission under way is played ahead by
@@ -96,23 +96,23 @@ function endOfTask({ history, step }, task) {
 
 function endCell(moment, task) {
   const end = endOfTask(moment, task);
-  return end ? { text: shortMoment(moment.scenario.world, end.at), sort: end.at, isAhead: end.isAhead } : NOTHING;
+  return end ? { text: shortMoment(moment.mission.world, end.at), sort: end.at, isAhead: end.isAhead } : NOTHING;
 }
 
 // By how much it is late, or will be; of one whose end nobody knows, by how much it is late already.
 function lateCell(moment, task) {
   const end = endOfTask(moment, task);
   if (!end && isOver(moment.history, task, moment.step)) return NOTHING;
-  const late = (end?.at ?? moment.step) - moment.scenario.tasks[task].due;
+  const late = (end?.at ?? moment.step) - moment.mission.tasks[task].due;
   if (!(late > 0)) return NOTHING;
-  return { text: describeSpan(moment.scenario.world, late), sort: late, isAhead: !end || end.isAhead, isBad: true };
+  return { text: describeSpan(moment.mission.world, late), sort: late, isAhead: !end || end.isAhead, isBad: true };
 }
 
 // What a robot's team does, in few words.
-function doingOf({ scene, scenario }, robot) {
+function doingOf({ scene, mission }, robot) {
   const team = teamOfRobot(scene, robot);
   if (!team) return "lost";
-  const task = team.goal === NOBODY ? "" : taskName(scenario, team.goal);
+  const task = team.goal === NOBODY ? "" : taskName(mission, team.goal);
   const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", leaves: "is lost next", idle: "idle", waits: `waits at ${task}` };
   return words[team.activity] ?? `walks to ${task}`;
 }
@@ -134,9 +134,9 @@ function nextTasks({ history, plan, scene, step, deeds }) {
   return next;
 }
 
-function nextCell({ next, scenario, scene }, robot) {
+function nextCell({ next, mission, scene }, robot) {
   if (!next.has(robot) || !teamOfRobot(scene, robot)) return NOTHING;
-  return word(taskName(scenario, next.get(robot)), true);
+  return word(taskName(mission, next.get(robot)), true);
 }
 
 function idleCell({ history, step }, robot) {

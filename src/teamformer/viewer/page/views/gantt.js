@@ -34,7 +34,7 @@ class Gantt {
     const by = { ArrowUp: -1, ArrowDown: 1 }[event.key];
     if (!by) return;
     event.preventDefault();
-    const { length } = this.app.history.scenario.robots;
+    const { length } = this.app.history.mission.robots;
     const robot = Math.max(0, Math.min(length - 1, (this.app.selection.robot ?? -1) + by));
     this.reveal(robot);
     this.app.select({ robot });
@@ -96,11 +96,11 @@ class Gantt {
 
   robotAt(y) {
     const robot = Math.floor((y + this.box.scrollTop - AXIS_HEIGHT) / this.rowHeight());
-    return y >= AXIS_HEIGHT && robot < this.app.history.scenario.robots.length ? robot : null;
+    return y >= AXIS_HEIGHT && robot < this.app.history.mission.robots.length ? robot : null;
   }
 
   rowHeight() {
-    const room = (this.box.clientHeight - AXIS_HEIGHT - 8) / this.app.history.scenario.robots.length;
+    const room = (this.box.clientHeight - AXIS_HEIGHT - 8) / this.app.history.mission.robots.length;
     return Math.max(LEAST_ROW_HEIGHT, Math.min(ROW_HEIGHT, room));
   }
 
@@ -160,7 +160,7 @@ class Gantt {
     ctx.fillRect(0, 0, this.width, this.height);
     const row = this.rowHeight();
     const first = Math.floor(this.box.scrollTop / row);
-    const last = Math.min(history.scenario.robots.length, first + Math.ceil(this.height / row) + 1);
+    const last = Math.min(history.mission.robots.length, first + Math.ceil(this.height / row) + 1);
     for (let robot = first; robot < last; robot++) {
       this.drawRow(ctx, robot, AXIS_HEIGHT + robot * row - this.box.scrollTop, row);
     }
@@ -174,7 +174,7 @@ class Gantt {
     if (this.runs && this.madeFor === history.last) return;
     this.madeFor = history.last;
     this.shares = phaseShares(history, history.last);
-    this.runs = history.scenario.robots.map((_, robot) => phaseRuns(history, robot));
+    this.runs = history.mission.robots.map((_, robot) => phaseRuns(history, robot));
     this.deeds = deedsOfRobots(history);
     this.path = criticalPath(history);
   }
@@ -188,7 +188,7 @@ class Gantt {
     if (this.canvas.height !== high) this.canvas.height = high;
     this.canvas.style.width = `${this.width}px`;
     this.canvas.style.height = `${this.height}px`;
-    const rows = this.app.history.scenario.robots.length * this.rowHeight();
+    const rows = this.app.history.mission.robots.length * this.rowHeight();
     const { style } = this.canvas.parentElement;
     style.height = `${Math.max(this.height, AXIS_HEIGHT + rows + 4)}px`;
     style.width = this.factor === 1 ? "" : `${this.width + this.timeWidth() - this.room()}px`;
@@ -220,7 +220,7 @@ class Gantt {
     ctx.font = `11px ${theme.font}`;
     ctx.textBaseline = "middle";
     ctx.textAlign = "center";
-    for (const { step, text } of timeMarks(history.scenario.world, player.last, this.timeWidth())) {
+    for (const { step, text } of timeMarks(history.mission.world, player.last, this.timeWidth())) {
       const x = this.x(step);
       if (x >= NAME_WIDTH - 1 && x <= this.width - SHARE_WIDTH) ctx.fillText(text, x, AXIS_HEIGHT / 2);
     }
@@ -246,7 +246,7 @@ class Gantt {
       (_, phase) => this.shares.reduce((sum, row) => sum + row[phase], 0) / this.shares.length,
     );
     const isByTask = options.bars === "task";
-    const hasLoads = this.app.history.scenario.tasks.some(({ to }) => to);
+    const hasLoads = this.app.history.mission.tasks.some(({ to }) => to);
     const isThere = (name) => hasLoads || !["loads", "carries", "unloads"].includes(name);
     const items = PHASES.flatMap((name, phase) => {
       if (!isThere(name)) return [];

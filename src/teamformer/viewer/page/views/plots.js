@@ -43,7 +43,7 @@ class Plots extends TimeCanvas {
     const { history, player } = this.app;
     const step = Math.min(player.step, history.last);
     const curves = curvesOf(history);
-    const { world } = history.scenario;
+    const { world } = history.mission;
     const values = PLOTS.map(({ key, title, say }) => `${title.toLowerCase()} ${say(world, curves[key][step])}`);
     return `${capitalised(describeMoment(world, step))}: ${values.join(", ")}`;
   }
@@ -54,7 +54,7 @@ class Plots extends TimeCanvas {
     const [ceiling, floor] = [top + PLOT_HEAD, top + high - 8];
     const most = values.reduce((one, other) => Math.max(one, other), 1);
     const y = (value) => floor - (value / most) * (floor - ceiling);
-    const { world } = history.scenario;
+    const { world } = history.mission;
     ctx.font = `600 13px ${theme.font}`;
     ctx.textAlign = "left";
     ctx.textBaseline = "middle";
@@ -85,7 +85,7 @@ class Plots extends TimeCanvas {
     ctx.fillStyle = map.theme.muted;
     ctx.font = `11px ${map.theme.font}`;
     ctx.textAlign = "center";
-    for (const { step, text } of timeMarks(history.scenario.world, player.last, this.room())) {
+    for (const { step, text } of timeMarks(history.mission.world, player.last, this.room())) {
       ctx.fillText(text, this.x(step), this.canvas.clientHeight - PLOT_FOOT / 2);
     }
   }

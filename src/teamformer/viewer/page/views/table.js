@@ -21,12 +21,12 @@ class Table {
   // The table as it is at this moment.
   show() {
     const { app, kind, sorted } = this;
-    const { scenario } = app.history;
-    this.shown = this.columns.filter(({ isShown }) => isShown?.(scenario) ?? true);
+    const { mission } = app.history;
+    this.shown = this.columns.filter(({ isShown }) => isShown?.(mission) ?? true);
     const moment = momentOf(app);
     const items = this.ordered(this.cellsOf(moment));
     this.items = items;
-    const total = scenario[`${kind}s`].length;
+    const total = mission[`${kind}s`].length;
     this.said.textContent = items.length < total ? `${items.length} of ${total}` : plural(total, kind);
     this.table.className = `table ${kind}s ${this.shown.length > 5 ? "wide" : ""}`;
     this.table.setAttribute("aria-rowcount", String(items.length + 1));
@@ -37,7 +37,7 @@ class Table {
   // [{item, cells}] of those that the filter lets through.
   cellsOf(moment) {
     const wanted = this.filter.value.trim().toLowerCase();
-    const all = moment.scenario[`${this.kind}s`].map((_, item) => ({
+    const all = moment.mission[`${this.kind}s`].map((_, item) => ({
       item,
       cells: this.shown.map(({ of }) => of(moment, item)),
     }));
@@ -78,7 +78,7 @@ class Table {
   // What the table shows, in its order; each cell has all that it says.
   save() {
     const rows = [this.shown.map(({ name }) => name), ...this.items.map(({ cells }) => cells.map(wholeText))];
-    const name = `${fileName(this.app.history.scenario.name)}-${this.kind}s-${this.app.player.step}.csv`;
+    const name = `${fileName(this.app.history.mission.name)}-${this.kind}s-${this.app.player.step}.csv`;
     download(csvOf(rows), name);
   }
 }

@@ -1,4 +1,4 @@
-// The scenario of a replay, with capabilities as numbers and counts as [capability, count] pairs.
+// The mission of a record, with capabilities as numbers and counts as [capability, count] pairs.
 
 // By foresight, from which probability on plans count on needs that tasks may have.
 const LEAST_CHANCE = { needed: 0, scouting: 0.25, absent: Infinity };
@@ -6,14 +6,14 @@ const LEAST_CHANCE = { needed: 0, scouting: 0.25, absent: Infinity };
 const LATENESS = 2; // what it weighs beside the makespan in a mission with windows and without a cost
 
 // `truth` says, by name, what an uncertain mission really was.
-function readScenario(tree, truth, foresight = "scouting") {
+function readMission(tree, truth, foresight = "scouting") {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
   const listed = [...tree.tasks, ...(truth?.arrivals ?? [])];
   const tasks = listed.map((task) => readTask(task, numbers, truth?.tasks[task.name], LEAST_CHANCE[foresight]));
   const numberOf = new Map(tasks.map(({ name }, number) => [name, number]));
   for (const task of tasks) task.after = task.after.map((name) => numberOf.get(name));
-  const scenario = {
-    name: tree.name || "unnamed scenario",
+  const mission = {
+    name: tree.name || "unnamed mission",
     capabilities: tree.capabilities,
     world: readWorld(tree.world),
     robots: tree.robots.map((robot) => ({
@@ -29,9 +29,9 @@ function readScenario(tree, truth, foresight = "scouting") {
     sensingRadius: readRadius(tree.sensing_radius),
     cost: tree.cost ?? null, // the weights by which a plan costs something, if it does
   };
-  for (const task of tasks) task.first = firstPlace(scenario.world, task);
-  sharePlaces(scenario);
-  return scenario;
+  for (const task of tasks) task.first = firstPlace(mission.world, task);
+  sharePlaces(mission);
+  return mission;
 }
 
 // `appears` is when a task becomes known and `opens` when it may begin, in steps made; the latter is
@@ -74,8 +74,8 @@ function hasDueTimes({ tasks }) {
 
 // What plans are judged by: the weights of the cost or, where tasks have windows, of makespan and
 // lateness; null where it is the makespan alone.
-function weightsOf(scenario) {
-  return scenario.cost ?? (hasDueTimes(scenario) ? { makespan: 1, tardiness: LATENESS } : null);
+function weightsOf(mission) {
+  return mission.cost ?? (hasDueTimes(mission) ? { makespan: 1, tardiness: LATENESS } : null);
 }
 
 // How many steps are made when a window begins.
@@ -99,9 +99,9 @@ function firstPlace({ isBlocked, width, height, isPlane }, { around, within }) {
 }
 
 // Note for each task `mates`, all tasks in exactly its place, and for each cell or square its tasks.
-function sharePlaces(scenario) {
-  scenario.tasksAt = groupTasks(scenario.tasks, ({ at }) => cellKey(...at.map(Math.round)));
-  shareSites(scenario.tasks);
+function sharePlaces(mission) {
+  mission.tasksAt = groupTasks(mission.tasks, ({ at }) => cellKey(...at.map(Math.round)));
+  shareSites(mission.tasks);
 }
 
 function shareSites(sites) {

@@ -82,12 +82,12 @@ def test_every_key_is_read(tmp_path: Path) -> None:
 
 
 def test_what_is_left_out_has_the_documented_value(tmp_path: Path) -> None:
-    scenario = read(tmp_path, SMALL % "{grid: [2, 1]}", "depot.yaml")
-    assert scenario.name == "depot"
-    assert (scenario.robots[0].name, scenario.tasks[0].name) == ("r1", "t1")
-    assert (scenario.sensing_radius, scenario.join_radius) == (1.0, 0.0)
-    assert scenario.forming_steps == 1
-    assert scenario.step_limit == 4 * 2 * (2 + 1 + 1)  # four walks of 2 + 1, one robot forms
+    mission = read(tmp_path, SMALL % "{grid: [2, 1]}", "depot.yaml")
+    assert mission.name == "depot"
+    assert (mission.robots[0].name, mission.tasks[0].name) == ("r1", "t1")
+    assert (mission.sensing_radius, mission.join_radius) == (1.0, 0.0)
+    assert mission.forming_steps == 1
+    assert mission.step_limit == 4 * 2 * (2 + 1 + 1)  # four walks of 2 + 1, one robot forms
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_y_axis_only_turns_the_drawing(tmp_path: Path) -> None:
     assert not world.is_free((0, 1))
 
 
-def test_a_map_is_looked_for_beside_the_scenario(tmp_path: Path) -> None:
+def test_a_map_is_looked_for_beside_the_mission(tmp_path: Path) -> None:
     (tmp_path / "maps").mkdir()
     text = "type octile\nheight 1\nwidth 3\nmap\n..T\n"
     (tmp_path / "maps" / "yard.map").write_text(text, encoding="utf-8")
@@ -164,16 +164,16 @@ def test_a_written_file_has_a_line_for_each_robot_and_task(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("suffix", [".yaml", ".json"])
-def test_random_scenarios_come_back_from_files(tmp_path: Path, suffix: str) -> None:
+def test_random_missions_come_back_from_files(tmp_path: Path, suffix: str) -> None:
     rng = np.random.default_rng(5)
     path = tmp_path / f"there{suffix}"
     for number in range(60):
-        scenario = random_world(rng)
-        scenario = with_fractions(scenario, rng) if number % 2 else scenario
-        write_mission(scenario, path)
-        assert read_mission(path) == scenario
-        tree = json.loads(json.dumps(mission_to_tree(scenario)))
-        assert mission_from_tree(tree, "replay.json") == scenario
+        mission = random_world(rng)
+        mission = with_fractions(mission, rng) if number % 2 else mission
+        write_mission(mission, path)
+        assert read_mission(path) == mission
+        tree = json.loads(json.dumps(mission_to_tree(mission)))
+        assert mission_from_tree(tree, "record.json") == mission
 
 
 AWKWARD = [
@@ -209,7 +209,7 @@ AWKWARD = [
 @pytest.mark.parametrize("suffix", [".yaml", ".json"])
 @pytest.mark.parametrize("name", AWKWARD)
 def test_awkward_names_come_back(tmp_path: Path, name: str, suffix: str) -> None:
-    scenario = Mission(
+    mission = Mission(
         name,
         Grid(2, 2),
         (name,),
@@ -217,8 +217,8 @@ def test_awkward_names_come_back(tmp_path: Path, name: str, suffix: str) -> None
         (Task(name, (1, 1), {name: 1}),),
     )
     path = tmp_path / f"there{suffix}"
-    write_mission(scenario, path)
-    assert read_mission(path) == scenario
+    write_mission(mission, path)
+    assert read_mission(path) == mission
 
 
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
@@ -236,9 +236,9 @@ def test_a_place_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
 @pytest.mark.parametrize("suffix", [".yaml", ".json"])
 def test_a_thousand_robots_are_read_at_once(tmp_path: Path, suffix: str) -> None:
     spec = Spec(1000, 1000, 20, world=Grid(200, 200))
-    scenario = generate(spec, np.random.default_rng(0))
+    mission = generate(spec, np.random.default_rng(0))
     path = tmp_path / f"large{suffix}"
-    write_mission(scenario, path)
+    write_mission(mission, path)
     begun = time.process_time()
-    assert read_mission(path) == scenario
+    assert read_mission(path) == mission
     assert time.process_time() - begun < 1.5  # seconds; a tenth of it is usual with libyaml

@@ -37,7 +37,7 @@ HALL = Mission(
 """The file does not care whether its steps are legal, so these are not."""
 
 RECORD = Record(
-    scenario=HALL,
+    mission=HALL,
     method="by hand",
     seed=7,
     orders=((0, (0,)), (1, (1, 0))),
@@ -55,7 +55,7 @@ RECORD = Record(
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    return tmp_path / "replay.json"
+    return tmp_path / "record.json"
 
 
 def test_what_is_written_is_read(path: Path) -> None:
@@ -99,9 +99,9 @@ def test_the_file_is_json_for_other_programs(path: Path) -> None:
 
     tree = json.loads(path.read_bytes(), parse_constant=refuse)
     assert tree == record_to_tree(RECORD)
-    assert tree["teamformer_replay"] == 2
+    assert tree["teamformer_record"] == 3
     assert tree["method"] == "by hand"
-    assert not {"order", "new_tasks", "allocation", "foresight"} & set(tree["scenario"])
+    assert not {"order", "new_tasks", "allocation", "foresight"} & set(tree["mission"])
 
 
 def test_a_record_without_steps_is_read(path: Path) -> None:
@@ -126,7 +126,7 @@ def test_a_failed_write_leaves_the_old_file_and_no_litter(path: Path) -> None:
     (path.parent / "folder").mkdir()
     with pytest.raises(OSError, match="folder"):
         save_record(RECORD, path.parent / "folder")
-    assert sorted(entry.name for entry in path.parent.iterdir()) == ["folder", "replay.json"]
+    assert sorted(entry.name for entry in path.parent.iterdir()) == ["folder", "record.json"]
 
 
 def refusal(path: Path) -> RecordError:
@@ -154,25 +154,29 @@ def test_a_folder_is_told_with_the_file_in_it(path: Path) -> None:
         (b"steps: 3", ":1: this is not JSON: Expecting value"),
         (b"# a yard\nteamformer: 1\n", ": this is a mission, not a record"),
         (b'{\n"a": 1,}', ":2: this is not JSON: Expecting property name enclosed in double quotes"),
-        (b"[" * 100_000, ": this is no replay: lists lie in lists in lists"),
-        (b"9" * 5000, ": this is no replay: a number has thousands of digits"),
-        (b"[]", ": this is not a replay: it has no 'teamformer_replay'"),
-        (b'{"teamformer": 1}', ": this is not a replay: it has no 'teamformer_replay'"),
-        (b'{"teamformer_replay": 3}', ": format 3 is newer than 2"),
+        (b"[" * 100_000, ": this is no record: lists lie in lists in lists"),
+        (b"9" * 5000, ": this is no record: a number has thousands of digits"),
+        (b"[]", ": this is not a record: it has no 'teamformer_record'"),
+        (b'{"teamformer": 1}', ": this is not a record: it has no 'teamformer_record'"),
+        (b'{"teamformer_record": 4}', ": format 4 is newer than 3"),
         (
-            b'{"teamformer_replay": 1}',
-            ": format 1 is of an earlier teamformer, which knew no methods",
+            b'{"teamformer_record": 1}',
+            ": format 1 is of an earlier teamformer, which wrote other keys",
         ),
-        (b'{"teamformer_replay": 0}', ": the format version is 0, not a number from 1 on"),
-        (b'{"teamformer_replay": true}', ": the format version is True, not a number from 1 on"),
         (
-            b'{"teamformer_replay": 2, "seed": 1, "end": {"steps": 1, "steps": 2}}',
+            b'{"teamformer_replay": 2}',
+            ": its format is of an earlier teamformer, which called a record 'teamformer_replay'",
+        ),
+        (b'{"teamformer_record": 0}', ": the format version is 0, not a number from 1 on"),
+        (b'{"teamformer_record": true}', ": the format version is True, not a number from 1 on"),
+        (
+            b'{"teamformer_record": 3, "seed": 1, "end": {"steps": 1, "steps": 2}}',
             ": the record is damaged: the key 'steps' stands twice in one mapping",
         ),
-        (b'{"teamformer_replay": 2}', ": the record is damaged: the key 'scenario' is missing"),
+        (b'{"teamformer_record": 3}', ": the record is damaged: the key 'mission' is missing"),
     ],
 )
-def test_what_is_no_replay_is_told(path: Path, data: bytes, message: str) -> None:
+def test_what_is_no_record_is_told(path: Path, data: bytes, message: str) -> None:
     path.write_bytes(data)
     assert str(refusal(path)) == f"{path}{message}"
 
@@ -285,7 +289,7 @@ def test_damage_is_told_with_its_step(
 
 @pytest.mark.parametrize("value", [10**400, -(10**9) - 1, float("nan")])
 def test_a_point_beyond_all_planes_is_damage(value: float) -> None:
-    tree = record_to_tree(replace(RECORD, scenario=replace(HALL, world=Plane(4, 4))))
+    tree = record_to_tree(replace(RECORD, mission=replace(HALL, world=Plane(4, 4))))
     tree["steps"][1]["teams"][0][1] = value
     with pytest.raises(RecordError, match=r"step 2: .* stands where a number belongs"):
         record_from_tree(tree, "r.json")
@@ -304,9 +308,9 @@ def test_the_ending_must_be_whole(key: str) -> None:
         record_from_tree(tree, "r.json")
 
 
-def test_a_mistake_in_the_scenario_is_told_with_the_file(path: Path) -> None:
+def test_a_mistake_in_the_mission_is_told_with_the_file(path: Path) -> None:
     tree = record_to_tree(RECORD)
-    tree["scenario"]["robots"][1]["speed"] = -1
+    tree["mission"]["robots"][1]["speed"] = -1
     path.write_text(json.dumps(tree), encoding="utf-8")
     with pytest.raises(TeamformerError, match="'bob' has speed -1") as caught:
         read_record(path)
@@ -334,13 +338,13 @@ def test_junk_anywhere_is_refused_or_harmless() -> None:
             damage(*where, to=junk)(tree)
             told = ""
             try:
-                replay = record_from_tree(tree, "r.json")
+                record = record_from_tree(tree, "r.json")
             except TeamformerError as error:
                 told = str(error)
                 refused += 1
             assert (
                 told.startswith("r.json: ")
-                or record_from_tree(record_to_tree(replay), "r.json") == replay
+                or record_from_tree(record_to_tree(record), "r.json") == record
             )
     assert refused > 1000
 

@@ -1,6 +1,6 @@
-"""Replay trees for the page, made by a toy trial in plain Python.
+"""Record trees for the page, made by a toy trial in plain Python.
 
-The toy knows scenario trees only as far as the page draws them: robots with lists of capabilities
+The toy knows mission trees only as far as the page draws them: robots with lists of capabilities
 and speed 1, tasks done in the order of the file, teams that join where they wait and that drop
 their lowest robot after a task.
 """
@@ -15,28 +15,28 @@ Tree = dict[str, Any]
 Cell = tuple[int, int]
 
 
-def toy_replay(scenario: Tree, method: str = "toy", steps: int = 400) -> Tree:
-    """Run a trial and return its replay tree."""
-    trial = ToyTrial(scenario)
+def toy_record(mission: Tree, method: str = "toy", steps: int = 400) -> Tree:
+    """Run a trial and return its record tree."""
+    trial = ToyTrial(mission)
     start = [[slot, robots, *trial.place[slot]] for slot, robots in sorted(trial.teams.items())]
     changes = []
     while len(changes) < steps and trial.is_open:
         changes.append(trial.step(len(changes) + 1))
     is_completed = not trial.is_open
     return {
-        "teamformer_replay": 2,
-        "scenario": scenario,
+        "teamformer_record": 3,
+        "mission": mission,
         "method": method,
         "foresight": "scouting",
         "seed": 0,
-        "orders": [[0, list(range(len(scenario["tasks"])))]],
+        "orders": [[0, list(range(len(mission["tasks"])))]],
         "start": start,
         "steps": changes,
         "end": {
             "status": "completed" if is_completed else "step limit",
             "makespan": len(changes) if is_completed else None,
             "steps": len(changes),
-            "tasks_done": len(scenario["tasks"]) - len(trial.is_open),
+            "tasks_done": len(mission["tasks"]) - len(trial.is_open),
             "joins": sum(len(change.get("joins", [])) for change in changes),
             "splits": sum(len(change.get("splits", [])) for change in changes),
             "illegal_decisions": 0,
@@ -46,9 +46,9 @@ def toy_replay(scenario: Tree, method: str = "toy", steps: int = 400) -> Tree:
     }
 
 
-def toy_states(scenario: Tree, steps: int) -> list[dict[int, tuple[Any, ...]]]:
+def toy_states(mission: Tree, steps: int) -> list[dict[int, tuple[Any, ...]]]:
     """Return what is true after each step, the start included: slot -> robots, x, y, task."""
-    trial = ToyTrial(scenario)
+    trial = ToyTrial(mission)
     states = [trial.state()]
     for number in range(1, steps + 1):
         trial.step(number)
@@ -59,10 +59,10 @@ def toy_states(scenario: Tree, steps: int) -> list[dict[int, tuple[Any, ...]]]:
 class ToyTrial:
     """The state of a toy trial: teams by slot, with place and task, and the open tasks."""
 
-    def __init__(self, scenario: Tree) -> None:
-        robots, tasks = scenario["robots"], scenario["tasks"]
-        self.rows = scenario["world"].get("rows") or [
-            "." * scenario["world"]["grid"][0] for _ in range(scenario["world"]["grid"][1])
+    def __init__(self, mission: Tree) -> None:
+        robots, tasks = mission["robots"], mission["tasks"]
+        self.rows = mission["world"].get("rows") or [
+            "." * mission["world"]["grid"][0] for _ in range(mission["world"]["grid"][1])
         ]
         self.can = [Counter(robot["can"]) for robot in robots]
         self.lost_at = [robot.get("lost") for robot in robots]
@@ -214,7 +214,7 @@ class ToyTrial:
         return done
 
 
-def small_scenario() -> Tree:
+def small_mission() -> Tree:
     """Four robots, four tasks, walls, a duration, a late task and a robot that is lost."""
     return {
         "teamformer": 1,
@@ -251,7 +251,7 @@ def small_scenario() -> Tree:
     }
 
 
-def random_scenario(
+def random_mission(
     robots: int, tasks: int, capabilities: int, size: int, requirements: int, seed: int = 0
 ) -> Tree:
     """Robots around one spawn point, tasks anywhere on an open grid."""

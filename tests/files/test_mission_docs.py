@@ -1,4 +1,4 @@
-"""What docs/reference/scenarios.md tells about the file format is what the reader knows."""
+"""What docs/reference/mission.md tells about the file format is what the reader knows."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from teamformer.files.mission_files import read_mission
 from teamformer.mission.model import Breakdown
 from teamformer.mission.parts.roads import Roads
 
-DOCS = Path(__file__).parents[2] / "docs" / "reference" / "scenarios.md"
+DOCS = Path(__file__).parents[2] / "docs" / "reference" / "missions.md"
 MAKING = Path(__file__).parents[2] / "docs" / "making" / "keys.py"
 
 
@@ -32,9 +32,9 @@ def test_the_example_is_read(tmp_path: Path) -> None:
     text, loads, heavy, other, roads, uncertain, survey = examples
     path = tmp_path / "example.yaml"
     path.write_text(text)
-    scenario = read_mission(path)
-    assert scenario.teams == ((1, 2),)
-    assert scenario.tasks[1].needs == {"lift": 2, "weld": 1}
+    mission = read_mission(path)
+    assert mission.teams == ((1, 2),)
+    assert mission.tasks[1].needs == {"lift": 2, "weld": 1}
     path.write_text(loads)
     grand = read_mission(path).tasks[0]
     assert (grand.to, grand.duration, grand.unload) == ((10, 1), 3, 2)

@@ -16,7 +16,7 @@ from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "reference" / "missions.md"
+PAGE = ROOT / "docs" / "reference" / "mission.md"
 SCHEMA = ROOT / "mission.schema.json"
 
 

@@ -12,7 +12,7 @@ from teamformer.files.mission_files import read_mission
 from teamformer.mission.model import Breakdown
 from teamformer.mission.parts.roads import Roads
 
-DOCS = Path(__file__).parents[2] / "docs" / "reference" / "missions.md"
+DOCS = Path(__file__).parents[2] / "docs" / "reference" / "mission.md"
 MAKING = Path(__file__).parents[2] / "docs" / "making" / "keys.py"
 
 

@@ -129,8 +129,8 @@ def run(
     `plan`, or `crews` if the mission is too large for `plan`. `seed` decides what an uncertain
     mission really is, unless `truth` says it: the same mission with what shows itself in it, as
     `trial.record.true_mission` has it. `seconds` is how long a planner such as `central` may
-    search. Raises `TeamformerError` for an unknown name, for a mission that cannot be played in steps, and
-    for a truth that the mission does not allow.
+    search. Raises `TeamformerError` for an unknown name, for a mission that cannot be played in
+    steps, and for a truth that the mission does not allow.
 
     >>> trial = tf.run(tf.load("examples/four-robots.yaml"), method="plan")
     >>> trial.makespan

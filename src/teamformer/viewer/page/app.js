@@ -1,10 +1,34 @@
 // The page as a whole: one record, one clock, one selection; perhaps others beside it, in step.
 
+import { Companion, sameByName } from "./compared/companion.js";
+import { Compared, MOST_MAPS } from "./compared/panel.js";
+import { recordItem } from "./compared/titles.js";
+import { TrialMap } from "./draw/map.js";
+import { capabilityColours, shortLabels } from "./draw/palette.js";
+import { attempt } from "./panel/attempt.js";
+import { connectControls } from "./panel/controls.js";
+import { byId } from "./panel/dom.js";
+import { connectFiles, openRecordFile, ownDownloads } from "./panel/files.js";
+import { showFigures, showHeader } from "./panel/header.js";
+import { showDetails } from "./panel/inspector.js";
+import { Lists } from "./panel/lists.js";
+import { VIEWS, showPlayback, showSwitches } from "./panel/playback.js";
+import { Timeline } from "./panel/timeline.js";
+import { Player } from "./player.js";
+import { rememberLast } from "./record/history.js";
+import { describeSpan } from "./record/lengths.js";
+import { sceneAt, teamOfRobot } from "./record/scene.js";
+import { describeAt, describeEvent, robotName, taskName } from "./record/words.js";
+import { ROBOT_COLUMNS, TASK_COLUMNS } from "./views/columns.js";
+import { Gantt } from "./views/gantt.js";
+import { Plots } from "./views/plots.js";
+import { Table } from "./views/table.js";
+
 const LINES_UP_TO = 30; // teams; with more, the lines to assignments are off at first
 const ADDRESS_EVERY = 300; // milliseconds, while it plays
 const REST = 4; // lists rest so many times as long as they took, while it plays
 
-class App {
+export class App {
   constructor(record, player = new Player(0)) {
     this.player = player;
     player.changed = (isNewStep) => this.show(isNewStep);

@@ -1,6 +1,16 @@
 // For tests and the curious: look, do not touch.
 
-function lookInto(app) {
+import { ringColour, taskColour } from "./draw/palette.js";
+import { robotSpot } from "./draw/shapes.js";
+import { needsThatFit, taskBox } from "./draw/tasks.js";
+import { criticalPath } from "./record/critical_path.js";
+import { curvesOf } from "./record/over_time.js";
+import { PHASES, PHASE_NAMES } from "./record/phases.js";
+import { NOBODY } from "./record/state.js";
+import { describeDoing, robotName, taskName } from "./record/words.js";
+import { ROBOT_COLUMNS, TASK_COLUMNS, momentOf } from "./views/columns.js";
+
+export function lookInto(app) {
   return Object.freeze({
     get step() {
       return app.player.step;

@@ -1,9 +1,9 @@
 // The clock of the page: which moment is shown, and how fast it moves on.
 
-const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32, 64]; // steps a second
+export const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32, 64]; // steps a second
 const SECONDS_AT_START = 25; // about how long a record takes at the speed it opens with
 
-class Player {
+export class Player {
   // `changed(isNewStep)`, set from outside, is called whenever another moment is to be shown.
   constructor(last) {
     this.changed = () => {};

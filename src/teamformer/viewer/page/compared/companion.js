@@ -1,6 +1,14 @@
 // Another record beside the first one: its own map and Gantt view, the same clock and selection.
 
-class Companion {
+import { TrialMap } from "../draw/map.js";
+import { connectCompanion } from "../panel/controls.js";
+import { byId, element } from "../panel/dom.js";
+import { describeProgress } from "../panel/header.js";
+import { teamOfRobot } from "../record/scene.js";
+import { Gantt } from "../views/gantt.js";
+import { recordColour, recordItem, titleOf } from "./titles.js";
+
+export class Companion {
   constructor(app, trial) {
     this.app = app;
     this.parts = this.build();
@@ -111,7 +119,7 @@ function isAsLarge(one, other) {
 }
 
 // A selection in one mission, in another one: what is called the same there, or nothing.
-function sameByName(from, to, selection) {
+export function sameByName(from, to, selection) {
   const found = {};
   const lists = { robot: "robots", task: "tasks" };
   for (const [key, list] of Object.entries(lists)) {

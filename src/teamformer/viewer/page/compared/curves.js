@@ -1,8 +1,13 @@
 // Tasks done over time, a line for each record, and where each one's makespan is.
 
+import { describeAmount } from "../record/lengths.js";
+import { doneAfterSteps } from "../record/over_time.js";
+import { TimeCanvas, traceSteps } from "../views/time_canvas.js";
+import { recordColour } from "./titles.js";
+
 const CURVES_BELOW = 16; // pixels, for the time
 
-class Curves extends TimeCanvas {
+export class Curves extends TimeCanvas {
   constructor(app, canvas) {
     super(app, canvas, 30, 10);
   }

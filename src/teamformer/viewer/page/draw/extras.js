@@ -1,9 +1,17 @@
 // What can be switched on: lines to assignments, trails, the task order; and the selection.
 
+import { isFlying } from "../record/mission.js";
+import { orderAt, robotsWith, tasksNeeding } from "../record/scene.js";
+import { NOBODY, placeOf } from "../record/state.js";
+import { wayTo } from "../record/ways.js";
+import { ringColour } from "./palette.js";
+import { outlineDisc, robotSpot, shorten, teamSpot, tracedSquare } from "./shapes.js";
+import { taskBox } from "./tasks.js";
+
 const TRAIL_STEPS = 12;
 
 // Only the selected team's line when the lines are off.
-function drawAssignments(view) {
+export function drawAssignments(view) {
   const { ctx, scene, options, selectedTeam, selection } = view;
   ctx.lineWidth = 1.5;
   ctx.setLineDash([5, 4]);
@@ -37,22 +45,7 @@ function drawAssignment(view, team) {
   ctx.stroke();
 }
 
-// The point so far from one towards another, at most halfway.
-function shorten(one, other, length) {
-  const apart = Math.hypot(other.x - one.x, other.y - one.y);
-  const part = apart ? Math.min(0.5, length / apart) : 0;
-  return { x: between(one.x, other.x, part), y: between(one.y, other.y, part) };
-}
-
-// A team's circle on the screen: the middle of its robots, and how far they reach.
-function teamSpot(view, team) {
-  const spots = team.robots.map((robot) => robotSpot(view, robot));
-  const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
-  const y = spots.reduce((sum, spot) => sum + spot.y, 0) / spots.length;
-  return { x, y, r: Math.max(...spots.map((s) => Math.hypot(s.x - x, s.y - y) + s.r)) };
-}
-
-function drawTrails(view) {
+export function drawTrails(view) {
   const { ctx, history, scene, camera, blended } = view;
   ctx.lineWidth = Math.max(1.5, Math.min(4, camera.cell * 0.09));
   ctx.lineJoin = "round";
@@ -72,7 +65,7 @@ function drawTrails(view) {
 }
 
 // The order in which everybody would visit the open tasks.
-function drawOrder(view) {
+export function drawOrder(view) {
   const { ctx, camera, sites, theme } = view;
   const tasks = orderAt(view.history, view.scene.step);
   ctx.beginPath();
@@ -93,7 +86,7 @@ function drawOrder(view) {
 
 // Who heard whom: each message is the half of the way that is its sender's, so that a link which
 // works one way only looks like half a line. Heartbeats are faint, plans and facts are not.
-function drawMessages(view) {
+export function drawMessages(view) {
   const { ctx, history, scene, theme } = view;
   for (const [sender, receiver, what] of history.record.steps[scene.step - 1]?.heard ?? []) {
     const [from, to] = [robotSpot(view, sender), robotSpot(view, receiver)];
@@ -108,7 +101,7 @@ function drawMessages(view) {
   ctx.globalAlpha = 1;
 }
 
-function drawSelection(view) {
+export function drawSelection(view) {
   const { ctx, theme, selection, selectedTeam, mission } = view;
   ctx.strokeStyle = theme.accent;
   ctx.lineWidth = 2;
@@ -133,12 +126,6 @@ function outlinePlace({ ctx, camera }, [x, y]) {
   ctx.setLineDash([4, 3]);
   ctx.strokeRect(camera.x(x) - half, camera.y(y) - half, 2 * half, 2 * half);
   ctx.setLineDash([]);
-}
-
-function outlineDisc(ctx, x, y, r) {
-  ctx.beginPath();
-  ctx.arc(x, y, r, 0, 2 * Math.PI);
-  ctx.stroke();
 }
 
 // Who brings a capability and what still needs it.

@@ -1,12 +1,17 @@
 // What the colours of a crowd say: how dense robots lie, or what those of a group do.
 
+import { ACTIVITIES } from "../panel/inspector.js";
+import { plural } from "../record/lengths.js";
+import { ACTIVITY_COLOURS, DENSE_SIDE, densityStrength } from "./groups.js";
+import { drawTaskDot } from "./tasks.js";
+
 const LEGEND_ROW = 18; // pixels
 const LEGEND_MARK = 20; // with the space before its text
 const LEGEND_GAP = 14;
 
 // Over the map, where robots are not drawn one by one; pictures have it too. Returns its pixels down
 // that do not fit into what is free around a map that is fitted.
-function drawCrowdLegend(view) {
+export function drawCrowdLegend(view) {
   if (view.detail === "robots") return 0;
   const { ctx, theme } = view;
   ctx.font = `11px ${theme.font}`;

@@ -1,11 +1,24 @@
 // The map: a canvas as large as its box that shows a moment and knows what is under a pixel.
 
+import { attemptOn } from "../panel/attempt.js";
+import { sitesAt } from "../record/history.js";
+import { standingOf } from "../record/scene.js";
+import { Camera } from "./camera.js";
+import { drawAssignments, drawMessages, drawOrder, drawSelection, drawTrails } from "./extras.js";
+import { detailAt, drawTeams, groupUnder } from "./groups.js";
+import { drawCrowdLegend } from "./legend.js";
+import { drawNames } from "./names.js";
+import { blendPlaces, placeEverybody } from "./placing.js";
+import { lazily, onto, robotSpot } from "./shapes.js";
+import { drawDestinations, drawRegions, drawTasks, partTasks, taskBox } from "./tasks.js";
+import { drawWorld } from "./world.js";
+
 const THEME = [
   ...["paper", "surface", "ground", "grid", "wall", "edge", "line", "ink", "muted", "faint"],
   ...["accent", "soft", "good", "bad", "lost", "wait", "form", "load", "carry", "task"],
 ];
 
-class TrialMap {
+export class TrialMap {
   constructor(app, canvas) {
     this.app = app;
     this.canvas = canvas;
@@ -182,21 +195,6 @@ class TrialMap {
     if (view.detail !== "robots") return groupUnder(view, x, y) ?? taskUnder(view, x, y) ?? {};
     return robotUnder(view, x, y) ?? taskUnder(view, x, y) ?? {};
   }
-}
-
-// A property that is worked out once, when it is asked for first.
-function lazily(object, key, make) {
-  const get = () => {
-    const value = make();
-    Object.defineProperty(object, key, { value });
-    return value;
-  };
-  Object.defineProperty(object, key, { get, configurable: true });
-}
-
-// The same view, drawn on another canvas.
-function onto(view, ctx) {
-  return Object.create(view, { ctx: { value: ctx } });
 }
 
 function robotUnder(view, x, y) {

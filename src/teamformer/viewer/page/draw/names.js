@@ -1,12 +1,20 @@
 // Names under tasks and over places with teams; one that would cover another is left out.
 
+import { robotsLostAt } from "../record/history.js";
+import { cellKey } from "../record/mission.js";
+import { isOver, standingOf } from "../record/scene.js";
+import { MANY, robotName, taskName } from "../record/words.js";
+import { ringColour } from "./palette.js";
+import { isOnScreen, robotSpot, teamSpot } from "./shapes.js";
+import { taskBox } from "./tasks.js";
+
 const NAMES_FROM = 20; // pixels a cell
 const TEAMS_NAMED = 3; // in one place
 const BADGE_FROM = 12; // robots
 const LONGEST_NAME = 40; // letters
 const LOST_NAMED = 12; // robots, whatever the zoom
 
-function drawNames(view) {
+export function drawNames(view) {
   const { ctx, theme, camera, options } = view;
   const taken = [];
   view.names = taken;

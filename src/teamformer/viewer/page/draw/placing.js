@@ -1,11 +1,16 @@
 // Where everything is drawn after a step: robots packed around the middles of their cells.
 
+import { absenceAt, robotsLostAt } from "../record/history.js";
+import { cellKey } from "../record/mission.js";
+import { NOBODY } from "../record/state.js";
+import { TEAM_MARGIN, packTeams, robotSites } from "./packing.js";
+
 const ROBOT_RADIUS = 0.33; // of a robot alone in its cell, in cells
-const TASK_HALF = 0.44; // half a task's side, in cells
+export const TASK_HALF = 0.44; // half a task's side, in cells
 
 // By robot {x, y, r}, by slot {x, y, r} of the team, by cell the radius of all that is in it; in
 // cells, with y downwards on the screen turned by the camera. `cell` is a cell's side in pixels.
-function placeEverybody(history, scene, cell) {
+export function placeEverybody(history, scene, cell) {
   const { robots } = history.mission;
   const places = {
     x: new Float64Array(robots.length),
@@ -76,7 +81,7 @@ function placeRobots(places, robots, middle, scale) {
 // Where a task's square is, in cells from the middle of its own: {right, down, half}. It opens to
 // embrace the robots that stand there; tasks that share a cell share it out, and line up below
 // the robots that come. `least` is half a side in pixels.
-function taskSquare(places, { at, mates }, task, cell, least) {
+export function taskSquare(places, { at, mates }, task, cell, least) {
   const inside = places.cells.get(cellKey(...at)) ?? 0;
   if (mates.length === 1) {
     return { right: 0, down: 0, half: Math.max(TASK_HALF, least / cell, inside + 2 / cell) };
@@ -92,12 +97,12 @@ function taskSquare(places, { at, mates }, task, cell, least) {
   return { right: (column - middle) * pitch, down: down + row * pitch, half };
 }
 
-function between(from, to, part) {
+export function between(from, to, part) {
   return from + (to - from) * part;
 }
 
 // The places at a moment between two steps.
-function blendPlaces(from, to, part) {
+export function blendPlaces(from, to, part) {
   if (part === 0 || from === to) return from;
   const blend = (key) => from[key].map((value, robot) => between(value, to[key][robot], part));
   return { ...from, x: blend("x"), y: blend("y"), r: blend("r") };

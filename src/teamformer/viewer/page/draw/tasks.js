@@ -1,6 +1,15 @@
 // Tasks: a tinted square in the task's own colour, outlined in its requirements.
 
-function drawTasks(view, tasks) {
+import { attemptOn } from "../panel/attempt.js";
+import { piecesOf, sumCounts } from "../record/counts.js";
+import { needsAt, serviceOf } from "../record/history.js";
+import { cellKey } from "../record/mission.js";
+import { standingOf } from "../record/scene.js";
+import { taskColour } from "./palette.js";
+import { TASK_HALF, between, taskSquare } from "./placing.js";
+import { cornerOf, drawCross, isOnScreen, onto, shorten, teamSpot, tracedSquare } from "./shapes.js";
+
+export function drawTasks(view, tasks) {
   for (const task of tasks) attemptOn(view.ctx, "the tasks", () => drawTaskAsItStands(view, task));
 }
 
@@ -14,7 +23,7 @@ function drawTaskAsItStands(view, task) {
 }
 
 // The tasks that are there: those that stand still until the next step, and the others.
-function partTasks(view) {
+export function partTasks(view) {
   const parts = [[], []];
   view.mission.tasks.forEach((_, task) => {
     const standing = standingOf(view.history, task, view.scene.step);
@@ -70,7 +79,7 @@ const FEW_TASKS = 40; // of so many each may be a little larger than its cell, s
 const ROOMY_CELL = 12; // pixels
 
 // The square of a task in pixels.
-function taskBox(view, task) {
+export function taskBox(view, task) {
   const { camera, sites, places, placesAfter, part, detail, mission } = view;
   const { cell } = camera;
   const { at, isUp } = sites[task];
@@ -93,7 +102,7 @@ function loadBox(view, task) {
 }
 
 // Where loads go that are not there yet: a dashed square, and a line to it.
-function drawDestinations(view) {
+export function drawDestinations(view) {
   const { ctx, camera, history, mission, scene } = view;
   mission.tasks.forEach(({ to }, task) => {
     const standing = standingOf(history, task, scene.step);
@@ -127,7 +136,7 @@ function isCovered({ places, sites }, task) {
 }
 
 // Around where a task may be that nobody has found, a circle; the square is where it is believed.
-function drawRegions(view) {
+export function drawRegions(view) {
   const { ctx, history, mission, scene, camera } = view;
   mission.tasks.forEach(({ around, within }, task) => {
     const isHidden = ["hidden", "cancelled"].includes(standingOf(history, task, scene.step));
@@ -146,10 +155,6 @@ function drawRegions(view) {
   });
 }
 
-function isOnScreen({ width, height }, x, y, reach) {
-  return x > -reach && y > -reach && x < width + reach && y < height + reach;
-}
-
 function drawOpenTask(view, task, box, standing) {
   const { ctx } = view;
   const colour = taskColour(task, view.isDark);
@@ -163,15 +168,6 @@ function drawOpenTask(view, task, box, standing) {
   if (standing === "served") drawProgress(view, task, box);
   if (standing === "blocked") drawCross(view, box, box.half * 0.5, view.theme.bad);
   else if (!isCovered(view, task)) drawNeeds(view, task, box);
-}
-
-function cornerOf(half) {
-  return Math.min(half * 0.35, 9);
-}
-
-function tracedSquare(ctx, x, y, half) {
-  ctx.beginPath();
-  ctx.roundRect(x - half, y - half, 2 * half, 2 * half, cornerOf(half));
 }
 
 function squareLength(half) {
@@ -272,7 +268,7 @@ function drawNeeds(view, task, { x, y, half }) {
 }
 
 // Lines of text about a task's needs and the size at which they fit into its square; null if none do.
-function needsThatFit({ ctx, theme, mission, labels, history, scene }, task, half) {
+export function needsThatFit({ ctx, theme, mission, labels, history, scene }, task, half) {
   const isOpen = history.shownAt[task] > scene.step;
   const needs = isOpen ? mission.tasks[task].sure : needsAt(history, task, scene.step);
   const mark = isOpen ? " ?" : "";
@@ -357,13 +353,14 @@ function drawTick({ ctx }, { x, y, half }, colour) {
   ctx.lineJoin = "miter";
 }
 
-function drawCross({ ctx }, { x, y }, reach, colour) {
-  ctx.beginPath();
-  ctx.moveTo(x - reach, y - reach);
-  ctx.lineTo(x + reach, y + reach);
-  ctx.moveTo(x + reach, y - reach);
-  ctx.lineTo(x - reach, y + reach);
-  ctx.strokeStyle = colour;
-  ctx.lineWidth = Math.max(1.5, reach * 0.28);
-  ctx.stroke();
+const DIMMED = 0.35; // how strong dimmed tasks are drawn
+
+// A task as a small square: full while it is open, pale once it is over; dimmed, paler still.
+export function drawTaskDot(view, task, { x, y, half }, standing) {
+  const { ctx, theme, options } = view;
+  const isPast = standing === "done" || standing === "cancelled";
+  ctx.globalAlpha = (isPast ? 0.3 : view.detail === "density" ? 0.5 : 0.85) * (options.dim ? DIMMED : 1);
+  ctx.fillStyle = isPast ? theme.lost : standing === "served" ? theme.good : theme.task;
+  ctx.fillRect(x - half, y - half, 2 * half, 2 * half);
+  ctx.globalAlpha = 1;
 }

@@ -1,13 +1,11 @@
 // Robots and teams: inner disc = capability, outer ring = team, in the task's colour once met.
 
-function drawTeams(view) {
-  if (view.detail === "groups") return drawGroups(view);
-  if (view.detail === "density") return drawDensity(view);
-  for (const team of view.scene.teams.values()) drawTeam(view, team);
-  drawLostRobots(view);
-}
+import { piecesOf, sumCounts } from "../record/counts.js";
+import { robotsLostAt } from "../record/history.js";
+import { ringColour } from "./palette.js";
+import { drawCross, drawDisc, isOnScreen, robotSpot } from "./shapes.js";
 
-function drawTeam(view, team) {
+export function drawTeam(view, team) {
   const ring = ringColour(team, view.isDark, view.options.rings);
   if (team.robots.length > 1) drawUnion(view, team, ring);
   for (const robot of team.robots) drawRobot(view, robot, ring, team.isMet);
@@ -26,15 +24,6 @@ function drawUnion(view, team, colour) {
   ctx.globalAlpha = team.isMet ? 0.45 : 0.28;
   ctx.fill();
   ctx.globalAlpha = 1;
-}
-
-// Where a robot is on the screen, in pixels.
-function robotSpot({ camera, blended }, robot) {
-  return {
-    x: camera.x(blended.x[robot]),
-    y: camera.y(blended.y[robot]),
-    r: blended.r[robot] * camera.cell,
-  };
 }
 
 function drawRobot(view, robot, ring, isMet) {
@@ -62,13 +51,6 @@ function drawRotors({ ctx, theme }, x, y, r, colour) {
     ctx.stroke();
   }
   ctx.restore();
-}
-
-function drawDisc(ctx, x, y, r, colour) {
-  ctx.beginPath();
-  ctx.arc(x, y, r, 0, 2 * Math.PI);
-  ctx.fillStyle = colour;
-  ctx.fill();
 }
 
 // One sector for each capability, as wide as its count, if that is none of what is measured.
@@ -112,7 +94,7 @@ function drawLabel({ ctx, labels, colours, theme }, cap, x, y, r) {
   ctx.fillText(label, x, y + size * 0.06);
 }
 
-function drawLostRobots(view) {
+export function drawLostRobots(view) {
   const { ctx, theme, history, scene } = view;
   for (const robot of robotsLostAt(history, scene.step)) {
     const { x, y, r } = robotSpot(view, robot);

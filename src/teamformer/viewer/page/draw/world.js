@@ -1,6 +1,6 @@
 // The ground: grid lines, obstacles and the numbers along two sides.
 
-function drawWorld(view) {
+export function drawWorld(view) {
   const { ctx, camera, theme, mission } = view;
   const { world } = mission;
   const [width, height] = [camera.cell * world.width, camera.cell * world.height];
@@ -53,7 +53,7 @@ function wallsImage(world, colour) {
   return canvas;
 }
 
-const SPACINGS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
+export const SPACINGS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 
 // x along the bottom and y along the left, at a spacing that leaves room for the digits: the
 // numbers of cells, or metres on a plane.

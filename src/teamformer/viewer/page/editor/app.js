@@ -1,8 +1,19 @@
 // The editor: the map of a draft, tools that change it, and the file reader's own words on it.
 
+import { App } from "../app.js";
+import { byId } from "../panel/dom.js";
+import { downloadButton } from "../panel/files.js";
+import { showHeader } from "../panel/header.js";
+import { LISTS } from "../panel/lists.js";
+import { notify, notifyWork } from "../panel/notice.js";
+import { download, fileName } from "../panel/saving.js";
+import { capitalised } from "../record/lengths.js";
+import { freeName, keepDraft, keptDraft, kindOf, numberOf, recordOfDraft, sizeOfWorld, withChange, withThing, withWall, withoutThing, writtenCounts } from "./draft.js";
+import { EditorPanel } from "./panel.js";
+
 const CHECK_AFTER = 250; // milliseconds without a change
 
-class EditorApp extends App {
+export class EditorApp extends App {
   constructor({ mission, id }, link) {
     super(recordOfDraft(mission));
     this.link = link;

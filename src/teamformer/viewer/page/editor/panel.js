@@ -1,8 +1,12 @@
 // The editor's panel: Run, tools, the fields of what is selected, what a new thing brings, problems.
 
+import { act, byId, element, link } from "../panel/dom.js";
+import { notifyWork } from "../panel/notice.js";
+import { kindOf, numberOf, readWrittenCounts, sizeOfWorld, withChange, withName, withSize, writtenCounts } from "./draft.js";
+
 const TOOLS = { move: "Select", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
 
-class EditorPanel {
+export class EditorPanel {
   constructor(app, box) {
     this.app = app;
     this.kits = { robots: {}, tasks: {} }; // what a new one brings or needs, by capability

@@ -1,6 +1,21 @@
 // The page of a mission under way: the same map and lists, fed by the server, and incidents.
 
-class LiveApp extends App {
+import { App } from "../app.js";
+import { act, byId, element } from "../panel/dom.js";
+import { downloadButton } from "../panel/files.js";
+import { noticeText, showHeader } from "../panel/header.js";
+import { notify, notifyParts, notifyWork } from "../panel/notice.js";
+import { download, fileName } from "../panel/saving.js";
+import { isLost, leave } from "../record/history.js";
+import { capitalised } from "../record/lengths.js";
+import { isFreeCell } from "../record/mission.js";
+import { isOver } from "../record/scene.js";
+import { robotName } from "../record/words.js";
+import { alertsToSee, bannerOfAlerts, namesOfAlerts, readAlerts } from "./alerts.js";
+import { MissionPanel, describeOutcome } from "./panel.js";
+import { LivePlayer } from "./player.js";
+
+export class LiveApp extends App {
   constructor(record, link) {
     super(record, new LivePlayer((message) => this.ask(message)));
     this.link = link;
@@ -293,7 +308,7 @@ const WORK = {
   save: "Saving",
 };
 
-const HOW_TO_RESUME = "`teamformer live --resume` goes on with a mission that was cut off.";
+export const HOW_TO_RESUME = "`teamformer live --resume` goes on with a mission that was cut off.";
 
 const FILES = {
   "mission.yaml": "Mission (YAML)",
@@ -312,8 +327,4 @@ function fleetStatus({ isOver, isHeard, alerts }) {
 
 function savedText({ paths, note }) {
   return `Saved: ${paths.join(", ")}${note ? `; ${note}` : ""}`;
-}
-
-function act(text, on, key) {
-  return element("button", { type: "button", on, "data-key": key }, text);
 }

@@ -4,7 +4,7 @@ const REDIAL_FIRST = 500; // milliseconds
 const REDIAL_LONGEST = 8000;
 const LONGEST_SILENCE = 15_000; // a server says every few seconds that it is there
 
-class Link {
+export class Link {
   // `hear(message)` is called with each message, `changed(isOpen)` when the line opens or breaks.
   constructor(hear, changed) {
     Object.assign(this, { hear, changed, wait: REDIAL_FIRST });

@@ -1,9 +1,15 @@
 // The panel of a live mission: how it stands, what it will come to, what happened, a new task.
 
+import { act, element, link, refill } from "../panel/dom.js";
+import { showWork, stopWork, ticking } from "../panel/notice.js";
+import { capitalised, describeMoment, describeSpan, shortMoment } from "../record/lengths.js";
+import { describeAt } from "../record/words.js";
+import { alertItems } from "./alerts.js";
+
 // The fields of the form for each key of a task in a file.
 const FIELDS_OF_KEYS = { at: "[name=x], [name=y]", needs: ".needs", name: "[name=title]", duration: "[name=duration]" };
 
-class MissionPanel {
+export class MissionPanel {
   constructor(app, box) {
     this.app = app;
     this.head = element("h2", {});
@@ -313,7 +319,7 @@ class MissionPanel {
 }
 
 // How a mission ends, with several futures as a band from a tenth of them to nine tenths.
-function describeOutcome(world, { status, steps, band, done, futures }) {
+export function describeOutcome(world, { status, steps, band, done, futures }) {
   if (band) {
     const [low, high] = band.map((end) => describeMoment(world, end));
     const when = low === high ? describeAt(world, band[0]) : `between ${low} and ${high}`;

@@ -1,6 +1,8 @@
 // The clock of a live mission: it follows the latest step unless one looks back.
 
-class LivePlayer extends Player {
+import { Player } from "../player.js";
+
+export class LivePlayer extends Player {
   constructor(say) {
     super(0);
     this.say = say; // what the server is to do

@@ -1,6 +1,16 @@
 // Buttons, keys and pointers.
 
-function connectControls(app) {
+import { describeGroup } from "../draw/groups.js";
+import { RINGS } from "../draw/palette.js";
+import { SPEEDS } from "../player.js";
+import { teamOfRobot } from "../record/scene.js";
+import { describeCounts, describeDoing, describeLoss, describeNeeds, describeStanding, nameOfTeam, robotName, taskName } from "../record/words.js";
+import { BARS } from "../views/bars.js";
+import { byId, element } from "./dom.js";
+import { notify } from "./notice.js";
+import { SWITCHES, VIEWS, speedOption } from "./playback.js";
+
+export function connectControls(app) {
   const { player, map } = app;
   const click = (id, act) => byId(id).addEventListener("click", act);
   click("play", () => player.toggle());
@@ -152,7 +162,7 @@ function connectWheel(map) {
 }
 
 // The map of a companion: it is dragged and zoomed, and what is clicked is selected in all records.
-function connectCompanion(companion) {
+export function connectCompanion(companion) {
   const { map } = companion;
   let moved = 0;
   connectWheel(map);

@@ -1,6 +1,8 @@
 // Building the page: every name from a record goes in as text, never as markup.
 
-function element(tag, properties = {}, ...children) {
+import { ringColour, taskColour } from "../draw/palette.js";
+
+export function element(tag, properties = {}, ...children) {
   const node = document.createElement(tag);
   for (const [key, value] of Object.entries(properties)) {
     if (key === "class") node.className = value;
@@ -13,11 +15,11 @@ function element(tag, properties = {}, ...children) {
   return node;
 }
 
-function byId(id) {
+export function byId(id) {
   return document.getElementById(id);
 }
 
-function link(text, on, key) {
+export function link(text, on, key) {
   return element("button", { type: "button", class: "link", on, "data-key": key ?? text }, text);
 }
 
@@ -37,7 +39,7 @@ function endPress() {
 
 // Fill a box anew; what had the focus keeps it, and fields what is typed in them, if they are still there.
 // A box that is being pressed waits: a click counts only where what was pressed is what is let go.
-function refill(box, nodes) {
+export function refill(box, nodes) {
   if (press.target && box.contains(press.target)) {
     press.then.set(box, nodes);
     return;
@@ -62,7 +64,7 @@ function typedIn(box) {
 }
 
 // Make the buttons of a list one stop of the Tab key; up and down go from one to the next.
-function oneStop(list) {
+export function oneStop(list) {
   const buttons = () => [...list.querySelectorAll("button")];
   list.dataset.stops = "one";
   buttons().forEach((button, number) => (button.tabIndex = number ? -1 : 0));
@@ -97,7 +99,7 @@ function foldout(key, title, content) {
 }
 
 // A coloured disc with a capability's short label.
-function swatch(app, cap) {
+export function swatch(app, cap) {
   const { fill, ink } = app.colours[cap];
   const node = element(
     "span",
@@ -108,22 +110,30 @@ function swatch(app, cap) {
   return node;
 }
 
-function teamMark(app, team) {
+export function teamMark(app, team) {
   return mark("mark", ringColour(team, app.map.isDark, app.options.rings));
 }
 
-function taskMark(app, task) {
+export function taskMark(app, task) {
   return mark("mark square", taskColour(task, app.map.isDark));
 }
 
-function mark(kind, border) {
+export function mark(kind, border) {
   return element("span", { class: kind, border, "aria-hidden": "true" });
 }
 
 // A list of which only the first are shown until the rest is asked for.
-function foldedList(key, kind, items, shown) {
+export function foldedList(key, kind, items, shown) {
   const list = (part) => element(kind === "chips" ? "div" : "ul", { class: kind }, ...part);
   if (items.length <= shown + 2) return list(items);
   const rest = foldout(key, `${items.length - shown} more`, list(items.slice(shown)));
   return element("div", {}, list(items.slice(0, shown)), rest);
+}
+
+export function titled(title, content) {
+  return [element("h3", {}, title), content];
+}
+
+export function act(text, on, key) {
+  return element("button", { type: "button", on, "data-key": key }, text);
 }

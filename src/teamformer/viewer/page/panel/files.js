@@ -1,8 +1,15 @@
 // Records that are opened or dropped, and what is saved: pictures, videos, downloads.
 
+import { titleOf } from "../compared/titles.js";
+import { checkRecord, tryReading } from "../record/checking.js";
+import { describeAt } from "../record/words.js";
+import { byId, element } from "./dom.js";
+import { notify, notifyWork } from "./notice.js";
+import { download, fileName } from "./saving.js";
+
 const LARGEST_RECORD = 512_000_000; // bytes
 
-function connectFiles(app) {
+export function connectFiles(app) {
   byId("open").addEventListener("click", () => askForRecord(app, false));
   byId("open-beside").addEventListener("click", () => askForRecord(app, true));
   byId("save-picture").addEventListener("click", () => savePicture(app));
@@ -36,7 +43,7 @@ function askForRecord(app, isBeside) {
   input.click();
 }
 
-async function openRecordFile(app, file, isBeside) {
+export async function openRecordFile(app, file, isBeside) {
   try {
     if (file.size > LARGEST_RECORD) throw new Error("it is larger than 512 MB");
     notifyWork(`Reading ${file.name} …`);
@@ -122,7 +129,7 @@ function emptyPage() {
 }
 
 // What a page makes by itself: mission and record, those in front, and itself with all records.
-function ownDownloads(app) {
+export function ownDownloads(app) {
   const name = () => fileName(app.history.mission.name);
   const json = (tree) => new Blob([`${JSON.stringify(tree, null, 1)}\n`], { type: "application/json" });
   const page = () => new Blob([PAGE_BEFORE, harmlessJson(shownRecords(app)), PAGE_AFTER], { type: "text/html" });
@@ -146,7 +153,7 @@ function harmlessJson(tree) {
   return JSON.stringify(tree).replace(/[&<>]/g, (letter) => escapes[letter]);
 }
 
-function downloadButton(text, make) {
+export function downloadButton(text, make) {
   const on = () => {
     byId("menu").open = false;
     make();

@@ -1,8 +1,15 @@
 // What stands still around the map: the header, the legend, the notice of a trial that failed.
 
+import { robotsLostAt } from "../record/history.js";
+import { capitalised, describeSpan, plural } from "../record/lengths.js";
+import { countCancelled, countDone } from "../record/scene.js";
+import { describeAt, listRobots } from "../record/words.js";
+import { byId, element, swatch } from "./dom.js";
+import { notify } from "./notice.js";
+
 const LEGEND_SHOWN = 10;
 
-function showHeader(app) {
+export function showHeader(app) {
   const { history } = app;
   const { mission, record } = history;
   byId("name").textContent = mission.name;
@@ -18,7 +25,7 @@ function showHeader(app) {
   byId("legend").replaceChildren(...legend(app));
 }
 
-function noticeText({ end }) {
+export function noticeText({ end }) {
   if (end.status !== "infeasible") return "";
   const names = end.blocked_tasks;
   const shown =
@@ -56,7 +63,7 @@ function legend(app) {
   });
 }
 
-function showFigures(app) {
+export function showFigures(app) {
   const { history, player } = app;
   const done = countDone(history, player.step);
   const { makespan } = history.end;
@@ -89,12 +96,12 @@ function costFigure(history) {
 }
 
 // What the mission cost, if it has a cost and is over; else null.
-function costOf(history) {
+export function costOf(history) {
   return history.mission.cost ? weighedBy(history.mission.cost, history) : null;
 }
 
 // The mean by weight of when all is over, and when tasks are done and how late; null before that.
-function weighedBy(weights, { mission, doneAt, end }) {
+export function weighedBy(weights, { mission, doneAt, end }) {
   const { tasks } = mission;
   if (end.makespan === null) return null;
   const done = [...tasks.keys()].filter((task) => doneAt[task] < Infinity);
@@ -126,7 +133,7 @@ function lostFigure(history, step) {
 }
 
 // Where a record stands, in a line.
-function describeProgress(history, step) {
+export function describeProgress(history, step) {
   const { mission, end, doneAt } = history;
   const done = `${countDone(history, step)} of ${doneAt.length} tasks${cancelledText(history, step)}`;
   if (step < history.last) return done;

@@ -1,8 +1,19 @@
 // The part of the side that says what the selected team, task or capability is about.
 
+import { needsAt, sitesAt } from "../record/history.js";
+import { capitalised, describePlace, describeSpan, describeWay, percent, plural, shortMoment } from "../record/lengths.js";
+import { reasonFor } from "../record/reasons.js";
+import { orderAt, robotsWith, standingOf, tasksNeeding } from "../record/scene.js";
+import { NOBODY } from "../record/state.js";
+import { robotStory, taskStory } from "../record/story.js";
+import { describeAt, describeChances, describeDoing, describeDuration, describeEvent, describeLoss, describeShares, describeStanding, robotName } from "../record/words.js";
+import { CHIPS_SHOWN, capabilityChips, robotChips, taskChip, taskLink } from "./chips.js";
+import { byId, element, foldedList, link, mark, oneStop, refill, swatch, taskMark, teamMark, titled } from "./dom.js";
+import { assignedTeams, lackingAt, missingOfBest, waitingFor } from "./waiting.js";
+
 const STORY_SHOWN = 40;
 
-function showDetails(app) {
+export function showDetails(app) {
   refill(byId("details"), detailsOf(app));
 }
 
@@ -15,7 +26,7 @@ function detailsOf(app) {
   return team ? teamDetails(app, team, robot) : lostDetails(app, robot);
 }
 
-const ACTIVITIES = {
+export const ACTIVITIES = {
   walks: "on the way",
   waits: "waiting",
   serves: "at work",
@@ -173,7 +184,7 @@ function capabilityDetails(app, cap) {
   ];
 }
 
-function describeCapability({ history, player }, cap) {
+export function describeCapability({ history, player }, cap) {
   const robots = robotsWith(history, cap, player.step).length;
   const tasks = tasksNeeding(history, cap, player.step).length;
   return `${plural(robots, "robot")}, needed by ${plural(tasks, "open task")}`;
@@ -187,10 +198,6 @@ function heading(app, sign, text) {
 
 function lead(text) {
   return element("p", { class: "lead" }, text);
-}
-
-function titled(title, content) {
-  return [element("h3", {}, title), content];
 }
 
 // What has happened and, paler, what is still ahead.

@@ -1,7 +1,16 @@
 // The lists beside the map: events, tasks, teams, capabilities; each row leads somewhere.
 
+import { taskColour } from "../draw/palette.js";
+import { isLost } from "../record/history.js";
+import { capitalised, describeMoment, shortMoment } from "../record/lengths.js";
+import { MANY, describeCounts, describeDoing, describeEvent, describeLoss, describeShares, describeStanding, nameOfTeam, robotName, taskName } from "../record/words.js";
+import { swatches } from "./chips.js";
+import { byId, element, swatch, taskMark, teamMark } from "./dom.js";
+import { describeCapability } from "./inspector.js";
+import { Rows } from "./rows.js";
+
 // What each list holds at a moment, how high its rows are and how one looks.
-const LISTS = {
+export const LISTS = {
   events: { height: 32, items: listedEvents, row: eventRow, empty: "Nothing happens." },
   tasks: { height: 48, items: listedTasks, row: taskRow, empty: "No such task." },
   teams: { height: 48, items: listedTeams, row: teamRow, empty: "No such team." },
@@ -14,7 +23,7 @@ const LISTS = {
   },
 };
 
-class Lists {
+export class Lists {
   constructor(app) {
     this.app = app;
     this.rows = new Rows(byId("rows"));
@@ -101,7 +110,7 @@ function eventRow(app, event) {
 
 const EVENT_COLOURS = { join: "accent", split: "muted", lost: "bad", back: "good", end: "ink" };
 
-function eventColour({ map }, { kind, task }) {
+export function eventColour({ map }, { kind, task }) {
   return task === undefined ? map.theme[EVENT_COLOURS[kind]] : taskColour(task, map.isDark);
 }
 

@@ -1,6 +1,9 @@
 // What the buttons, the slider and the counter show of the moment.
 
-function showPlayback(app) {
+import { describeMoment } from "../record/lengths.js";
+import { byId, element } from "./dom.js";
+
+export function showPlayback(app) {
   const { player, history } = app;
   const { world } = history.mission;
   byId("counter").replaceChildren(
@@ -25,7 +28,7 @@ function showSpeed(speed) {
   select.value = String(speed);
 }
 
-function speedOption(speed) {
+export function speedOption(speed) {
   return element("option", { value: speed }, `${speed} steps/s`);
 }
 
@@ -36,7 +39,7 @@ function showStart(app) {
   byId("start-text").textContent = text;
 }
 
-function showSwitches(app) {
+export function showSwitches(app) {
   for (const name of SWITCHES) byId(name).setAttribute("aria-pressed", String(app.options[name]));
   byId("messages").hidden = !app.history.hasMessages;
   byId("more").hidden = !["map", "gantt"].includes(app.view);
@@ -51,5 +54,5 @@ function showSwitches(app) {
   }
 }
 
-const SWITCHES = ["lines", "trails", "order", "messages", "names", "dim"];
-const VIEWS = ["map", "gantt", "tasks", "robots", "plots"];
+export const SWITCHES = ["lines", "trails", "order", "messages", "names", "dim"];
+export const VIEWS = ["map", "gantt", "tasks", "robots", "plots"];

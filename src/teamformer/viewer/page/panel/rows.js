@@ -1,9 +1,11 @@
 // A long list of rows of one height, of which only those in sight are in the page. The list is one
 // stop of the Tab key; up and down go from row to row.
 
+import { element, refill } from "./dom.js";
+
 const ROWS_BEYOND = 4;
 
-class Rows {
+export class Rows {
   // `make(looks, index)` makes a row of what `build(item)` says of it: {row, button, placed}.
   constructor(box, make = listRow) {
     Object.assign(this, { box, make });

@@ -1,8 +1,12 @@
 // The strip over the slider: tasks done over time, where teams form, the lower bound.
 
+import { doneAfterSteps } from "../record/over_time.js";
+import { TimeCanvas, traceSteps } from "../views/time_canvas.js";
+import { eventColour } from "./lists.js";
+
 const THUMB = 16; // pixels; the slider's ends are half of it inside the strip
 
-class Timeline extends TimeCanvas {
+export class Timeline extends TimeCanvas {
   constructor(app, canvas) {
     super(app, canvas, THUMB / 2, THUMB / 2);
   }

@@ -1,10 +1,19 @@
 // Who waits for what: what a task still lacks, who brings it and how far they are.
 
+import { addCounts, missing, overlap, sumCounts } from "../record/counts.js";
+import { needsAt, sitesAt } from "../record/history.js";
+import { describeWay } from "../record/lengths.js";
+import { isSamePlace } from "../record/plane.js";
+import { robotsWith } from "../record/scene.js";
+import { describeCounts, distanceTo, listRobots } from "../record/words.js";
+import { teamLink } from "./chips.js";
+import { element, foldedList, swatch, titled } from "./dom.js";
+
 const WAITS_SHOWN = 5;
 const BRINGERS_SHOWN = 3;
 
 // One item for each requirement that is short; `team` is the one that waits, if one does.
-function waitingFor(app, task, short, team) {
+export function waitingFor(app, task, short, team) {
   if (!short.length) return null;
   const items = short.map((requirement) => waitingItem(app, task, requirement, team));
   const list = foldedList("waiting", "waits", items, WAITS_SHOWN);
@@ -50,7 +59,7 @@ function nobodyBrings({ history, player }, cap) {
 }
 
 // What is short at the task itself: beyond the team there that lacks least.
-function missingOfBest(app, task) {
+export function missingOfBest(app, task) {
   const { at } = sitesAt(app.history, app.player.step)[task];
   const needs = needsNow(app, task);
   const here = [...app.scene().teams.values()].filter(({ x, y }) => x === at[0] && y === at[1]);
@@ -59,7 +68,7 @@ function missingOfBest(app, task) {
 }
 
 // What all teams assigned to a task together do not bring.
-function lackingAt(app, task) {
+export function lackingAt(app, task) {
   const teams = app.scene().assignedTo.get(task) ?? [];
   const together = addCounts(teams.map(({ counts }) => counts));
   return missing(together, needsNow(app, task));
@@ -69,7 +78,7 @@ function needsNow({ history, player }, task) {
   return needsAt(history, task, player.step);
 }
 
-function assignedTeams(app, task) {
+export function assignedTeams(app, task) {
   const { mission } = app.history;
   const needs = needsNow(app, task);
   const items = assignedByDistance(app, task).map((team) => {

@@ -1,5 +1,8 @@
 // What one can do with the page of a plan, which holds the plan as JSON: select, link, save as CSV.
 
+import { byId } from "../panel/dom.js";
+import { csvOf, download, fileName } from "../panel/saving.js";
+
 const plan = JSON.parse(byId("plan").textContent);
 let chosen = {}; // {task}, {robot} or nothing
 

@@ -1,9 +1,14 @@
 // From the deltas of a record to the state after any step, and to the list of what happened.
 
+import { covers } from "./counts.js";
+import { readMission, shareSites, windowOpens } from "./mission.js";
+import { inSquares, stepInSquares } from "./plane.js";
+import { robotsServing, serviceKeeper, takenIn } from "./services.js";
+import { NOBODY, applyStep, copyState, countsOfTeam, formTeams, loseRobot, placeOf, placeTeams, robotsOfTeam, sizeOf, startState, teamSizes } from "./state.js";
+
 const KEYFRAME_EVERY = 50;
 const STATES_KEPT = 40;
-const NOBODY = -1;
-const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"]; // events after which it is planned anew
+export const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"]; // events after which it is planned anew
 
 // Read a record once; then `at(step)` gives the state after that many steps. Memory stays bounded:
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
@@ -56,90 +61,6 @@ function grow(history, take, change, end) {
   history.events.push({ step: history.last, kind: "end" });
 }
 
-// A state holds, by robot, the slot of its team, and by slot the team's place and task.
-function startState(record, mission) {
-  const count = mission.robots.length;
-  const state = {
-    team: new Int32Array(count).fill(NOBODY),
-    x: new Float64Array(count),
-    y: new Float64Array(count),
-    task: new Int32Array(count).fill(NOBODY),
-  };
-  for (const [slot, robots, x, y] of record.start) {
-    for (const robot of robots) state.team[robot] = slot;
-    putTeam(state, [slot, x, y, null]);
-  }
-  return state;
-}
-
-function copyState(state) {
-  return {
-    team: state.team.slice(),
-    x: state.x.slice(),
-    y: state.y.slice(),
-    task: state.task.slice(),
-  };
-}
-
-function putTeam(state, [slot, x, y, task]) {
-  state.x[slot] = x;
-  state.y[slot] = y;
-  state.task[slot] = task ?? NOBODY;
-}
-
-// The order is the record's own: splits, joins, losses, returns, then where everybody is.
-function applyStep(state, step) {
-  formTeams(state, step);
-  for (const robot of step.lost ?? []) loseRobot(state, robot);
-  for (const robot of step.back ?? []) state.team[robot] = robot;
-  placeTeams(state, step);
-}
-
-function formTeams(state, step) {
-  for (const parts of step.splits ?? []) splitTeam(state, parts);
-  if (step.joins) joinTeams(state, step.joins);
-}
-
-function placeTeams(state, step) {
-  for (const team of step.teams ?? []) putTeam(state, team);
-}
-
-function splitTeam(state, parts) {
-  const before = state.team[parts[0][0]];
-  for (const robots of parts) {
-    const slot = Math.min(...robots);
-    for (const robot of robots) state.team[robot] = slot;
-    if (slot !== before) putTeam(state, [slot, state.x[before], state.y[before], null]);
-  }
-}
-
-function placeOf(state, robot) {
-  const slot = state.team[robot];
-  return { x: state.x[slot], y: state.y[slot] };
-}
-
-// A team takes part in one formation a step at most, so one pass over the robots is enough.
-function joinTeams(state, joins) {
-  const renamed = new Map();
-  for (const pair of joins) renamed.set(Math.max(...pair), Math.min(...pair));
-  for (let robot = 0; robot < state.team.length; robot++) {
-    state.team[robot] = renamed.get(state.team[robot]) ?? state.team[robot];
-  }
-}
-
-// A team that loses its lowest robot is from then on known by the next.
-function loseRobot(state, robot) {
-  const slot = state.team[robot];
-  state.team[robot] = NOBODY;
-  if (slot !== robot) return;
-  const heir = state.team.indexOf(slot);
-  if (heir < 0) return;
-  putTeam(state, [heir, state.x[slot], state.y[slot], state.task[slot]]);
-  for (let mate = heir; mate < state.team.length; mate++) {
-    if (state.team[mate] === slot) state.team[mate] = heir;
-  }
-}
-
 // From the nearest keyframe, or from the state asked for last if that is on the way.
 function stateAt(history, step) {
   const key = Math.floor(step / KEYFRAME_EVERY);
@@ -152,7 +73,7 @@ function stateAt(history, step) {
   return state;
 }
 
-function rememberLast(kept, make) {
+export function rememberLast(kept, make) {
   const known = new Map();
   return (key) => {
     if (!known.has(key)) {
@@ -242,7 +163,7 @@ function recordLoads(history, change, step) {
 }
 
 // Where tasks are believed to be after a step: by task {at, mates}, as in the mission.
-function sitesAt(history, step) {
+export function sitesAt(history, step) {
   const { moves, mission } = history;
   if (!mission.doTasksMove) return mission.tasks;
   if (step >= history.last && history.leaving.size) return (history.sitesLeft ??= sitesLeft(history));
@@ -300,24 +221,24 @@ function recordReturn(history, state, robot, step) {
 }
 
 // What everybody believes that a task needs after a step.
-function needsAt(history, task, step) {
+export function needsAt(history, task, step) {
   const { needs, believed } = history.mission.tasks[task];
   return history.shownAt[task] <= step ? needs : believed;
 }
 
 // Since when and where a robot is lost at a step; undefined while it is there.
-function absenceAt(history, robot, step) {
+export function absenceAt(history, robot, step) {
   const leaving = step >= history.last && history.leaving.get(robot);
   return leaving || history.absences[robot].find(({ from, to }) => from <= step && step < to);
 }
 
-function isLost(history, robot, step) {
+export function isLost(history, robot, step) {
   return absenceAt(history, robot, step) !== undefined;
 }
 
 // The robots of a live mission that count for nothing from the next step on: whatever is shown of
 // the latest step has them lost already.
-function leave(history, robots) {
+export function leave(history, robots) {
   if ([...history.leaving.keys()].join() === robots.join()) return;
   const state = history.at(history.last);
   const from = history.last + 1;
@@ -331,7 +252,7 @@ function leave(history, robots) {
 }
 
 // The state that is shown after a step: as recorded, without robots that are leaving.
-function stateShown(history, step) {
+export function stateShown(history, step) {
   const state = history.at(step);
   if (step < history.last || !history.leaving.size) return state;
   const left = copyState(state);
@@ -339,7 +260,7 @@ function stateShown(history, step) {
   return left;
 }
 
-function robotsLostAt(history, step) {
+export function robotsLostAt(history, step) {
   return [...history.absences.keys()].filter((robot) => isLost(history, robot, step));
 }
 
@@ -369,16 +290,20 @@ function cancelledIn({ mission, doneAt }, step) {
 }
 
 // What teams pursued in a step whose assignments neither before nor after it say so: news took them back.
-function pursuedIn({ record }, step) {
+export function pursuedIn({ record }, step) {
   return new Map(record.steps[step - 1].pursued ?? []);
 }
 
-function sizeOf(state, slot) {
-  return state.team.reduce((sum, other) => sum + (other === slot), 0);
-}
-
-function teamSizes(state) {
-  const sizes = new Int32Array(state.team.length);
-  for (const slot of state.team) if (slot !== NOBODY) sizes[slot]++;
-  return sizes;
+// The service of a task that goes on after a step, with the robots that are with it then; null if
+// there is none, or it is broken off because a robot leaves.
+export function serviceOf(history, task, step) {
+  const service = history.services[task].find(({ from, to }) => from <= step && step < to);
+  if (!service) return null;
+  const { mission } = history;
+  const state = stateShown(history, step);
+  const robots = robotsServing(service, step + 1).filter((robot) => state.team[robot] !== NOBODY);
+  const slot = state.team[robots[0]];
+  const isLeft = step >= history.last && history.leaving.size > 0;
+  if (isLeft && !(robots.length && covers(countsOfTeam(mission, state, slot), mission.tasks[task].needs))) return null;
+  return { ...service, slot, robots };
 }

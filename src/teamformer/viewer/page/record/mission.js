@@ -1,12 +1,15 @@
 // The mission of a record, with capabilities as numbers and counts as [capability, count] pairs.
 
+import { exact } from "./counts.js";
+import { readPlane, readRadius } from "./plane.js";
+
 // By foresight, from which probability on plans count on needs that tasks may have.
 const LEAST_CHANCE = { needed: 0, scouting: 0.25, absent: Infinity };
 
 const LATENESS = 2; // what it weighs beside the makespan in a mission with windows and without a cost
 
 // `truth` says, by name, what an uncertain mission really was.
-function readMission(tree, truth, foresight = "scouting") {
+export function readMission(tree, truth, foresight = "scouting") {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
   const listed = [...tree.tasks, ...(truth?.arrivals ?? [])];
   const tasks = listed.map((task) => readTask(task, numbers, truth?.tasks[task.name], LEAST_CHANCE[foresight]));
@@ -68,18 +71,18 @@ function readTask(said, numbers, truth, leastChance) {
   };
 }
 
-function hasDueTimes({ tasks }) {
+export function hasDueTimes({ tasks }) {
   return tasks.some(({ due }) => due < Infinity);
 }
 
 // What plans are judged by: the weights of the cost or, where tasks have windows, of makespan and
 // lateness; null where it is the makespan alone.
-function weightsOf(mission) {
+export function weightsOf(mission) {
   return mission.cost ?? (hasDueTimes(mission) ? { makespan: 1, tardiness: LATENESS } : null);
 }
 
 // How many steps are made when a window begins.
-function windowOpens(between) {
+export function windowOpens(between) {
   return Math.ceil(between?.[0] ?? 0);
 }
 
@@ -104,7 +107,7 @@ function sharePlaces(mission) {
   shareSites(mission.tasks);
 }
 
-function shareSites(sites) {
+export function shareSites(sites) {
   const keyOf = ({ at, isUp }) => (isUp ? "up" : cellKey(...at));
   const groups = groupTasks(sites, keyOf);
   sites.forEach((site, task) => (site.mates = site.isUp ? [task] : groups.get(keyOf(site))));
@@ -119,18 +122,12 @@ function groupTasks(tasks, keyOf) {
   return groups;
 }
 
-function cellKey(x, y) {
+export function cellKey(x, y) {
   return `${x},${y}`;
 }
 
-function readRadius(radius) {
-  if (radius === undefined) return 1;
-  if (radius === ".inf") return Infinity;
-  return radius ?? Infinity; // the page's JSON writes infinity as null
-}
-
 // Whether a team gets over obstacles: all its robots fly.
-function isFlying({ robots }, team) {
+export function isFlying({ robots }, team) {
   return team.robots.every((robot) => robots[robot].flies);
 }
 
@@ -172,7 +169,7 @@ function usedPart(width, height, rows) {
 const FIELDS_KEPT = 64;
 
 // Cells to go between two places, or Infinity, on planes squares straight on; distance fields are kept by their goal.
-function walkingDistance(world, from, goal, flies = false) {
+export function walkingDistance(world, from, goal, flies = false) {
   if (world.isPlane) return Math.hypot(from[0] - goal[0], from[1] - goal[1]);
   if (flies || !world.rows.length) return Math.abs(from[0] - goal[0]) + Math.abs(from[1] - goal[1]);
   const key = goal[1] * world.width + goal[0];
@@ -203,13 +200,13 @@ function distanceField(world, goal) {
   return field;
 }
 
-const SIDES = [
+export const SIDES = [
   [1, 0],
   [-1, 0],
   [0, 1],
   [0, -1],
 ];
 
-function isFreeCell(world, x, y) {
+export function isFreeCell(world, x, y) {
   return x >= 0 && y >= 0 && x < world.width && y < world.height && !world.isBlocked(x, y);
 }

@@ -1,8 +1,11 @@
 // What changes over time: tasks done and open, idle robots and the way made, after each step.
 
+import { IDLE, phasesIn } from "./phases.js";
+import { NOBODY, placeOf } from "./state.js";
+
 // {open, idle, way}, each with a number for every step from 0 on; `way` is the sum over all robots so
 // far, in cells, or squares of a plane. Worked out once for each length of the record.
-function curvesOf(history) {
+export function curvesOf(history) {
   const known = history.curves;
   if (known?.made === history.last) return known;
   const way = [0];
@@ -24,7 +27,7 @@ function openAfterSteps({ mission, overAt, last }) {
 }
 
 // Tasks that are done, after each step.
-function doneAfterSteps({ doneAt, last }) {
+export function doneAfterSteps({ doneAt, last }) {
   return countsUpTo(doneAt, last);
 }
 
@@ -52,7 +55,7 @@ function wayIn(history, step) {
 }
 
 // How many steps each robot was idle up to one, by robot.
-function idleStepsUpTo(history, step) {
+export function idleStepsUpTo(history, step) {
   history.idleSteps ??= [new Uint32Array(history.mission.robots.length)];
   const { idleSteps } = history;
   for (let made = idleSteps.length; made <= step; made++) {

@@ -3,7 +3,7 @@
 const MOST_SQUARES = 300; // along a side
 
 // The same record with all lengths in squares; on a grid, the record itself.
-function inSquares(record) {
+export function inSquares(record) {
   const { world } = record.mission;
   if (!world.plane) return record;
   const square = squareOf(world);
@@ -24,7 +24,7 @@ function truthInSquares(truth, square) {
   return { ...truth, tasks: Object.fromEntries(tasks), arrivals };
 }
 
-function stepInSquares({ square }, step) {
+export function stepInSquares({ square }, step) {
   if (!square || !(step.teams || step.moved || step.left)) return step;
   const team = ([slot, x, y, task]) => [slot, x / square, y / square, task];
   const placed = ([task, x, y]) => [task, x / square, y / square];
@@ -52,7 +52,7 @@ function squareOf({ plane, unit }) {
   return Math.max(unit, Math.max(...plane) / MOST_SQUARES);
 }
 
-function readPlane(world) {
+export function readPlane(world) {
   const square = squareOf(world);
   const [width, height] = world.plane.map((side) => side / square);
   return {
@@ -70,34 +70,13 @@ function readPlane(world) {
 }
 
 // One cell, or points within the arrival radius.
-function isSamePlace(world, one, other) {
+export function isSamePlace(world, one, other) {
   if (!world.isPlane) return one[0] === other[0] && one[1] === other[1];
   return Math.hypot(one[0] - other[0], one[1] - other[1]) <= world.arrival + 1e-9;
 }
 
-function describeWay(world, length) {
-  return world.isPlane ? `${(length * world.square).toFixed(2)} m` : plural(length, "cell");
-}
-
-function describePlace(world, at) {
-  const [x, y] = world.isPlane ? at.map((along) => (along * world.square).toFixed(2)) : at;
-  return `[${x}, ${y}]${world.isPlane ? " m" : ""}`;
-}
-
-// A moment or a span: seconds on planes; on grids, whose steps have no length, steps.
-function describeMoment(world, step) {
-  return world.isPlane ? `${secondsOf(world, step)} s` : `step ${step}`;
-}
-
-function describeSpan(world, steps) {
-  return world.isPlane ? `${secondsOf(world, steps)} s` : plural(steps, "step");
-}
-
-// The same where a column says what it is.
-function shortMoment(world, step) {
-  return world.isPlane ? `${secondsOf(world, step)} s` : String(step);
-}
-
-function secondsOf(world, steps) {
-  return Number((steps * world.stepSeconds).toFixed(2));
+export function readRadius(radius) {
+  if (radius === undefined) return 1;
+  if (radius === ".inf") return Infinity;
+  return radius ?? Infinity; // the page's JSON writes infinity as null
 }

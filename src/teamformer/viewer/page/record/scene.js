@@ -1,9 +1,14 @@
 // What there is to see after a step: teams with what they can do, and how each task stands.
 
+import { exact, missing } from "./counts.js";
+import { NEWS, isLost, needsAt, pursuedIn, serviceOf, sitesAt, stateShown } from "./history.js";
+import { isSamePlace } from "./plane.js";
+import { NOBODY } from "./state.js";
+
 // A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, activity,
 // carries}.
 // `site` is where its task is believed to be, `goal` is the task whose colour the ring may take: the one served, just done or headed for.
-function sceneAt(history, step) {
+export function sceneAt(history, step) {
   const state = stateShown(history, step);
   const teams = gatherTeams(history.mission, state);
   const serving = servicesAt(history, step);
@@ -117,12 +122,12 @@ function groupByTask(teams) {
   return groups;
 }
 
-function teamOfRobot(scene, robot) {
+export function teamOfRobot(scene, robot) {
   return scene.teams.get(scene.state.team[robot]) ?? null;
 }
 
 // How a task stands after a step: hidden, open, served, done, cancelled or (at the end) blocked.
-function standingOf(history, task, step) {
+export function standingOf(history, task, step) {
   if (isOver(history, task, step)) return history.doneAt[task] <= step ? "done" : "cancelled";
   if (history.mission.tasks[task].appears > step) return "hidden";
   if (serviceOf(history, task, step)) return "served";
@@ -134,35 +139,21 @@ function standingOf(history, task, step) {
   return "open";
 }
 
-// The service of a task that goes on after a step, with the robots that are with it then; null if
-// there is none, or it is broken off because a robot leaves.
-function serviceOf(history, task, step) {
-  const service = history.services[task].find(({ from, to }) => from <= step && step < to);
-  if (!service) return null;
-  const { mission } = history;
-  const state = stateShown(history, step);
-  const robots = robotsServing(service, step + 1).filter((robot) => state.team[robot] !== NOBODY);
-  const slot = state.team[robots[0]];
-  const isLeft = step >= history.last && history.leaving.size > 0;
-  if (isLeft && !(robots.length && covers(countsOfTeam(mission, state, slot), mission.tasks[task].needs))) return null;
-  return { ...service, slot, robots };
-}
-
 // Whether a task is done or called off.
-function isOver({ overAt }, task, step) {
+export function isOver({ overAt }, task, step) {
   return overAt[task] <= step;
 }
 
-function countDone(history, step) {
+export function countDone(history, step) {
   return history.doneAt.filter((at) => at <= step).length;
 }
 
-function countCancelled(history, step) {
+export function countCancelled(history, step) {
   return history.overAt.filter((at) => at <= step).length - countDone(history, step);
 }
 
 // The open tasks in the order that everybody shares, as last computed.
-function orderAt(history, step) {
+export function orderAt(history, step) {
   let tasks = [];
   for (const [made, order] of history.record.orders ?? []) if (made <= step) tasks = order;
   return tasks.filter((task) => !isOver(history, task, step));
@@ -173,14 +164,14 @@ function namesCap(counts, cap) {
 }
 
 // The robots that bring a capability and are not lost.
-function robotsWith(history, cap, step) {
+export function robotsWith(history, cap, step) {
   const { robots } = history.mission;
   const all = robots.map((_, robot) => robot);
   return all.filter((robot) => !isLost(history, robot, step) && namesCap(robots[robot].can, cap));
 }
 
 // The tasks that are known, not over and need a capability.
-function tasksNeeding(history, cap, step) {
+export function tasksNeeding(history, cap, step) {
   const { mission } = history;
   const all = mission.tasks.map((_, task) => task);
   return all.filter((task) => {

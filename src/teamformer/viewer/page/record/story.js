@@ -1,11 +1,13 @@
 // The part of the events that concerns one robot (with the teams it is in) or one task.
 
-function taskStory(history, task) {
+import { NOBODY } from "./state.js";
+
+export function taskStory(history, task) {
   return history.events.filter((event) => event.task === task);
 }
 
 // Follow the robot's team through its changing slots.
-function robotStory(history, robot) {
+export function robotStory(history, robot) {
   const start = history.record.start.find(([, robots]) => robots.includes(robot));
   let team = start[0];
   const story = [];

@@ -1,7 +1,10 @@
 // The ways that teams take: straight on planes, around obstacles as the simulator walks on grids.
 
+import { SIDES, isFreeCell, walkingDistance } from "./mission.js";
+import { isSamePlace } from "./plane.js";
+
 // The places on the way from a place to a goal where the direction changes, both ends included.
-function wayTo(world, from, goal, flies) {
+export function wayTo(world, from, goal, flies) {
   if (world.isPlane || isSamePlace(world, from, goal)) return [from, goal];
   const corners = [from];
   let [place, heading] = [from, null];

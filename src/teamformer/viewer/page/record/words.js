@@ -1,13 +1,21 @@
 // Everything that the page says about robots, teams and tasks, as plain text.
 
-const MANY = 3; // names written out
+import { absenceAt, needsAt, serviceOf, sitesAt } from "./history.js";
+import { describeMoment, describePlace, describeSpan, describeWay, percent, plural, secondsOf } from "./lengths.js";
+import { isFlying, walkingDistance } from "./mission.js";
+import { PHASES, PHASE_NAMES, phasesIn } from "./phases.js";
+import { isSamePlace } from "./plane.js";
+import { isOver, standingOf } from "./scene.js";
+import { NOBODY } from "./state.js";
+
+export const MANY = 3; // names written out
 const MANY_NEEDS = 12; // kinds of needs written out
 
-function robotName(mission, robot) {
+export function robotName(mission, robot) {
   return mission.robots[robot].name;
 }
 
-function taskName(mission, task) {
+export function taskName(mission, task) {
   return mission.tasks[task].name;
 }
 
@@ -16,18 +24,18 @@ function teamName(mission, slot, size) {
   return size === 1 ? robotName(mission, slot) : `team ${robotName(mission, slot)}`;
 }
 
-function nameOfTeam(mission, team) {
+export function nameOfTeam(mission, team) {
   return teamName(mission, team.slot, team.robots.length);
 }
 
 // A few names are written out; of more than `most`, the first stands for all.
-function listRobots(mission, robots, most = MANY) {
+export function listRobots(mission, robots, most = MANY) {
   const shown = robots.length <= most ? robots : robots.slice(0, 1);
   const names = shown.map((robot) => robotName(mission, robot)).join(", ");
   return shown.length < robots.length ? `${names} + ${robots.length - 1} more` : names;
 }
 
-function describeCounts(mission, counts, shown = Infinity) {
+export function describeCounts(mission, counts, shown = Infinity) {
   const pairs = [...counts];
   const texts = pairs.slice(0, shown).map(([cap, count]) => {
     const name = mission.capabilities[cap];
@@ -37,20 +45,12 @@ function describeCounts(mission, counts, shown = Infinity) {
   return texts.join(", ");
 }
 
-function plural(count, word) {
-  return `${count} ${word}${count === 1 ? "" : "s"}`;
-}
-
-function capitalised(text) {
-  return text.charAt(0).toUpperCase() + text.slice(1);
-}
-
 // How far a team has to go to where its task is believed to be.
-function distanceTo(mission, team) {
+export function distanceTo(mission, team) {
   return walkingDistance(mission.world, [team.x, team.y], team.site.at, isFlying(mission, team));
 }
 
-function describeDoing(history, team, step) {
+export function describeDoing(history, team, step) {
   const { mission } = history;
   const name = team.goal === NOBODY ? "" : taskName(mission, team.goal);
   const lack = describeCounts(mission, team.missing, MANY);
@@ -108,34 +108,34 @@ function describePart(world, made, task) {
 }
 
 // How long a task takes, as far as it is known before it is done.
-function describeDuration(world, { duration, lasts }) {
+export function describeDuration(world, { duration, lasts }) {
   if (!lasts) return describeSpan(world, duration);
   const least = world.isPlane ? secondsOf(world, lasts[0]) : lasts[0];
   return `${least} to ${describeSpan(world, lasts[1])}`;
 }
 
 // What a task needs, and what it may need while nobody knows.
-function describeNeeds(history, task, step, most = MANY_NEEDS) {
+export function describeNeeds(history, task, step, most = MANY_NEEDS) {
   const { mission, shownAt } = history;
   if (shownAt[task] <= step) return describeCounts(mission, needsAt(history, task, step), most);
   const { sure, mayNeed } = mission.tasks[task];
   return `${describeCounts(mission, sure, most)}, may need ${describeChances(mission, mayNeed)}`;
 }
 
-function describeChances(mission, mayNeed) {
+export function describeChances(mission, mayNeed) {
   return mayNeed.map(([cap, chance]) => `${mission.capabilities[cap]} (${percent(chance)})`).join(", ");
 }
 
-function describeAt(world, step) {
+export function describeAt(world, step) {
   return `at ${describeMoment(world, step)}`;
 }
 
-function describeWhen(world, step) {
+export function describeWhen(world, step) {
   return `${world.isPlane ? "at" : "in"} ${describeMoment(world, step)}`;
 }
 
 // How a robot has spent its time so far, the largest share first.
-function describeShares(history, robot, step) {
+export function describeShares(history, robot, step) {
   const steps = new Map(PHASES.map((name) => [name, 0]));
   for (let made = 1; made <= Math.min(step, history.last); made++) {
     const name = PHASES[phasesIn(history, made)[robot]];
@@ -147,7 +147,7 @@ function describeShares(history, robot, step) {
 }
 
 // Since when a robot is lost.
-function describeLoss(history, robot, step) {
+export function describeLoss(history, robot, step) {
   const absence = absenceAt(history, robot, step);
   if (!absence) return "lost";
   return `lost ${describeWhen(history.mission.world, absence.from)}`;
@@ -158,7 +158,7 @@ function describeLateness({ mission, doneAt }, task) {
   return late > 0 ? `, late by ${describeSpan(mission.world, late)}` : "";
 }
 
-function describeStanding(history, task, scene) {
+export function describeStanding(history, task, scene) {
   const { mission } = history;
   const { step } = scene;
   const { appears, cancelled } = mission.tasks[task];
@@ -192,7 +192,7 @@ function describeStanding(history, task, scene) {
 }
 
 // Written once for each event.
-function describeEvent(history, event) {
+export function describeEvent(history, event) {
   event.text ??= eventText(history, event);
   return event.text;
 }

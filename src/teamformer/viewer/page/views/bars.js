@@ -1,11 +1,19 @@
 // A row of the Gantt view: a robot's name, its bars, a mark for each task that it did, its idle share.
 
+import { taskColour } from "../draw/palette.js";
+import { describeMoment, percent } from "../record/lengths.js";
+import { IDLE, PHASES, PHASE_NAMES } from "../record/phases.js";
+import { NOBODY } from "../record/state.js";
+import { describeWhen, robotName, taskName } from "../record/words.js";
+import { NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
+import { isOnPath } from "./critical_path.js";
+
 const NAMED_FROM = 34; // pixels of a bar
 const PARTED_FROM = 16; // pixels of a bar
 const MARK = 4; // pixels from the middle of a mark to its edge
 const DARK = "#1b1400"; // ink on the colour of waiting, in both themes
 
-const PHASE_COLOURS = {
+export const PHASE_COLOURS = {
   walks: "accent",
   waits: "wait",
   forms: "form",
@@ -18,12 +26,12 @@ const PHASE_COLOURS = {
 };
 
 // How strong a phase is drawn in the colour of its task.
-const STRENGTHS = { walks: 0.5, waits: 0.25, forms: 0.75, serves: 1, loads: 0.85, carries: 1, unloads: 0.85, idle: 1, lost: 0.25 };
+export const STRENGTHS = { walks: 0.5, waits: 0.25, forms: 0.75, serves: 1, loads: 0.85, carries: 1, unloads: 0.85, idle: 1, lost: 0.25 };
 
 // What bars may be coloured by.
-const BARS = { phase: "What they do", task: "Tasks" };
+export const BARS = { phase: "What they do", task: "Tasks" };
 
-function drawBarsOfRow(ctx, gantt, robot, top, row) {
+export function drawBarsOfRow(ctx, gantt, robot, top, row) {
   const { from, to } = gantt.stepsInSight();
   const marks = marksOfRow(gantt, robot, row);
   const isWide = (run) => run && gantt.x(run.to) - gantt.x(run.from) >= PARTED_FROM;
@@ -114,7 +122,7 @@ function drawMarks(ctx, gantt, marks, top, row) {
 }
 
 // On a ground of their own, so that bars pass under them.
-function drawEndsOfRow(ctx, gantt, robot, top, row) {
+export function drawEndsOfRow(ctx, gantt, robot, top, row) {
   const { history, map, selection } = gantt.app;
   const { theme } = map;
   ctx.fillStyle = selection.robot === robot ? theme.soft : theme.ground;
@@ -131,7 +139,7 @@ function drawEndsOfRow(ctx, gantt, robot, top, row) {
 }
 
 // What a robot did in a step, in words.
-function describeBar(gantt, robot, step) {
+export function describeBar(gantt, robot, step) {
   const { history } = gantt.app;
   const { mission } = history;
   const run = gantt.runs[robot].find(({ from, to }) => from < step && step <= to);

@@ -1,12 +1,22 @@
 // The columns of the tables: what each says of a task or a robot, and by what it sorts.
 
+import { isLost, serviceOf } from "../record/history.js";
+import { describeSpan, percent, shortMoment } from "../record/lengths.js";
+import { hasDueTimes } from "../record/mission.js";
+import { idleStepsUpTo } from "../record/over_time.js";
+import { deedsOfRobots } from "../record/phases.js";
+import { sharedPlanAt } from "../record/reasons.js";
+import { isOver, standingOf, teamOfRobot } from "../record/scene.js";
+import { NOBODY } from "../record/state.js";
+import { describeCounts, describeNeeds, listRobots, robotName, taskName } from "../record/words.js";
+
 // A cell is {text, sort, isAhead, whole}: numbers sort before words, what is absent last; what is ahead
 // or expected is drawn paler. `whole` returns the text where the one shown is shorter: filters and files
 // go by that. `isShown` says whether a mission has such a column at all.
 
 const STATES = ["can never be done", "open", "waiting", "on the way", "under way", "to come", "called off", "done"];
 
-const TASK_COLUMNS = [
+export const TASK_COLUMNS = [
   { name: "Task", of: ({ mission }, task) => word(taskName(mission, task)) },
   { name: "State", of: (moment, task) => stateCell(stateOfTask(moment, task)) },
   { name: "Who", of: whoCell },
@@ -15,7 +25,7 @@ const TASK_COLUMNS = [
   { name: "Needs", of: needsCell },
 ];
 
-const ROBOT_COLUMNS = [
+export const ROBOT_COLUMNS = [
   { name: "Robot", of: ({ mission }, robot) => word(robotName(mission, robot)) },
   { name: "Doing", of: (moment, robot) => word(doingOf(moment, robot)) },
   { name: "Next", of: nextCell },
@@ -25,7 +35,7 @@ const ROBOT_COLUMNS = [
 ];
 
 // What the cells of one moment have in common, worked out once.
-function momentOf(app) {
+export function momentOf(app) {
   const { history } = app;
   const step = Math.min(app.player.step, history.last);
   const scene = app.scene();
@@ -46,7 +56,7 @@ function count(number) {
 const NOTHING = { text: "-", sort: null, whole: () => "" };
 
 // All that a cell says.
-function wholeText({ text, whole }) {
+export function wholeText({ text, whole }) {
   return whole ? whole() : text;
 }
 

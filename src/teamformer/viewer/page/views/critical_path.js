@@ -1,8 +1,11 @@
 // The critical path in the Gantt view: frames around what the end hangs on, joined from row to row.
 
+import { NOBODY } from "../record/state.js";
+import { AXIS_HEIGHT, NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
+
 const FRAME = 2; // pixels
 
-function drawCriticalPath(ctx, gantt) {
+export function drawCriticalPath(ctx, gantt) {
   const { path, app } = gantt;
   if (!path.length) return;
   ctx.save();
@@ -56,6 +59,6 @@ function rowMiddle(gantt, robot) {
   return robot === NOBODY ? AXIS_HEIGHT - 1 : rowTop(gantt, robot) + gantt.rowHeight() / 2;
 }
 
-function isOnPath({ path }, robot, step) {
+export function isOnPath({ path }, robot, step) {
   return path.some((it) => it.robot === robot && it.from < step && step <= it.to);
 }

@@ -1,13 +1,19 @@
 // The Gantt view: robots down, time across, what each does, and which share of it is idle.
 
+import { element } from "../panel/dom.js";
+import { criticalPath } from "../record/critical_path.js";
+import { percent } from "../record/lengths.js";
+import { PHASES, PHASE_NAMES, deedsOfRobots, phaseRuns, phaseShares } from "../record/phases.js";
+import { PHASE_COLOURS, STRENGTHS, describeBar, drawBarsOfRow, drawEndsOfRow } from "./bars.js";
+import { AXIS_HEIGHT, NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
+import { drawCriticalPath } from "./critical_path.js";
+import { timeMarks } from "./time_canvas.js";
+
 const ROW_HEIGHT = 22; // pixels; less where there are many robots
 const LEAST_ROW_HEIGHT = 13; // names can be read
-const NAME_WIDTH = 96;
-const SHARE_WIDTH = 54;
-const AXIS_HEIGHT = 24;
 const STEP_WIDTH_MOST = 60; // pixels a step
 
-class Gantt {
+export class Gantt {
   constructor(app, canvas, legend) {
     this.app = app;
     this.canvas = canvas;

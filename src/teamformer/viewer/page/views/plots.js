@@ -1,5 +1,9 @@
 // Plots over time: open tasks, idle robots, and the way that the fleet has made.
 
+import { capitalised, describeMoment, describeWay } from "../record/lengths.js";
+import { curvesOf } from "../record/over_time.js";
+import { TimeCanvas, timeMarks, traceSteps } from "./time_canvas.js";
+
 const PLOTS = [
   { key: "open", title: "Open tasks", colour: "accent", say: sayCount, mark: sayCount },
   { key: "idle", title: "Idle robots", colour: "muted", say: sayCount, mark: sayCount },
@@ -18,7 +22,7 @@ function shortWay(world, length) {
 const PLOT_HEAD = 30; // pixels
 const PLOT_FOOT = 22;
 
-class Plots extends TimeCanvas {
+export class Plots extends TimeCanvas {
   constructor(app, canvas) {
     super(app, canvas, 52, 18);
   }

@@ -1,8 +1,14 @@
 // A table of all tasks or all robots: sorted by a column, filtered by any word, saved as CSV.
 
+import { element, refill } from "../panel/dom.js";
+import { Rows } from "../panel/rows.js";
+import { csvOf, download, fileName } from "../panel/saving.js";
+import { plural } from "../record/lengths.js";
+import { momentOf, wholeText } from "./columns.js";
+
 const TABLE_ROW = 32; // pixels
 
-class Table {
+export class Table {
   // `kind` is "task" or "robot", as in a selection.
   constructor(app, kind, columns, box) {
     Object.assign(this, { app, kind, columns, box });

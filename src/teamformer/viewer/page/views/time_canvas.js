@@ -1,8 +1,10 @@
 // A canvas with time from left to right, from the start to the page's last step.
 
+import { SPACINGS } from "../draw/world.js";
+
 const MARKS_APART = 46; // pixels between two numbers of an axis, at least
 
-class TimeCanvas {
+export class TimeCanvas {
   // `left` and `right` are the pixels that are left free for numbers.
   constructor(app, canvas, left, right) {
     Object.assign(this, { app, canvas, left, right });
@@ -69,7 +71,7 @@ class TimeCanvas {
 }
 
 // Continue a path along what changes over time, given as a number after each step.
-function traceSteps(ctx, values, x, y) {
+export function traceSteps(ctx, values, x, y) {
   values.forEach((value, step) => {
     if (step && value === values[step - 1]) return;
     if (step) ctx.lineTo(x(step), y(values[step - 1]));
@@ -79,7 +81,7 @@ function traceSteps(ctx, values, x, y) {
 }
 
 // Where an axis of so many steps and pixels has numbers: [{step, text}].
-function timeMarks(world, steps, width) {
+export function timeMarks(world, steps, width) {
   const unit = world.isPlane ? world.stepSeconds : 1;
   const length = steps * unit;
   const every = SPACINGS.find((spacing) => (spacing / length) * width >= MARKS_APART) ?? Math.max(1, length);

@@ -14,32 +14,36 @@ _NAME = re.compile(r"^(?:async )?(?:function|class|const|let) (\w+)", re.MULTILI
 
 
 @cache
-def joined(*names: str) -> str:
+def joined(*openers: str) -> str:
     """Return modules such as `live/main` and all that they import, as one script.
 
     A module comes after those that it imports, so nothing is left to be imported, and whoever reads
     the page finds the code as it is written.
     """
-    order: dict[str, str] = {}
-    for name in names:
-        _add(name, order, ())
-    texts = [_EXPORT.sub("", _IMPORT.sub("", text)) for text in order.values()]
+    found = (page_file(f"{name}.js") for name in names_in_order(*openers))
+    texts = [_EXPORT.sub("", _IMPORT.sub("", text)) for text in found]
     counts = Counter(name for text in texts for name in _NAME.findall(text))
     twice = [name for name, count in counts.items() if count > 1]
     assert not twice, f"these names stand in several modules of a page: {', '.join(twice)}"
     return "\n".join(texts)
 
 
-def _add(name: str, order: dict[str, str], importers: tuple[str, ...]) -> None:
-    """Add a module to those that are in order, after all that it imports."""
+def names_in_order(*openers: str) -> list[str]:
+    """Return the names of modules and of all that they import, each after those that it imports."""
+    order: list[str] = []
+    for name in openers:
+        _add(name, order, ())
+    return order
+
+
+def _add(name: str, order: list[str], importers: tuple[str, ...]) -> None:
     assert name not in importers, f"these modules import one another: {', '.join(importers)}"
     if name in order:
         return
-    text = page_file(f"{name}.js")
-    for path in _IMPORT.findall(text):
+    for path in _IMPORT.findall(page_file(f"{name}.js")):
         imported = posixpath.normpath(posixpath.join(posixpath.dirname(name), path))
         _add(imported.removesuffix(".js"), order, (*importers, name))
-    order[name] = text
+    order.append(name)
 
 
 def page_file(name: str) -> str:

@@ -12,7 +12,7 @@ import { recordColour, recordItem, titleOf } from "./titles.js";
 export const MOST_MAPS = 6; // beside each other; further records are rows of the table
 
 export class Compared {
-  constructor(app, box) {
+  constructor(/** @type {App} */ app, /** @type {HTMLElement} */ box) {
     this.app = app;
     this.box = box;
     this.table = element("div", {});
@@ -62,7 +62,7 @@ function columnsFor(count, used, width, height) {
 
 // What records are compared by: the columns that tell of it, and `judge`, what a record is judged by.
 // Where all missions are judged by more than the makespan, as plans of them are, records are, too.
-function measuresOf(trials) {
+function measuresOf(/** @type {Trial[]} */ trials) {
   const has = (isTrue) => trials.length > 0 && trials.every(({ history }) => isTrue(history.mission));
   const columns = [{ name: "makespan", of: describeMakespan }];
   if (has(({ cost }) => cost)) columns.push({ name: "cost", of: describeCost });
@@ -71,23 +71,23 @@ function measuresOf(trials) {
   return { columns, judge };
 }
 
-function describeMakespan({ mission, end: { makespan, status } }) {
+function describeMakespan(/** @type {TrialHistory} */ { mission, end: { makespan, status } }) {
   return makespan === null ? status : describeAmount(mission.world, makespan);
 }
 
-function describeCost(history) {
+function describeCost(/** @type {TrialHistory} */ history) {
   const cost = costOf(history);
   return cost === null ? "" : String(Number(cost.toPrecision(6)));
 }
 
 // How many tasks were late, and by how much in all.
-function describeAllLate({ mission, doneAt }) {
+function describeAllLate(/** @type {TrialHistory} */ { mission, doneAt }) {
   const late = mission.tasks.map(({ due }, task) => (doneAt[task] < Infinity ? doneAt[task] - due : 0)).filter((by) => by > 0);
   if (!late.length) return "-";
   return `${late.length} by ${describeAmount(mission.world, late.reduce((sum, by) => sum + by, 0))}`;
 }
 
-function comparedRow(app, trial, { columns, judge }) {
+function comparedRow(/** @type {App} */ app, /** @type {Trial} */ trial, { columns, judge }) {
   const { history } = trial;
   const title = titleOf(app.trials, trial);
   const all = app.trials.map((other) => judge(other.history)).filter((value) => value !== null);

@@ -5,7 +5,7 @@ import { element } from "../panel/dom.js";
 import { describeProgress } from "../panel/header.js";
 
 // What tells a record from the others: its method; its mission or seed where these differ.
-export function titleOf(trials, { history }) {
+export function titleOf(/** @type {Trial[]} */ trials, /** @type {Trial} */ { history }) {
   const differs = (read) => new Set(trials.map((trial) => read(trial.history))).size > 1;
   const { mission, record } = history;
   const parts = [
@@ -17,7 +17,7 @@ export function titleOf(trials, { history }) {
 }
 
 // The colour of a record in curves, tables and captions: by its place among those opened.
-export function recordColour({ trials, map }, trial) {
+export function recordColour(/** @type {App} */ { trials, map }, /** @type {Trial} */ trial) {
   return oklch(map.isDark ? 0.76 : 0.54, 0.15, 262 + trials.indexOf(trial) * GOLDEN_ANGLE);
 }
 

@@ -14,7 +14,7 @@ export function scaleToFit(used, width, height) {
 }
 
 export class Camera {
-  constructor(world) {
+  constructor(/** @type {World} */ world) {
     this.world = world;
     this.middle = world.isPlane ? 0 : 0.5; // whole numbers are the middles of cells
     this.cell = 1; // pixels
@@ -63,6 +63,7 @@ export class Camera {
   }
 
   // The place under a pixel.
+  /** @returns {Place} */
   placeAt(px, py) {
     const y = (py - this.top) / this.cell - this.middle;
     return [(px - this.left) / this.cell - this.middle, this.turned(y)];

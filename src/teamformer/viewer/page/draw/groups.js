@@ -17,14 +17,14 @@ export const DENSE_SIDE = 9;
 const LONE_ROBOTS = 2; // in a group's square, drawn as robots
 
 // How much of each robot is drawn at a zoom: "robots", "groups" or "density".
-export function detailAt(mission, cell) {
+export function detailAt(/** @type {Mission} */ mission, cell) {
   const count = mission.robots.length;
   if (count < GROUPS_FROM || cell >= ROBOTS_ABOVE) return "robots";
   return count >= DENSITY_FROM && cell < DENSITY_BELOW ? "density" : "groups";
 }
 
 // Squares of the screen that hold teams: [{x, y, teams, count}], fixed to the map when it is moved.
-function gatherGroups(view, side) {
+function gatherGroups(/** @type {View} */ view, side) {
   const { camera, scene, part } = view;
   const next = part > 0 ? view.sceneAfter : scene;
   const squares = new Map();
@@ -52,7 +52,7 @@ function gatherGroups(view, side) {
   return [...squares.values()];
 }
 
-function drawGroups(view) {
+function drawGroups(/** @type {View} */ view) {
   view.groups = gatherGroups(view, GROUP_SIDE).filter(({ count, teams }) => {
     if (count > LONE_ROBOTS) return true;
     for (const team of teams) drawTeam(view, team);
@@ -63,7 +63,7 @@ function drawGroups(view) {
 }
 
 // A disc with the number of robots; its ring says what their teams do.
-function drawGroup({ ctx, theme }, { x, y, r, count, teams }) {
+function drawGroup(/** @type {View} */ { ctx, theme }, /** @type {Group} */ { x, y, r, count, teams }) {
   drawDisc(ctx, x, y, r, theme.surface);
   let start = -Math.PI / 2;
   for (const [activity, robots] of countActivities(teams)) {
@@ -99,7 +99,7 @@ function countActivities(teams) {
 }
 
 // The more robots in a small square, the stronger its colour.
-function drawDensity(view) {
+function drawDensity(/** @type {View} */ view) {
   const { ctx, camera, theme } = view;
   const squares = gatherGroups(view, DENSE_SIDE);
   const most = squares.reduce((found, { count }) => Math.max(found, count), 1);
@@ -124,7 +124,7 @@ export function densityStrength(count, most) {
 }
 
 // The group under a pixel: one click comes nearer to it.
-export function groupUnder(view, x, y) {
+export function groupUnder(/** @type {View} */ view, x, y) {
   const reach = ({ r }) => (view.detail === "density" ? GROUP_SIDE / 2 : r);
   const found = (view.groups ?? []).find(
     (group) => Math.hypot(group.x - x, group.y - y) <= reach(group),
@@ -132,14 +132,14 @@ export function groupUnder(view, x, y) {
   return found ? { group: found } : null;
 }
 
-export function describeGroup({ count, teams }) {
+export function describeGroup(/** @type {Group} */ { count, teams }) {
   const parts = [...countActivities(teams)]
     .filter(([, robots]) => robots)
     .map(([activity, robots]) => `${robots} ${ACTIVITIES[activity]}`);
   return [plural(count, "robot"), parts.join(", ")];
 }
 
-export function drawTeams(view) {
+export function drawTeams(/** @type {View} */ view) {
   if (view.detail === "groups") return drawGroups(view);
   if (view.detail === "density") return drawDensity(view);
   for (const team of view.scene.teams.values()) drawTeam(view, team);

@@ -9,7 +9,7 @@ import { detailAt, drawTeams, groupUnder } from "./groups.js";
 import { drawCrowdLegend } from "./legend.js";
 import { drawNames } from "./names.js";
 import { blendPlaces, placeEverybody } from "./placing.js";
-import { lazily, onto, robotSpot } from "./shapes.js";
+import { lazily, onto, penOf, robotSpot } from "./shapes.js";
 import { drawDestinations, drawRegions, drawTasks, partTasks, taskBox } from "./tasks.js";
 import { drawWorld } from "./world.js";
 
@@ -19,12 +19,20 @@ const THEME = [
 ];
 
 export class TrialMap {
-  constructor(app, canvas) {
+  /** @type {Camera} */ camera;
+  /** @type {View} */ shown; // as drawn last
+  /** @type {Theme} */ theme;
+
+  constructor(/** @type {Shown} */ app, /** @type {HTMLCanvasElement} */ canvas) {
     this.app = app;
     this.canvas = canvas;
-    this.placed = new Map(); // scene -> places, at one zoom
-    this.images = new Map(); // of tasks, at one zoom
+    /** @type {Map<Scene, Places>} */ this.placed = new Map(); // at one zoom
+    /** @type {Map<string, HTMLCanvasElement>} */ this.images = new Map(); // of tasks, at one zoom
+    /** @type {{key: string, canvas: HTMLCanvasElement, changing: number[]} | null} */ this.still = null;
     this.keptFor = "";
+    this.width = this.height = 0; // pixels; none until it is seen
+    this.above = 0; // pixels over the map that stay free
+    this.frames = 0;
     this.readTheme();
     new ResizeObserver(() => this.resize()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
@@ -34,7 +42,7 @@ export class TrialMap {
   }
 
   // Another world from now on.
-  look(world) {
+  look(/** @type {World} */ world) {
     this.camera = new Camera(world);
     this.above = 0;
     if (this.width) this.camera.fit(this.width, this.height);
@@ -97,7 +105,7 @@ export class TrialMap {
     layer("the selection", drawSelection);
     layer("the names", drawNames);
     this.shown = view;
-    this.frames = (this.frames ?? 0) + 1;
+    this.frames++;
     const legend = drawCrowdLegend(view);
     if (legend > this.above) this.makeRoom(legend);
   }
@@ -112,7 +120,7 @@ export class TrialMap {
 
   // What stands still between two steps, drawn once for both: {canvas, changing}, the ground with
   // the tasks around which nothing moves, and the tasks that are left.
-  stillLayer(view) {
+  stillLayer(/** @type {View} */ view) {
     const { camera, scene, part, sharpness } = view;
     const where = [camera.left, camera.top, this.width, this.height].join(" ");
     const key = `${this.keptFor} ${where} ${scene.step} ${part > 0} ${view.history.last} ${view.options.dim}`;
@@ -120,7 +128,7 @@ export class TrialMap {
     const canvas = this.still?.canvas ?? document.createElement("canvas");
     canvas.width = this.canvas.width;
     canvas.height = this.canvas.height;
-    const ctx = canvas.getContext("2d");
+    const ctx = penOf(canvas);
     ctx.setTransform(sharpness, 0, 0, sharpness, 0, 0);
     const [still, changing] = partTasks(view);
     attemptOn(ctx, "the world", () => drawWorld(onto(view, ctx)));
@@ -138,8 +146,8 @@ export class TrialMap {
     this.forgetUnless(`${camera.cell} ${sharpness} ${this.isDark}`);
     const scene = app.scene();
     const part = scene.step < history.last ? app.player.part : 0;
-    const view = {
-      ctx: this.canvas.getContext("2d"),
+    /** @type {any} */ const view = {
+      ctx: penOf(this.canvas),
       width: this.width,
       height: this.height,
       camera,
@@ -164,7 +172,7 @@ export class TrialMap {
   }
 
   // Where each robot is drawn is worked out when it is asked for: crowds do without.
-  withPlaces(view) {
+  withPlaces(/** @type {View} */ view) {
     const { scene, part } = view;
     lazily(view, "places", () => this.placesAt(scene.step));
     lazily(view, "placesAfter", () => (part > 0 ? this.placesAt(scene.step + 1) : view.places));
@@ -189,7 +197,8 @@ export class TrialMap {
     return this.placed.get(scene);
   }
 
-  // What is under a pixel: {robot}, {task}, {group} or {}.
+  // What is under a pixel, if anything is.
+  /** @returns {Thing} */
   thingAt(x, y) {
     const view = this.shown;
     if (view.detail !== "robots") return groupUnder(view, x, y) ?? taskUnder(view, x, y) ?? {};
@@ -197,8 +206,8 @@ export class TrialMap {
   }
 }
 
-function robotUnder(view, x, y) {
-  let best = null;
+function robotUnder(/** @type {View} */ view, x, y) {
+  /** @type {Thing | null} */ let best = null;
   let nearest = Infinity;
   for (let robot = 0; robot < view.mission.robots.length; robot++) {
     const spot = robotSpot(view, robot);
@@ -210,7 +219,7 @@ function robotUnder(view, x, y) {
   return best;
 }
 
-function taskUnder(view, x, y) {
+function taskUnder(/** @type {View} */ view, x, y) {
   const task = view.mission.tasks.findIndex((_, number) => {
     if (standingOf(view.history, number, view.scene.step) === "hidden") return false;
     const box = taskBox(view, number);

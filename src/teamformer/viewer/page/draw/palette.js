@@ -41,7 +41,7 @@ export const RINGS = { team: "Teams", coalition: "Coalitions" };
 
 // The colour of a team's outer ring. Of teams, its own, or its task's once it brings all that is
 // needed; of coalitions, that of the task that several teams may head for.
-export function ringColour(team, isDark, rings = "team") {
+export function ringColour(/** @type {Team} */ team, isDark, rings = "team") {
   if (rings === "coalition") {
     return team.goal === NOBODY ? idleColour(isDark) : taskColour(team.goal, isDark);
   }

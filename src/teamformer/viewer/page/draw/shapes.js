@@ -2,6 +2,10 @@
 
 import { between } from "./placing.js";
 
+export function penOf(/** @type {HTMLCanvasElement} */ canvas) {
+  return /** @type {Canvas2D} */ (canvas.getContext("2d"));
+}
+
 // A property that is worked out once, when it is asked for first.
 export function lazily(object, key, make) {
   const get = () => {
@@ -13,7 +17,7 @@ export function lazily(object, key, make) {
 }
 
 // The same view, drawn on another canvas.
-export function onto(view, ctx) {
+export function onto(/** @type {View} */ view, /** @type {Canvas2D} */ ctx) {
   return Object.create(view, { ctx: { value: ctx } });
 }
 
@@ -25,12 +29,12 @@ export function cornerOf(half) {
   return Math.min(half * 0.35, 9);
 }
 
-export function tracedSquare(ctx, x, y, half) {
+export function tracedSquare(/** @type {Canvas2D} */ ctx, x, y, half) {
   ctx.beginPath();
   ctx.roundRect(x - half, y - half, 2 * half, 2 * half, cornerOf(half));
 }
 
-export function drawCross({ ctx }, { x, y }, reach, colour) {
+export function drawCross(/** @type {View} */ { ctx }, { x, y }, reach, colour) {
   ctx.beginPath();
   ctx.moveTo(x - reach, y - reach);
   ctx.lineTo(x + reach, y + reach);
@@ -42,7 +46,7 @@ export function drawCross({ ctx }, { x, y }, reach, colour) {
 }
 
 // Where a robot is on the screen, in pixels.
-export function robotSpot({ camera, blended }, robot) {
+export function robotSpot(/** @type {View} */ { camera, blended }, robot) {
   return {
     x: camera.x(blended.x[robot]),
     y: camera.y(blended.y[robot]),
@@ -50,7 +54,7 @@ export function robotSpot({ camera, blended }, robot) {
   };
 }
 
-export function drawDisc(ctx, x, y, r, colour) {
+export function drawDisc(/** @type {Canvas2D} */ ctx, x, y, r, colour) {
   ctx.beginPath();
   ctx.arc(x, y, r, 0, 2 * Math.PI);
   ctx.fillStyle = colour;
@@ -58,7 +62,7 @@ export function drawDisc(ctx, x, y, r, colour) {
 }
 
 // A team's circle on the screen: the middle of its robots, and how far they reach.
-export function teamSpot(view, team) {
+export function teamSpot(/** @type {View} */ view, /** @type {Team} */ team) {
   const spots = team.robots.map((robot) => robotSpot(view, robot));
   const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
   const y = spots.reduce((sum, spot) => sum + spot.y, 0) / spots.length;
@@ -72,7 +76,7 @@ export function shorten(one, other, length) {
   return { x: between(one.x, other.x, part), y: between(one.y, other.y, part) };
 }
 
-export function outlineDisc(ctx, x, y, r) {
+export function outlineDisc(/** @type {Canvas2D} */ ctx, x, y, r) {
   ctx.beginPath();
   ctx.arc(x, y, r, 0, 2 * Math.PI);
   ctx.stroke();

@@ -5,14 +5,14 @@ import { robotsLostAt } from "../record/history.js";
 import { ringColour } from "./palette.js";
 import { drawCross, drawDisc, isOnScreen, robotSpot } from "./shapes.js";
 
-export function drawTeam(view, team) {
+export function drawTeam(/** @type {View} */ view, /** @type {Team} */ team) {
   const ring = ringColour(team, view.isDark, view.options.rings);
   if (team.robots.length > 1) drawUnion(view, team, ring);
   for (const robot of team.robots) drawRobot(view, robot, ring, team.isMet);
 }
 
 // The robots of one team lie on a common ground in its colour.
-function drawUnion(view, team, colour) {
+function drawUnion(/** @type {View} */ view, /** @type {Team} */ team, colour) {
   const { ctx } = view;
   ctx.beginPath();
   for (const robot of team.robots) {
@@ -26,7 +26,7 @@ function drawUnion(view, team, colour) {
   ctx.globalAlpha = 1;
 }
 
-function drawRobot(view, robot, ring, isMet) {
+function drawRobot(/** @type {View} */ view, robot, ring, isMet) {
   const { ctx, theme } = view;
   const { x, y, r } = robotSpot(view, robot);
   if (!isOnScreen(view, x, y, r)) return;
@@ -38,7 +38,7 @@ function drawRobot(view, robot, ring, isMet) {
 }
 
 // Four rotors around a robot that flies, on arms that cross under it.
-function drawRotors({ ctx, theme }, x, y, r, colour) {
+function drawRotors(/** @type {View} */ { ctx, theme }, x, y, r, colour) {
   ctx.save();
   ctx.lineWidth = Math.max(1, r * 0.16);
   for (const [right, up] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
@@ -54,7 +54,7 @@ function drawRotors({ ctx, theme }, x, y, r, colour) {
 }
 
 // One sector for each capability, as wide as its count, if that is none of what is measured.
-function drawCapabilities(view, robot, x, y, r) {
+function drawCapabilities(/** @type {View} */ view, robot, x, y, r) {
   const { ctx, colours } = view;
   const { can } = view.mission.robots[robot];
   if (can.length === 1) {
@@ -83,7 +83,7 @@ function drawCapabilities(view, robot, x, y, r) {
   }
 }
 
-function drawLabel({ ctx, labels, colours, theme }, cap, x, y, r) {
+function drawLabel(/** @type {View} */ { ctx, labels, colours, theme }, cap, x, y, r) {
   const label = labels[cap];
   const size = Math.min(15, r * (label.length > 2 ? 0.85 : label.length > 1 ? 1.05 : 1.3));
   if (size < 6.5) return;
@@ -94,7 +94,7 @@ function drawLabel({ ctx, labels, colours, theme }, cap, x, y, r) {
   ctx.fillText(label, x, y + size * 0.06);
 }
 
-export function drawLostRobots(view) {
+export function drawLostRobots(/** @type {View} */ view) {
   const { ctx, theme, history, scene } = view;
   for (const robot of robotsLostAt(history, scene.step)) {
     const { x, y, r } = robotSpot(view, robot);

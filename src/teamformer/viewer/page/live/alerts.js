@@ -4,7 +4,7 @@ import { act, element } from "../panel/dom.js";
 import { capitalised, plural } from "../record/lengths.js";
 
 // The alerts of a state; each has begun at a moment of this page's clock, the same wherever it counts.
-export function readAlerts(alerts, known) {
+export function readAlerts(/** @type {Alert[]} */ alerts, known) {
   return alerts.map((alert) => {
     const same = known.find(({ key, what }) => key === alert.key && what === alert.what);
     return { ...alert, begun: same?.begun ?? performance.now() - 1000 * alert.seconds };
@@ -12,7 +12,7 @@ export function readAlerts(alerts, known) {
 }
 
 // Those that nobody has acknowledged, the latest first.
-export function alertsToSee(alerts) {
+export function alertsToSee(/** @type {Alert[]} */ alerts) {
   return alerts.filter((alert) => !alert.is_acknowledged).reverse();
 }
 
@@ -35,14 +35,14 @@ function tellSeconds(count) {
 setInterval(() => document.querySelectorAll("[data-begun]").forEach(tellSeconds), 250);
 
 // The latest alert in the line under the header, with how many more there are.
-export function bannerOfAlerts(alerts) {
+export function bannerOfAlerts(/** @type {Alert[]} */ alerts) {
   const [latest, ...more] = alertsToSee(alerts);
   if (!latest) return [];
   return [`${headOf(latest)} for `, countedSeconds(latest), more.length ? `; ${plural(more.length, "more alert")}` : ""];
 }
 
 // All alerts, the latest first, with a button for each that nobody has acknowledged.
-export function alertItems(app, alerts) {
+export function alertItems(/** @type {LiveApp} */ app, /** @type {Alert[]} */ alerts) {
   return [...alerts].reverse().map((alert) => {
     const { key, why, do: remedy, since, is_acknowledged: isSeen } = alert;
     const begun = since === null ? "" : `since ${Math.floor(since)} s of the mission, `;
@@ -60,6 +60,6 @@ export function alertItems(app, alerts) {
 }
 
 // Which alerts there are, whatever they count.
-export function namesOfAlerts(alerts) {
+export function namesOfAlerts(/** @type {Alert[]} */ alerts) {
   return alerts.map(({ key, what, is_acknowledged: isSeen }) => `${key} ${what} ${isSeen}`).join("\n");
 }

@@ -17,7 +17,7 @@ const APPS = {
 
 const GONE = "teamformer mission is gone"; // the key in what the browser keeps for this tab
 
-let app = null;
+/** @type {any} */ let app = null;
 let opening = null; // the word that the page was opened by
 const server = new Link(hearServer, (isOpen) => {
   showCutOff(!isOpen);

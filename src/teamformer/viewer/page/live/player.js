@@ -3,7 +3,7 @@
 import { Player } from "../player.js";
 
 export class LivePlayer extends Player {
-  constructor(say) {
+  constructor(/** @type {(message: Message) => void} */ say) {
     super(0);
     this.say = say; // what the server is to do
     this.isFollowing = true;
@@ -12,8 +12,8 @@ export class LivePlayer extends Player {
   reset(last) {
     const { isPlaying, speed } = this;
     super.reset(last);
-    Object.assign(this, { isPlaying, time: last, isFollowing: true });
-    this.speed = speed ?? this.speed;
+    this.time = last;
+    Object.assign(this, { isPlaying, speed, isFollowing: true });
   }
 
   // Another length of the same mission, or another moment of the server's clock.

@@ -14,14 +14,18 @@ export function attempt(part, show) {
 }
 
 // Draw a part on a canvas, which is then as it was before.
-export function attemptOn(ctx, part, draw) {
+export function attemptOn(/** @type {Canvas2D} */ ctx, part, draw) {
   ctx.save();
   attempt(part, draw);
   ctx.restore();
 }
 
+export function messageOf(/** @type {unknown} */ error) {
+  return error instanceof Error ? error.message : String(error);
+}
+
 function tellFailure(part, error) {
-  const text = `Not all of ${part} can be shown: ${error.message}.`;
+  const text = `Not all of ${part} can be shown: ${messageOf(error)}.`;
   if (failures.has(text)) return;
   failures.add(text);
   console.error(error);

@@ -2,6 +2,12 @@
 
 import { ringColour, taskColour } from "../draw/palette.js";
 
+/**
+ * @template {keyof HTMLElementTagNameMap} Tag
+ * @param {Tag} tag
+ * @param {Record<string, any>} properties
+ * @param {(Node | string | null | undefined)[]} children
+ */
 export function element(tag, properties = {}, ...children) {
   const node = document.createElement(tag);
   for (const [key, value] of Object.entries(properties)) {
@@ -15,18 +21,36 @@ export function element(tag, properties = {}, ...children) {
   return node;
 }
 
+/**
+ * A part of `page.html`, which has it.
+ * @template {keyof Parts | (string & {})} Id
+ * @param {Id} id
+ * @returns {Id extends keyof Parts ? Parts[Id] : HTMLElement}
+ */
 export function byId(id) {
-  return document.getElementById(id);
+  return /** @type {any} */ (document.getElementById(id));
 }
 
 export function link(text, on, key) {
   return element("button", { type: "button", class: "link", on, "data-key": key ?? text }, text);
 }
 
+// All elements in a box that a selector says.
+/** @returns {any[]} */
+export function allIn(/** @type {ParentNode} */ box, /** @type {string} */ selector) {
+  return [...box.querySelectorAll(selector)];
+}
+
+/** @returns {any} */
+export function targetOf(/** @type {Event} */ event) {
+  return event.target;
+}
+
 // Where a button of the mouse, or a finger, is down, and what is to fill the box around it afterwards.
+/** @type {{target: Node | null, then: Map<HTMLElement, (Node | null)[]>}} */
 const press = { target: null, then: new Map() };
 
-addEventListener("pointerdown", ({ target }) => (press.target = target), true);
+addEventListener("pointerdown", (event) => (press.target = targetOf(event)), true);
 addEventListener("pointerup", () => setTimeout(endPress), true); // the click comes first
 addEventListener("pointercancel", endPress, true);
 
@@ -39,33 +63,33 @@ function endPress() {
 
 // Fill a box anew; what had the focus keeps it, and fields what is typed in them, if they are still there.
 // A box that is being pressed waits: a click counts only where what was pressed is what is let go.
-export function refill(box, nodes) {
+export function refill(/** @type {HTMLElement} */ box, nodes) {
   if (press.target && box.contains(press.target)) {
     press.then.set(box, nodes);
     return;
   }
-  const key = box.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;
+  const focused = /** @type {HTMLElement} */ (document.activeElement);
+  const key = box.contains(focused) ? focused.dataset.key : undefined;
   const typed = typedIn(box);
   box.replaceChildren(...nodes.filter(Boolean));
-  for (const input of box.querySelectorAll("input[data-key]")) {
+  for (const input of allIn(box, "input[data-key]")) {
     input.value = typed.get(input.dataset.key) ?? input.value;
   }
   if (key === undefined) return;
-  const again = [...box.querySelectorAll("[data-key]")].find((node) => node.dataset.key === key);
+  const again = allIn(box, "[data-key]").find((node) => node.dataset.key === key);
   if (again?.tabIndex === -1) moveStop(again);
   again?.focus({ preventScroll: true });
 }
 
 // What stands in fields and has not been sent, by their keys.
-function typedIn(box) {
-  const inputs = [...box.querySelectorAll("input[data-key]")];
-  const changed = inputs.filter(({ value, defaultValue }) => value !== defaultValue);
+function typedIn(/** @type {HTMLElement} */ box) {
+  const changed = allIn(box, "input[data-key]").filter(({ value, defaultValue }) => value !== defaultValue);
   return new Map(changed.map(({ dataset, value }) => [dataset.key, value]));
 }
 
 // Make the buttons of a list one stop of the Tab key; up and down go from one to the next.
 export function oneStop(list) {
-  const buttons = () => [...list.querySelectorAll("button")];
+  const buttons = () => allIn(list, "button");
   list.dataset.stops = "one";
   buttons().forEach((button, number) => (button.tabIndex = number ? -1 : 0));
   list.addEventListener("keydown", (event) => {
@@ -99,7 +123,7 @@ function foldout(key, title, content) {
 }
 
 // A coloured disc with a capability's short label.
-export function swatch(app, cap) {
+export function swatch(/** @type {App} */ app, cap) {
   const { fill, ink } = app.colours[cap];
   const node = element(
     "span",
@@ -110,11 +134,11 @@ export function swatch(app, cap) {
   return node;
 }
 
-export function teamMark(app, team) {
+export function teamMark(/** @type {App} */ app, /** @type {Team} */ team) {
   return mark("mark", ringColour(team, app.map.isDark, app.options.rings));
 }
 
-export function taskMark(app, task) {
+export function taskMark(/** @type {App} */ app, task) {
   return mark("mark square", taskColour(task, app.map.isDark));
 }
 

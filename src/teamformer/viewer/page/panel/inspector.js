@@ -13,11 +13,11 @@ import { assignedTeams, lackingAt, missingOfBest, waitingFor } from "./waiting.j
 
 const STORY_SHOWN = 40;
 
-export function showDetails(app) {
+export function showDetails(/** @type {App} */ app) {
   refill(byId("details"), detailsOf(app));
 }
 
-function detailsOf(app) {
+function detailsOf(/** @type {App} */ app) {
   const { task, robot, cap } = app.selection;
   if (task !== undefined) return taskDetails(app, task);
   if (cap !== undefined) return capabilityDetails(app, cap);
@@ -36,7 +36,7 @@ export const ACTIVITIES = {
   idle: "without assignment",
 };
 
-function overview(app) {
+function overview(/** @type {App} */ app) {
   if (app.isUnheard?.()) return [element("h2", {}, "No robot heard yet"), lead("What the map shows is only where the robots start")];
   const scene = app.scene();
   const counts = new Map();
@@ -57,7 +57,7 @@ function overview(app) {
 }
 
 // What a robot's team is doing; the robot is the one that the page follows.
-function teamDetails(app, team, robot) {
+function teamDetails(/** @type {App} */ app, /** @type {Team} */ team, robot) {
   const { mission } = app.history;
   return [
     heading(app, teamMark(app, team), titleOfTeam(mission, team)),
@@ -78,24 +78,24 @@ function teamDetails(app, team, robot) {
   ];
 }
 
-function titleOfTeam(mission, team) {
+function titleOfTeam(/** @type {Mission} */ mission, /** @type {Team} */ team) {
   const { length } = team.robots;
   if (length === 1) return robotName(mission, team.slot);
   return `Team ${robotName(mission, team.slot)} of ${length} robots`;
 }
 
-function whyText({ history, player }, team) {
+function whyText(/** @type {App} */ { history, player }, /** @type {Team} */ team) {
   const why = reasonFor(history, team, Math.min(player.step, history.last));
   return why ? element("p", { class: "muted", id: "why" }, `Why: ${why}.`) : null;
 }
 
-function sharesText({ history, player }, robot) {
+function sharesText(/** @type {App} */ { history, player }, robot) {
   if (!player.step) return null;
   const text = `${robotName(history.mission, robot)} so far: ${describeShares(history, robot, player.step)}`;
   return element("p", { class: "muted" }, text);
 }
 
-function delayText({ history }, robot) {
+function delayText(/** @type {App} */ { history }, robot) {
   const { delay } = history.mission.robots[robot];
   return delay ? element("p", { class: "muted" }, `Stands still in ${percent(delay)} of the steps`) : null;
 }
@@ -106,7 +106,7 @@ function saidOf(keys, { said }) {
   return shown.map(({ name, label }) => element("p", { class: "muted" }, `${label}: ${said[name]}`));
 }
 
-function lostDetails(app, robot) {
+function lostDetails(/** @type {App} */ app, robot) {
   const { history, player } = app;
   const name = robotName(history.mission, robot);
   return [
@@ -118,7 +118,7 @@ function lostDetails(app, robot) {
   ];
 }
 
-function taskDetails(app, task) {
+function taskDetails(/** @type {App} */ app, task) {
   const { history, player } = app;
   const { name, sure, mayNeed, duration } = history.mission.tasks[task];
   const isShown = history.shownAt[task] <= player.step;
@@ -142,7 +142,7 @@ function taskDetails(app, task) {
 }
 
 // Where it is, or where it is believed to be while nobody knows.
-function placeText(history, task, step) {
+function placeText(/** @type {TrialHistory} */ history, task, step) {
   const { world, tasks } = history.mission;
   const { around, within } = tasks[task];
   const site = sitesAt(history, step)[task];
@@ -152,7 +152,7 @@ function placeText(history, task, step) {
 }
 
 // Where a task is, and where its load goes; one that is carried is where its team is.
-function loadPlaceText({ mission }, task, at, isUp) {
+function loadPlaceText(/** @type {TrialHistory} */ { mission }, task, at, isUp = false) {
   const { to, unload } = mission.tasks[task];
   if (!to) return `At ${at}`;
   const stay = unload ? `, unloading takes ${describeSpan(mission.world, unload)}` : "";
@@ -161,17 +161,17 @@ function loadPlaceText({ mission }, task, at, isUp) {
 }
 
 // Once it is done, how long it really took is known.
-function durationText({ mission, doneAt }, task, step) {
+function durationText(/** @type {TrialHistory} */ { mission, doneAt }, task, step) {
   const known = mission.tasks[task];
   return doneAt[task] <= step ? describeSpan(mission.world, known.duration) : describeDuration(mission.world, known);
 }
 
-function orderText(app, task) {
+function orderText(/** @type {App} */ app, task) {
   const rank = orderAt(app.history, app.player.step).indexOf(task);
   return rank < 0 ? "" : `, number ${rank + 1} in the order`;
 }
 
-function capabilityDetails(app, cap) {
+function capabilityDetails(/** @type {App} */ app, cap) {
   const { history, player } = app;
   const robots = robotsWith(history, cap, player.step);
   const tasks = tasksNeeding(history, cap, player.step);
@@ -184,13 +184,13 @@ function capabilityDetails(app, cap) {
   ];
 }
 
-export function describeCapability({ history, player }, cap) {
+export function describeCapability(/** @type {App} */ { history, player }, cap) {
   const robots = robotsWith(history, cap, player.step).length;
   const tasks = tasksNeeding(history, cap, player.step).length;
   return `${plural(robots, "robot")}, needed by ${plural(tasks, "open task")}`;
 }
 
-function heading(app, sign, text) {
+function heading(/** @type {App} */ app, sign, text) {
   const clear = link("Deselect", () => app.select({}), "clear"); // not Close, which is read as Lose
   clear.title = "Select nothing (Esc)";
   return element("h2", {}, sign, element("span", {}, text), clear);
@@ -201,7 +201,7 @@ function lead(text) {
 }
 
 // What has happened and, paler, what is still ahead.
-function storyList(app, events) {
+function storyList(/** @type {App} */ app, events) {
   const { step } = app.player;
   if (!events.length) return element("p", { class: "muted" }, "Nothing yet.");
   const items = events.map((event, number) => {

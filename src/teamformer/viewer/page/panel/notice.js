@@ -6,7 +6,7 @@ export const ticking = new WeakMap(); // by box, the timer of its seconds
 
 const NOTICE_STAYS = 8000; // milliseconds, of one that is not bad
 
-let noticeTimer = null;
+/** @type {number | undefined} */ let noticeTimer;
 
 // What went wrong, which stays until it is closed; for a while, with "good" what went well, with
 // "plain" what has happened.
@@ -34,7 +34,7 @@ export function notifyParts(parts) {
 
 // A text with a sign that moves and, after a second, for how long it has been so; those who listen
 // hear the text once. It stays until `stopWork`.
-export function showWork(box, text) {
+export function showWork(/** @type {HTMLElement} */ box, text) {
   stopWork(box);
   const seconds = element("span", { "aria-hidden": "true" });
   const sign = element("span", { class: "working", "aria-hidden": "true" });
@@ -45,7 +45,7 @@ export function showWork(box, text) {
 }
 
 // A text with seconds that go on counting from so many; those who listen hear it once.
-export function showSeconds(box, { before, seconds, after }) {
+export function showSeconds(/** @type {HTMLElement} */ box, { before, seconds, after }) {
   stopWork(box);
   const count = element("span", { "aria-live": "off" }, String(seconds));
   box.replaceChildren(before, count, ` s${after}`);
@@ -54,7 +54,7 @@ export function showSeconds(box, { before, seconds, after }) {
   ticking.set(box, setInterval(tell, 1000));
 }
 
-export function stopWork(box) {
+export function stopWork(/** @type {HTMLElement} */ box) {
   clearInterval(ticking.get(box));
   ticking.delete(box);
 }

@@ -1,9 +1,9 @@
 // What the buttons, the slider and the counter show of the moment.
 
 import { describeMoment } from "../record/lengths.js";
-import { byId, element } from "./dom.js";
+import { allIn, byId, element } from "./dom.js";
 
-export function showPlayback(app) {
+export function showPlayback(/** @type {App} */ app) {
   const { player, history } = app;
   const { world } = history.mission;
   byId("counter").replaceChildren(
@@ -33,13 +33,13 @@ export function speedOption(speed) {
 }
 
 // Before anything has been played: how to start.
-function showStart(app) {
+function showStart(/** @type {App} */ app) {
   const text = app.startText();
   byId("start").hidden = !text;
   byId("start-text").textContent = text;
 }
 
-export function showSwitches(app) {
+export function showSwitches(/** @type {App} */ app) {
   for (const name of SWITCHES) byId(name).setAttribute("aria-pressed", String(app.options[name]));
   byId("messages").hidden = !app.history.hasMessages;
   byId("more").hidden = !["map", "gantt"].includes(app.view);
@@ -50,7 +50,7 @@ export function showSwitches(app) {
   for (const view of VIEWS) {
     byId(`view-${view}`).setAttribute("aria-pressed", String(app.view === view));
     byId(`stage-${view}`).hidden = app.view !== view;
-    for (const node of document.querySelectorAll(`.of-${view}`)) node.hidden = app.view !== view;
+    for (const node of allIn(document, `.of-${view}`)) node.hidden = app.view !== view;
   }
 }
 

@@ -1,5 +1,7 @@
 // Whether a record that somebody opens is whole: the keys and numbers that `view` and `check` ask for.
+// @ts-nocheck
 
+import { frames } from "./history.js";
 import { criticalPath } from "./critical_path.js";
 import { phasesIn } from "./phases.js";
 import { sceneAt } from "./scene.js";

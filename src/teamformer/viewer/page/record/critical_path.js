@@ -1,4 +1,5 @@
 // The critical path: the chain of ways, waits, services and forming that the end hangs on.
+// @ts-nocheck
 // `critical_path/of_record.py` has the same rules; a test holds the two against one another.
 
 import { AT_WORK, PHASES, PHASE_NAMES, phasesIn, pursuitsIn } from "./phases.js";

@@ -1,29 +1,29 @@
 // Lengths and times in words: metres and seconds on planes, cells and steps on grids.
 
-export function describeWay(world, length) {
+export function describeWay(/** @type {World} */ world, length) {
   return world.isPlane ? `${(length * world.square).toFixed(2)} m` : plural(length, "cell");
 }
 
-export function describePlace(world, at) {
+export function describePlace(/** @type {World} */ world, at) {
   const [x, y] = world.isPlane ? at.map((along) => (along * world.square).toFixed(2)) : at;
   return `[${x}, ${y}]${world.isPlane ? " m" : ""}`;
 }
 
 // A moment or a span: seconds on planes; on grids, whose steps have no length, steps.
-export function describeMoment(world, step) {
+export function describeMoment(/** @type {World} */ world, step) {
   return world.isPlane ? `${secondsOf(world, step)} s` : `step ${step}`;
 }
 
-export function describeSpan(world, steps) {
+export function describeSpan(/** @type {World} */ world, steps) {
   return world.isPlane ? `${secondsOf(world, steps)} s` : plural(steps, "step");
 }
 
 // The same where a column says what it is.
-export function shortMoment(world, step) {
+export function shortMoment(/** @type {World} */ world, step) {
   return world.isPlane ? `${secondsOf(world, step)} s` : String(step);
 }
 
-export function secondsOf(world, steps) {
+export function secondsOf(/** @type {World} */ world, steps) {
   return Number((steps * world.stepSeconds).toFixed(2));
 }
 
@@ -39,6 +39,6 @@ export function percent(part) {
   return `${Math.round(100 * part)}%`;
 }
 
-export function describeAmount(world, steps) {
+export function describeAmount(/** @type {World} */ world, steps) {
   return world.isPlane ? describeSpan(world, steps) : String(steps);
 }

@@ -1,4 +1,5 @@
 // What each robot did in each step: the rows of the Gantt view, and the shares of its time.
+// @ts-nocheck
 
 import { pursuedIn, sitesAt } from "./history.js";
 import { isSamePlace } from "./plane.js";

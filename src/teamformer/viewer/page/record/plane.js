@@ -3,7 +3,8 @@
 const MOST_SQUARES = 300; // along a side
 
 // The same record with all lengths in squares; on a grid, the record itself.
-export function inSquares(record) {
+/** @returns {RecordTree} */
+export function inSquares(/** @type {RecordTree} */ record) {
   const { world } = record.mission;
   if (!world.plane) return record;
   const square = squareOf(world);
@@ -32,7 +33,7 @@ export function stepInSquares({ square }, step) {
   return { ...step, teams: (step.teams ?? []).map(team), moved, left };
 }
 
-function missionInSquares(mission, square) {
+function missionInSquares(/** @type {MissionTree} */ mission, square) {
   const placed = (thing) => ({ ...thing, at: thing.at.map((along) => along / square) });
   const radius = readRadius(mission.sensing_radius);
   return {
@@ -62,6 +63,7 @@ export function readPlane(world) {
     isBlocked: () => false,
     used: { left: 0, low: 0, width, height },
     yIsUp: true,
+    fields: new Map(),
     isPlane: true,
     square,
     arrival: world.arrival_radius / square,
@@ -70,8 +72,7 @@ export function readPlane(world) {
 }
 
 // One cell, or points within the arrival radius.
-export function isSamePlace(world, one, other) {
-  if (!world.isPlane) return one[0] === other[0] && one[1] === other[1];
+export function isSamePlace(/** @type {World} */ world, one, other) {
   return Math.hypot(one[0] - other[0], one[1] - other[1]) <= world.arrival + 1e-9;
 }
 

@@ -1,4 +1,5 @@
 // Why a team does what it does, worked out from the record: plans, orders, and what made them anew.
+// @ts-nocheck
 
 import { NEWS, needsAt } from "./history.js";
 import { describeMoment } from "./lengths.js";

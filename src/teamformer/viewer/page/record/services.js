@@ -1,4 +1,5 @@
 // Who stays with a task that has a duration, and since when: the record says only when it was done.
+// @ts-nocheck
 
 import { covers } from "./counts.js";
 import { cellKey } from "./mission.js";

@@ -5,7 +5,7 @@ import { addCounts } from "./counts.js";
 export const NOBODY = -1;
 
 // A state holds, by robot, the slot of its team, and by slot the team's place and task.
-export function startState(record, mission) {
+export function startState(/** @type {RecordTree} */ record, /** @type {Mission} */ mission) {
   const count = mission.robots.length;
   const state = {
     team: new Int32Array(count).fill(NOBODY),
@@ -20,7 +20,7 @@ export function startState(record, mission) {
   return state;
 }
 
-export function copyState(state) {
+export function copyState(/** @type {State} */ state) {
   return {
     team: state.team.slice(),
     x: state.x.slice(),
@@ -29,30 +29,30 @@ export function copyState(state) {
   };
 }
 
-function putTeam(state, [slot, x, y, task]) {
+function putTeam(/** @type {State} */ state, [slot, x, y, task]) {
   state.x[slot] = x;
   state.y[slot] = y;
   state.task[slot] = task ?? NOBODY;
 }
 
 // The order is the record's own: splits, joins, losses, returns, then where everybody is.
-export function applyStep(state, step) {
+export function applyStep(/** @type {State} */ state, step) {
   formTeams(state, step);
   for (const robot of step.lost ?? []) loseRobot(state, robot);
   for (const robot of step.back ?? []) state.team[robot] = robot;
   placeTeams(state, step);
 }
 
-export function formTeams(state, step) {
+export function formTeams(/** @type {State} */ state, step) {
   for (const parts of step.splits ?? []) splitTeam(state, parts);
   if (step.joins) joinTeams(state, step.joins);
 }
 
-export function placeTeams(state, step) {
+export function placeTeams(/** @type {State} */ state, step) {
   for (const team of step.teams ?? []) putTeam(state, team);
 }
 
-function splitTeam(state, parts) {
+function splitTeam(/** @type {State} */ state, parts) {
   const before = state.team[parts[0][0]];
   for (const robots of parts) {
     const slot = Math.min(...robots);
@@ -61,13 +61,13 @@ function splitTeam(state, parts) {
   }
 }
 
-export function placeOf(state, robot) {
+export function placeOf(/** @type {State} */ state, robot) {
   const slot = state.team[robot];
   return { x: state.x[slot], y: state.y[slot] };
 }
 
 // A team takes part in one formation a step at most, so one pass over the robots is enough.
-function joinTeams(state, joins) {
+function joinTeams(/** @type {State} */ state, joins) {
   const renamed = new Map();
   for (const pair of joins) renamed.set(Math.max(...pair), Math.min(...pair));
   for (let robot = 0; robot < state.team.length; robot++) {
@@ -76,7 +76,7 @@ function joinTeams(state, joins) {
 }
 
 // A team that loses its lowest robot is from then on known by the next.
-export function loseRobot(state, robot) {
+export function loseRobot(/** @type {State} */ state, robot) {
   const slot = state.team[robot];
   state.team[robot] = NOBODY;
   if (slot !== robot) return;
@@ -88,17 +88,17 @@ export function loseRobot(state, robot) {
   }
 }
 
-export function sizeOf(state, slot) {
-  return state.team.reduce((sum, other) => sum + (other === slot), 0);
+export function sizeOf(/** @type {State} */ state, slot) {
+  return state.team.reduce((sum, other) => sum + Number(other === slot), 0);
 }
 
-export function teamSizes(state) {
+export function teamSizes(/** @type {State} */ state) {
   const sizes = new Int32Array(state.team.length);
   for (const slot of state.team) if (slot !== NOBODY) sizes[slot]++;
   return sizes;
 }
 
-export function robotsOfTeam(state, slot) {
+export function robotsOfTeam(/** @type {State} */ state, slot) {
   const robots = [];
   for (let robot = slot; robot < state.team.length; robot++) {
     if (state.team[robot] === slot) robots.push(robot);
@@ -106,6 +106,6 @@ export function robotsOfTeam(state, slot) {
   return robots;
 }
 
-export function countsOfTeam(mission, state, slot) {
+export function countsOfTeam(/** @type {Mission} */ mission, /** @type {State} */ state, slot) {
   return addCounts(robotsOfTeam(state, slot).map((robot) => mission.robots[robot].can));
 }

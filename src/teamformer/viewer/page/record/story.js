@@ -2,15 +2,15 @@
 
 import { NOBODY } from "./state.js";
 
-export function taskStory(history, task) {
+export function taskStory(/** @type {TrialHistory} */ history, task) {
   return history.events.filter((event) => event.task === task);
 }
 
 // Follow the robot's team through its changing slots.
-export function robotStory(history, robot) {
+export function robotStory(/** @type {TrialHistory} */ history, robot) {
   const start = history.record.start.find(([, robots]) => robots.includes(robot));
-  let team = start[0];
-  const story = [];
+  let team = start?.[0] ?? NOBODY;
+  /** @type {HistoryEvent[]} */ const story = [];
   for (const event of history.events) {
     if (event.kind === "back" && event.robot === robot) team = NOBODY;
     const after = slotAfter(event, team, robot);
@@ -22,7 +22,7 @@ export function robotStory(history, robot) {
 }
 
 // The slot of a robot's team after an event; undefined if the event is none of its business.
-function slotAfter(event, team, robot) {
+function slotAfter(/** @type {HistoryEvent} */ event, team, robot) {
   switch (event.kind) {
     case "join":
       return [event.joiner, event.partner].includes(team)

@@ -31,11 +31,11 @@ export const STRENGTHS = { walks: 0.5, waits: 0.25, forms: 0.75, serves: 1, load
 // What bars may be coloured by.
 export const BARS = { phase: "What they do", task: "Tasks" };
 
-export function drawBarsOfRow(ctx, gantt, robot, top, row) {
+export function drawBarsOfRow(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, robot, top, row) {
   const { from, to } = gantt.stepsInSight();
   const marks = marksOfRow(gantt, robot, row);
   const isWide = (run) => run && gantt.x(run.to) - gantt.x(run.from) >= PARTED_FROM;
-  gantt.runs[robot].forEach((run, index, runs) => {
+  gantt.runsOf(robot).forEach((run, index, runs) => {
     const isParted = isWide(run) && isWide(runs[index + 1]);
     if (run.to >= from && run.from <= to) drawBar(ctx, gantt, run, marks, top, row, isParted ? 0.6 : 0);
   });
@@ -44,7 +44,7 @@ export function drawBarsOfRow(ctx, gantt, robot, top, row) {
 
 // `parted` is the space before the next bar: between narrow bars there is none, or they would be
 // mostly space.
-function drawBar(ctx, gantt, run, marks, top, row, parted) {
+function drawBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, run, marks, top, row, parted) {
   const gap = row > 10 ? 2 : 1;
   const [left, right] = [gantt.x(run.from), gantt.x(run.to)];
   const { colour, strength, ink } = paintOf(gantt.app, run);
@@ -56,7 +56,7 @@ function drawBar(ctx, gantt, run, marks, top, row, parted) {
 }
 
 // The colour of a bar, how strong it is, and the ink of its name.
-function paintOf({ map, options }, { phase, task }) {
+function paintOf(/** @type {Shown} */ { map, options }, /** @type {Run} */ { phase, task }) {
   const name = PHASES[phase];
   const { theme, isDark } = map;
   if (options.bars === "task" && task !== NOBODY && name !== "lost") {
@@ -69,7 +69,7 @@ function paintOf({ map, options }, { phase, task }) {
 
 // The task that a bar is about, where there is room between the marks of tasks done; it stays in sight
 // with a part of its bar.
-function nameBar(ctx, gantt, { phase, task, from, to }, marks, middle, ink) {
+function nameBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, /** @type {Run} */ { phase, task, from, to }, marks, middle, ink) {
   const name = PHASES[phase];
   if (task === NOBODY || name === "idle" || name === "lost") return;
   const begin = Math.max(gantt.x(from), NAME_WIDTH);
@@ -87,7 +87,7 @@ function nameBar(ctx, gantt, { phase, task, from, to }, marks, middle, ink) {
 }
 
 // Where the robot had done tasks: [{task, x, left, right}]; marks of one step stand side by side.
-function marksOfRow(gantt, robot, row) {
+function marksOfRow(/** @type {Gantt} */ gantt, robot, row) {
   const half = halfOfMark(row);
   let [last, beside] = [-1, 0];
   return gantt.deeds[robot].map(({ task, step }) => {
@@ -103,7 +103,7 @@ function halfOfMark(row) {
 }
 
 // A diamond in the task's colour for each task done.
-function drawMarks(ctx, gantt, marks, top, row) {
+function drawMarks(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, marks, top, row) {
   const { theme, isDark } = gantt.app.map;
   const [half, y] = [halfOfMark(row), top + row / 2];
   ctx.lineWidth = row > 16 ? 1.5 : 0.75;
@@ -122,7 +122,7 @@ function drawMarks(ctx, gantt, marks, top, row) {
 }
 
 // On a ground of their own, so that bars pass under them.
-export function drawEndsOfRow(ctx, gantt, robot, top, row) {
+export function drawEndsOfRow(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, robot, top, row) {
   const { history, map, selection } = gantt.app;
   const { theme } = map;
   ctx.fillStyle = selection.robot === robot ? theme.soft : theme.ground;
@@ -139,10 +139,10 @@ export function drawEndsOfRow(ctx, gantt, robot, top, row) {
 }
 
 // What a robot did in a step, in words.
-export function describeBar(gantt, robot, step) {
+export function describeBar(/** @type {Gantt} */ gantt, robot, step) {
   const { history } = gantt.app;
   const { mission } = history;
-  const run = gantt.runs[robot].find(({ from, to }) => from < step && step <= to);
+  const run = gantt.runsOf(robot).find(({ from, to }) => from < step && step <= to);
   if (!run) return robotName(mission, robot);
   const about = run.task === NOBODY ? "" : `, ${taskName(mission, run.task)}`;
   const [from, to] = [run.from, run.to].map((it) => describeMoment(mission.world, it));
@@ -154,7 +154,7 @@ export function describeBar(gantt, robot, step) {
 }
 
 // A text cut so that it fits into so many pixels.
-function clipped(ctx, text, width) {
+function clipped(/** @type {Canvas2D} */ ctx, text, width) {
   if (ctx.measureText(text).width <= width) return text;
   let end = text.length;
   while (end > 0 && ctx.measureText(`${text.slice(0, end)}…`).width > width) end--;

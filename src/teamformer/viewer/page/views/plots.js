@@ -15,7 +15,7 @@ function sayCount(_, value) {
 }
 
 // A way where the title says what it is: in cells or metres.
-function shortWay(world, length) {
+function shortWay(/** @type {World} */ world, length) {
   return String(Math.round(length * (world.square ?? 1)));
 }
 
@@ -23,7 +23,7 @@ const PLOT_HEAD = 30; // pixels
 const PLOT_FOOT = 22;
 
 export class Plots extends TimeCanvas {
-  constructor(app, canvas) {
+  constructor(/** @type {App} */ app, /** @type {HTMLCanvasElement} */ canvas) {
     super(app, canvas, 52, 18);
   }
 
@@ -52,7 +52,7 @@ export class Plots extends TimeCanvas {
     return `${capitalised(describeMoment(world, step))}: ${values.join(", ")}`;
   }
 
-  drawPlot(ctx, { title, colour, say, mark }, values, top, high) {
+  drawPlot(/** @type {Canvas2D} */ ctx, { title, colour, say, mark }, values, top, high) {
     const { map, history, player } = this.app;
     const { theme } = map;
     const [ceiling, floor] = [top + PLOT_HEAD, top + high - 8];
@@ -84,7 +84,7 @@ export class Plots extends TimeCanvas {
     ctx.globalAlpha = 1;
   }
 
-  drawTimes(ctx) {
+  drawTimes(/** @type {Canvas2D} */ ctx) {
     const { history, map, player } = this.app;
     ctx.fillStyle = map.theme.muted;
     ctx.font = `11px ${map.theme.font}`;

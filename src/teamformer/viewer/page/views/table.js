@@ -10,9 +10,13 @@ const TABLE_ROW = 32; // pixels
 
 export class Table {
   // `kind` is "task" or "robot", as in a selection.
-  constructor(app, kind, columns, box) {
-    Object.assign(this, { app, kind, columns, box });
-    this.sorted = { column: null, down: false }; // as in the file until a column is chosen
+  constructor(/** @type {App} */ app, /** @type {"task" | "robot"} */ kind, /** @type {Column[]} */ columns, /** @type {HTMLElement} */ box) {
+    this.app = app;
+    this.kind = kind;
+    this.columns = columns;
+    /** @type {{item: number, cells: Cell[]}[]} */ this.items = [];
+    /** @type {Column[]} */ this.shown = [];
+    /** @type {{column: string | null, down: boolean}} */ this.sorted = { column: null, down: false }; // as in the file until a column is chosen
     this.filter = element("input", { type: "search", placeholder: "Filter", "aria-label": `Filter the ${kind}s` });
     this.filter.addEventListener("input", () => this.show());
     this.said = element("span", { role: "status" });
@@ -26,7 +30,7 @@ export class Table {
 
   // The table as it is at this moment.
   show() {
-    const { app, kind, sorted } = this;
+    const { app, kind } = this;
     const { mission } = app.history;
     this.shown = this.columns.filter(({ isShown }) => isShown?.(mission) ?? true);
     const moment = momentOf(app);
@@ -41,7 +45,7 @@ export class Table {
   }
 
   // [{item, cells}] of those that the filter lets through.
-  cellsOf(moment) {
+  cellsOf(/** @type {Moment} */ moment) {
     const wanted = this.filter.value.trim().toLowerCase();
     const all = moment.mission[`${this.kind}s`].map((_, item) => ({
       item,
@@ -91,7 +95,7 @@ export class Table {
 
 // Numbers before words, nothing last, whichever way it is sorted.
 function compareKeys(one, other, sign) {
-  if (one === null || other === null) return (one === null) - (other === null);
+  if (one === null || other === null) return Number(one === null) - Number(other === null);
   if (typeof one !== typeof other) return typeof one === "number" ? -1 : 1;
   return sign * (typeof one === "number" ? one - other : one.localeCompare(other, undefined, { numeric: true }));
 }

@@ -25,8 +25,8 @@ from teamformer.mission.checks.links import is_linked
 from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous, warm_up
+from teamformer.planning.problem.coalition_plan import plan_of_lists
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.planning.problem.team_plan import plan_teams
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
 from teamformer.planning.steps.solve import begin_race, first_plan, from_coalitions, improve
 from teamformer.planning.steps.timed_plan import time_team_plan
@@ -91,7 +91,7 @@ def _costs_in_steps(mission: Mission, situation: Situation) -> Iterator[int]:
     tasks = range(len(mission.tasks))
     for crews in itertools.product(*(able_crews(mission, task) for task in tasks)):
         for order in itertools.permutations(tasks):
-            yield time_team_plan(situation, plan_teams(order, crews)).cost
+            yield time_team_plan(situation, plan_of_lists(order, crews)).cost
 
 
 def main(kind: str, count: int, seconds: float) -> int:

@@ -23,6 +23,7 @@ from teamformer.mission.precedence import tasks_before
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.times import TaskClock
 from teamformer.planning.linked.solve import LinkedSolution
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     SPARES,
@@ -33,7 +34,6 @@ from teamformer.planning.problem.coalition_problem import (
 from teamformer.planning.problem.links import PART_OF, Link, LinkedProblem, link_problem
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan
 from teamformer.planning.problem.ways import ends_of
 from teamformer.world.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 

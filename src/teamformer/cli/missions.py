@@ -160,6 +160,19 @@ def schema() -> None:
 
 
 @app.command()
+def mcp(
+    folder: Annotated[Path, typer.Option(help="the only one that is read and written")] = Path("."),
+) -> None:
+    """Serve missions to programs that talk, by the Model Context Protocol over stdio.
+
+    Needs the extra `mcp`.
+    """
+    from teamformer.cli.verbs.missions.mcp import mcp as command
+
+    raise typer.Exit(command(folder))
+
+
+@app.command()
 def live(
     mission: Annotated[
         Path | None, typer.Argument(metavar="[MISSION]", help="none: draw one in the editor")

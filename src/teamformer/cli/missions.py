@@ -42,7 +42,18 @@ def run(
     """Run one trial of a mission."""
     from teamformer.cli.verbs.missions.run import run as command
 
-    raise typer.Exit(command(mission, method, seed, time_limit, out, as_json, explain, foxglove))
+    raise typer.Exit(
+        command(
+            path=mission,
+            method_name=method,
+            seed=seed,
+            time_limit=time_limit,
+            folder=out,
+            as_json=as_json,
+            explained=explain,
+            foxglove=foxglove,
+        )
+    )
 
 
 @app.command()

@@ -184,15 +184,15 @@ class Plays:
             if is_better and self.makespan is not None and steps >= self.makespan:
                 curve.append((round(seconds, 3), steps))
         return CentralPlan(
-            solution,
-            bound,
-            self.makespan,
-            self._played_by,
-            script,
-            self._mission,
-            self._coordinator,
-            tuple(curve),
-            is_first,
+            solution=solution,
+            bound=bound,
+            makespan=self.makespan,
+            played_by=self._played_by,
+            script=script,
+            mission=self._mission,
+            coordinator=self._coordinator,
+            curve=tuple(curve),
+            is_first=is_first,
         )
 
 

@@ -161,7 +161,16 @@ def pose_mission(mission: Mission) -> ContinuousMission:
         site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
     )
     linked = _link(mission, problem, scale) if is_linked(mission) else problem
-    return ContinuousMission(mission, ways, home, origin, pace, carry, scale, linked)
+    return ContinuousMission(
+        source=mission,
+        ways=ways,
+        home=home,
+        origin=origin,
+        pace=pace,
+        carry=carry,
+        scale=scale,
+        problem=linked,
+    )
 
 
 def rounding_of(mission: Mission) -> int:

@@ -87,6 +87,8 @@ HOMES = {
     "rps": ("robotarium/robots/rps_robots.py",),
     "scipy": ("robotarium/control/assignment.py",),
     "onnx": ("learning/export/",),
+    "mcp": ("trials/mcp/server.py",),
+    "anyio": ("trials/mcp/server.py",),
     "starlette": ("live/serving/",),
     "uvicorn": ("live/serving/",),
     "ruamel": ("live/drawing/comments.py",),

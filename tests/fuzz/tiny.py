@@ -26,8 +26,8 @@ from teamformer.mission.checks.links import is_linked
 from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous, warm_up
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
 from teamformer.record.record import Record
 from teamformer.record.task_times import done_steps
 from teamformer.trials.trial import run_trial
@@ -92,11 +92,11 @@ def played_worth(record: Record) -> float:
     return weighed(record.true_mission, weights, done_steps(record), makespan)
 
 
-def _all_team_plans(mission: Mission) -> Iterator[TeamPlan]:
+def _all_team_plans(mission: Mission) -> Iterator[CoalitionPlan]:
     tasks = range(len(mission.tasks))
     for crews in itertools.product(*(able_crews(mission, task) for task in tasks)):
         for order in itertools.permutations(tasks):
-            yield plan_teams(order, crews)
+            yield plan_of_lists(order, crews)
 
 
 def main(kind: str, count: int, seconds: float) -> int:

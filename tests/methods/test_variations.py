@@ -11,7 +11,7 @@ from teamformer.methods.central.plays import WORST, Plays, Rank
 from teamformer.methods.central.variations import vary
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
-from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
 from teamformer.planning.steps.situation import situation_in_hindsight
 from teamformer.planning.steps.timed_plan import time_team_plan
 
@@ -28,8 +28,8 @@ def play(mission: Mission, *order: int) -> float:
     return steps
 
 
-def plan_of_one(order: Sequence[int]) -> TeamPlan:
-    return plan_teams(order, [[0]] * len(order))
+def plan_of_one(order: Sequence[int]) -> CoalitionPlan:
+    return plan_of_lists(order, [[0]] * len(order))
 
 
 def test_a_plan_that_promises_more_is_played_in_fewer_steps() -> None:
@@ -64,15 +64,15 @@ def test_tasks_stay_behind_those_that_they_come_after_and_coalitions_are_able() 
     tasks = [Task(name, (x, 0), needs) for name, x in zip("abc", places, strict=True)]
     tasks[2] = replace(tasks[2], after=("b",))
     mission = Mission("corridor", Grid(4, 1), ("a",), robots, tuple(tasks))
-    played: list[TeamPlan] = []
+    played: list[CoalitionPlan] = []
 
     class Noted(Plays):
-        def add_plan(self, name: str, plan: TeamPlan) -> Rank:
+        def add_plan(self, name: str, plan: CoalitionPlan) -> Rank:
             played.append(plan)
             return super().add_plan(name, plan)
 
     plays = Noted(mission, time.perf_counter(), time_limit=1e6)
-    plays.add_plan("search", plan_teams((1, 2, 0), [[0, 1, 2, 3]] * 3))
+    plays.add_plan("search", plan_of_lists((1, 2, 0), [[0, 1, 2, 3]] * 3))
     vary(situation_in_hindsight(mission).problem, plays, NOT_PROVEN, seed=0)
     assert {tuple(plan.order.tolist()) for plan in played} == {(0, 1, 2), (1, 0, 2), (1, 2, 0)}
     assert min(int(plan.size.min()) for plan in played) == 2

@@ -84,7 +84,15 @@ def agent(
     from teamformer.cli.verbs.robots.agent import AgentOptions
     from teamformer.cli.verbs.robots.agent import agent as command
 
-    options = AgentOptions(robot, body, listen, tuple(connect or ()), keys, facts, method)
+    options = AgentOptions(
+        robot=robot,
+        body=body,
+        listen=listen,
+        connect=tuple(connect or ()),
+        keys=keys,
+        facts=facts,
+        method=method,
+    )
     raise typer.Exit(command(mission, options))
 
 

@@ -42,7 +42,18 @@ def run(
     """Run one trial of a mission."""
     from teamformer.cli.verbs.missions.run import run as command
 
-    raise typer.Exit(command(mission, method, seed, time_limit, out, as_json, explain, foxglove))
+    raise typer.Exit(
+        command(
+            path=mission,
+            method_name=method,
+            seed=seed,
+            time_limit=time_limit,
+            folder=out,
+            as_json=as_json,
+            explained=explain,
+            foxglove=foxglove,
+        )
+    )
 
 
 @app.command()
@@ -157,6 +168,19 @@ def schema() -> None:
     from teamformer.cli.verbs.missions.schema import schema as command
 
     raise typer.Exit(command())
+
+
+@app.command()
+def mcp(
+    folder: Annotated[Path, typer.Option(help="the only one that is read and written")] = Path("."),
+) -> None:
+    """Serve missions to programs that talk, by the Model Context Protocol over stdio.
+
+    Needs the extra `mcp`.
+    """
+    from teamformer.cli.verbs.missions.mcp import mcp as command
+
+    raise typer.Exit(command(folder))
 
 
 @app.command()

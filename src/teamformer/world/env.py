@@ -112,7 +112,15 @@ class TeamFormation:
         if any(mission.arrivals for mission in self.missions):  # nobody knows how many
             tasks = max(tasks, NEXT_TASKS)
         has_loads = bool(self.worlds.rules["has_loads"].any())
-        self._room = make_view(count, robots, tasks, caps, hides_needs, hides_places, has_loads)
+        self._room = make_view(
+            worlds=count,
+            robots=robots,
+            tasks=tasks,
+            caps=caps,
+            hides_needs=hides_needs,
+            hides_places=hides_places,
+            has_loads=has_loads,
+        )
         self._first_row = np.zeros(count + 1, dtype=np.int64)
         self._first_member = np.zeros(count + 1, dtype=np.int64)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None

@@ -20,8 +20,12 @@ from teamformer.planning.bounds.earliest import earliest_starts
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.planning.bounds.route_cover import raise_by_routes
 from teamformer.planning.bounds.start_windows import raise_by_windows
+from teamformer.planning.problem.coalition_plan import (
+    CoalitionPlan,
+    keep_order,
+    plan_of_lists,
+)
 from teamformer.planning.problem.relaxed_problem import Relaxed, relax
-from teamformer.planning.problem.team_plan import TeamPlan, keep_order, plan_teams
 from teamformer.planning.race import Race
 from teamformer.planning.relaxation.solve import RelaxedSolution, solve
 from teamformer.planning.steps.shared_plan import is_too_large
@@ -103,7 +107,7 @@ def plan_centrally(
         solution, bound, searched = _search(mission, situation, race.plan, plays, seed, workers)
     if time_limit > 0 and solution.schedule is not None:
         order = keep_order(situation.problem.before, list(solution.schedule.order))
-        plays.add_plan("schedule", plan_teams(order, solution.schedule.coalitions))
+        plays.add_plan("schedule", plan_of_lists(order, solution.schedule.coalitions))
     if time_limit > 0:
         vary(situation.problem, plays, bound, seed)
     return plays.report(solution, bound, searched, is_first=time_limit == 0)
@@ -204,12 +208,12 @@ def _relax_and_search(
     race.raise_bound(solution.bound)
     starts = from_coalitions(situation.problem, race, seed)
     if solution.schedule is not None:
-        start = plan_teams(solution.schedule.order, solution.schedule.coalitions)
+        start = plan_of_lists(solution.schedule.order, solution.schedule.coalitions)
         starts = chain([start], starts)
     improve(race, situation, starts, seed + 1)
     return solution
 
 
-def _team_plan(plan: Plan) -> TeamPlan:
+def _team_plan(plan: Plan) -> CoalitionPlan:
     coalition_of = dict(zip(plan.order, plan.coalitions, strict=True))
-    return plan_teams(plan.order, [coalition_of[task] for task in range(len(coalition_of))])
+    return plan_of_lists(plan.order, [coalition_of[task] for task in range(len(coalition_of))])

@@ -18,7 +18,7 @@ from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.coordination import Coordinator
 from teamformer.mission.model import Mission
-from teamformer.planning.problem.team_plan import TeamPlan, routes_of
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, routes_of
 from teamformer.planning.relaxation.solve import RelaxedSolution
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NEVER, NOBODY
@@ -83,7 +83,7 @@ class Plays:
     def __init__(self, mission: Mission, begun: float, time_limit: float) -> None:
         self.begun = begun
         self.makespan: int | None = None
-        self.best_plan: tuple[Rank, TeamPlan] | None = None
+        self.best_plan: tuple[Rank, CoalitionPlan] | None = None
         self._cost = math.inf  # of the best play: its makespan, if that alone counts
         self._weights = judged_by(mission)
         self.limit = time_limit
@@ -123,7 +123,7 @@ class Plays:
         """Return the second at which time is up; without a limit there is none."""
         return self.limit or math.inf
 
-    def add_plan(self, name: str, plan: TeamPlan) -> Rank:
+    def add_plan(self, name: str, plan: CoalitionPlan) -> Rank:
         """Play a plan; the plan whose play is the best is kept in `best_plan`."""
         begun, order = self.seconds, plan.order.tolist()
         routes = routes_of(plan, len(self._source.robots))
@@ -211,15 +211,15 @@ class Plays:
             if is_better and self.makespan is not None and steps >= self.makespan:
                 curve.append((round(seconds, 3), steps))
         return CentralPlan(
-            solution,
-            bound,
-            self.makespan,
-            self._played_by,
-            script,
-            self._mission,
-            self._coordinator,
-            tuple(curve),
-            is_first,
+            solution=solution,
+            bound=bound,
+            makespan=self.makespan,
+            played_by=self._played_by,
+            script=script,
+            mission=self._mission,
+            coordinator=self._coordinator,
+            curve=tuple(curve),
+            is_first=is_first,
         )
 
 

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from teamformer.methods.central.plays import Plays
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, keep_order, plan_of_lists
 from teamformer.planning.problem.relaxed_problem import Relaxed
-from teamformer.planning.problem.team_plan import TeamPlan, keep_order, plan_teams
 
 PATIENCE = 400
 """How many plays in a row may find nothing better."""
@@ -47,14 +47,14 @@ def vary(problem: Relaxed, plays: Plays, bound: int, seed: int) -> None:
             continue
         tried.add(draft)
         known, waited = 0, waited + 1
-        found = plays.add_plan("search", plan_teams(*draft))
+        found = plays.add_plan("search", plan_of_lists(*draft))
         if found < rank:
             waited = 0
         if found <= rank:
             here, rank = draft, found
 
 
-def _draft_of(plan: TeamPlan) -> Draft:
+def _draft_of(plan: CoalitionPlan) -> Draft:
     crews = zip(plan.coalition.tolist(), plan.size.tolist(), strict=True)
     return tuple(plan.order.tolist()), tuple(tuple(sorted(crew[:size])) for crew, size in crews)
 

@@ -54,7 +54,7 @@ HOMES = {
     "torch": ("learning/",),
     "safetensors": ("learning/",),
     "onnxruntime": ("methods/learned/onnx_sessions.py",),
-    "gymnasium": ("world/multi_agent/parallel_env.py",),
+    "gymnasium": ("world/multi_agent/",),
     "pettingzoo": ("world/multi_agent/parallel_env.py",),
     "typer": ("cli/",),
     "click": ("cli/",),

@@ -56,6 +56,7 @@ HOMES = {
     "onnxruntime": ("methods/learned/onnx_sessions.py",),
     "gymnasium": ("world/multi_agent/",),
     "pettingzoo": ("world/multi_agent/parallel_env.py",),
+    "stable_baselines3": ("world/multi_agent/sb3.py",),
     "typer": ("cli/",),
     "click": ("cli/",),
     "rich": ("cli/", "bench/"),

@@ -130,3 +130,32 @@ def test_what_cannot_be_asked_is_told() -> None:
         env.action_masks()
     with pytest.raises(TeamformerError, match="give one number"):
         env.reset(seed=[1])
+
+
+def test_ended_worlds_start_again_at_once_for_stable_baselines() -> None:
+    pytest.importorskip("stable_baselines3")
+    from teamformer.world.multi_agent.sb3 import TeamFormationSB3
+
+    env, plain = TeamFormationSB3(TeamFormationVector(TINY)), TeamFormationVector(TINY)
+    first = env.reset()
+    plain.reset()
+    maintain = np.zeros(1, dtype=np.int64)
+    seen, rewards, is_over, infos = env.step(maintain)  # a cell to walk, and the task is done
+    last, paid, ended, *_ = plain.step(maintain)
+    assert rewards.tolist() == paid.tolist() == [8.0]
+    assert is_over.tolist() == ended.tolist() == [True]
+    assert infos[0]["TimeLimit.truncated"] is False
+    for name, array in infos[0]["terminal_observation"].items():
+        assert np.array_equal(array, last[name][0])
+    assert all(np.array_equal(seen[name], first[name]) for name in first)
+    assert np.array_equal(env.env_method("action_masks")[0], plain.action_masks()[0])
+
+
+def test_who_does_not_decide_can_only_maintain() -> None:
+    env = TeamFormationVector(CORRIDOR)
+    env.reset(seed=0)
+    join = 0b10  # ann wants what bob brings, too
+    env.step(np.array([join, 0, 0]))
+    masks = env.action_masks()
+    assert np.flatnonzero(masks[1]).tolist() == [0]  # bob is in ann's team now
+    assert masks[0].sum() > 1

@@ -113,11 +113,24 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         both = (np.repeat(ended, self._robots), np.repeat(cut, self._robots))
         return self._seen, rewards.ravel(), *both, self._infos()
 
+    def restart_ended(self) -> Observations:
+        """Start ended worlds again now, not in the next step; return what robots see then."""
+        for w in np.flatnonzero(self._is_over).tolist():
+            self._env.restart(w, *self._draw())
+        self._is_over[:] = False
+        self._observe(self._look())
+        return self._seen
+
     def action_masks(self) -> Array:
-        """Return which original actions are legal, as (robots, actions) bool."""
+        """Return which original actions a robot may choose, as (robots, actions) bool.
+
+        A robot whose action does not count can only maintain, so that nothing is learned from it.
+        """
         if not self._has_original_actions:
             raise TeamformerError("counts have no masks", "use actions='original'")
-        return self._seen["action_mask"].astype(np.bool_)
+        masks = self._seen["action_mask"].astype(np.bool_)
+        masks[~self._is_deciding] = np.arange(masks.shape[1]) == 0
+        return masks
 
     def close_extras(self, **kwargs: Any) -> None:
         """End the threads of the worlds."""

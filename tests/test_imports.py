@@ -87,7 +87,7 @@ HOMES = {
     "cvxopt": ("robotarium/control/qp_solvers.py",),
     "rps": ("robotarium/robots/rps_robots.py",),
     "scipy": ("robotarium/control/assignment.py",),
-    "onnx": ("learning/export/",),
+    "onnx": ("learning/export/", "robotarium/deployment/onnx_files.py"),
     "mcp": ("trials/mcp/server.py",),
     "anyio": ("trials/mcp/server.py",),
     "starlette": ("live/serving/",),

@@ -315,13 +315,6 @@ def _strip(
     return picture
 
 
-PAGE_SCRIPTS = (
-    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
-    *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "record/over_time", "views/columns", "look"),
-)
-"""What a page reads a record with; it draws nothing."""
-
 TOLD_BY_PAGE = """(tree) => {
   const history = frames(tree);
   const { mission, events, end } = history;

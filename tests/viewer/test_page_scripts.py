@@ -7,7 +7,6 @@ import json
 import math
 import random
 from collections.abc import Iterator
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -18,20 +17,14 @@ from teamformer.mission.checks.rules import LIKELY
 from teamformer.record import phases
 from teamformer.record.export.moments import moments
 from teamformer.record.files.reading import read_record
-
-PURE = (
-    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
-    *("record/scene", "record/ways", "record/phases", "record/words", "draw/packing"),
-)
+from teamformer.viewer.modules import joined
 
 
 @pytest.fixture(scope="module")
 def scripts(browser: Any) -> Iterator[Any]:
     """An empty page with the scripts that draw nothing."""
     page = browser.new_page()
-    folder = files("teamformer.viewer") / "page"
-    text = "\n".join((folder / f"{name}.js").read_text(encoding="utf-8") for name in PURE)
-    page.add_script_tag(content=text)
+    page.add_script_tag(content=joined("record/words", "record/ways", "draw/packing"))
     yield page
     page.close()
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -17,19 +16,13 @@ from teamformer.methods.by_name import load_method
 from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.files.writing import record_to_tree
 from teamformer.trials.trial import run_trial
-
-READING = (
-    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
-    *("record/scene", "record/ways", "record/phases", "record/critical_path"),
-)
+from teamformer.viewer.modules import joined
 
 
 @pytest.fixture(scope="module")
 def scripts(browser: Any) -> Iterator[Any]:
     page = browser.new_page()
-    folder = files("teamformer.viewer") / "page"
-    names = (folder / f"{name}.js" for name in READING)
-    page.add_script_tag(content="\n".join(name.read_text(encoding="utf-8") for name in names))
+    page.add_script_tag(content=joined("record/critical_path"))
     yield page
     page.close()
 

@@ -41,7 +41,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     has_new_planner = "plan" in wanted and needs_compiling(anneal_arcs)
     is_new = needs_compiling(step_worlds)
     if has_new_planner and is_new and (os.cpu_count() or 1) > 1:
-        _compile_beside("--simulator")
+        compile_beside("--simulator")
     if (
         is_new
         or has_new_planner
@@ -79,7 +79,7 @@ def _compile(methods: Iterable[Method]) -> None:
     say(f"compiled in {time.perf_counter() - begun:.0f} s")
 
 
-def _compile_beside(what: str) -> None:
+def compile_beside(what: str) -> None:
     """Let another process compile the simulator or a method too; it ends with this one."""
     nowhere = subprocess.DEVNULL
     helper = subprocess.Popen(

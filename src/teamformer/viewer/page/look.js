@@ -1,6 +1,16 @@
 // For tests and the curious: look, do not touch.
 
-function lookInto(app) {
+import { ringColour, taskColour } from "./draw/palette.js";
+import { robotSpot } from "./draw/shapes.js";
+import { needsThatFit, taskBox } from "./draw/tasks.js";
+import { criticalPath } from "./record/critical_path.js";
+import { curvesOf } from "./record/over_time.js";
+import { PHASES, PHASE_NAMES } from "./record/phases.js";
+import { NOBODY } from "./record/state.js";
+import { describeDoing, robotName, taskName } from "./record/words.js";
+import { ROBOT_COLUMNS, TASK_COLUMNS, momentOf } from "./views/columns.js";
+
+export function lookInto(/** @type {App} */ app) {
   return Object.freeze({
     get step() {
       return app.player.step;
@@ -31,7 +41,7 @@ function lookInto(app) {
     groups: () => app.map.shown.groups.map(({ x, y, count }) => ({ x, y, count })),
     told: () => toldOf(app.history),
     tables: () => tablesOf(app),
-    incidents: () => app.state.incidents,
+    incidents: () => /** @type {any} */ (app).state.incidents,
     criticalPath: () => criticalPath(app.history),
     bars: (robot) => ganttRow(app, robot),
     curves: () => curvesOf(app.history),
@@ -44,11 +54,11 @@ function lookInto(app) {
 }
 
 // A robot's row of the Gantt view, once that has been drawn: bars, with what they are about, and marks.
-function ganttRow({ gantt, history }, robot) {
+function ganttRow(/** @type {Shown} */ { gantt, history }, robot) {
   const nameOf = (task) => (task === NOBODY ? "" : taskName(history.mission, task));
   const place = (step) => gantt.x(step);
   return {
-    bars: gantt.runs[robot].map(({ phase, task, from, to }) => ({
+    bars: gantt.runsOf(robot).map(({ phase, task, from, to }) => ({
       ...{ phase: PHASE_NAMES[PHASES[phase]], task: nameOf(task), from, to },
       ...{ left: place(from), right: place(to) },
     })),
@@ -58,7 +68,7 @@ function ganttRow({ gantt, history }, robot) {
 }
 
 // What the tables say of the moment that is shown: a row for each task and each robot, by column.
-function tablesOf(app) {
+function tablesOf(/** @type {App} */ app) {
   const moment = momentOf(app);
   const { tasks, robots } = app.history.mission;
   const rowsOf = (things, columns) =>
@@ -67,7 +77,7 @@ function tablesOf(app) {
 }
 
 // Who did what and when: [step, what, the robots' names, the task's name].
-function toldOf({ mission, doneAt, doers, events }) {
+function toldOf(/** @type {TrialHistory} */ { mission, doneAt, doers, events }) {
   const namesOf = (robots) => robots.map((robot) => robotName(mission, robot)).join(", ");
   const lines = [];
   doers.forEach((robots, task) => {

@@ -1,9 +1,9 @@
 // How robots and teams that are in one cell are laid out side by side. One robot has radius 1.
 
 const SPACING = 2.16; // between the middles of two robots of one team
-const TEAM_MARGIN = 0.42; // around the robots of a team
+export const TEAM_MARGIN = 0.42; // around the robots of a team
 
-const robotSites = remember((count) => (count <= 6 ? ringSites(count) : hexagonSites(count)));
+export const robotSites = remember((count) => (count <= 6 ? ringSites(count) : hexagonSites(count)));
 
 function remember(make) {
   const known = new Map();
@@ -44,7 +44,7 @@ const teamRadius = remember((count) => {
 });
 
 // Lay out teams of the given sizes, largest first: {circles: [{x, y, r}], radius} of the whole.
-const packTeams = remember((sizes) => {
+export const packTeams = remember((sizes) => {
   const circles = [];
   for (const size of sizes.split(",")) {
     const r = teamRadius(Number(size));

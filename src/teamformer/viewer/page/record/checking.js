@@ -1,4 +1,11 @@
 // Whether a record that somebody opens is whole: the keys and numbers that `view` and `check` ask for.
+// @ts-nocheck
+
+import { frames } from "./history.js";
+import { criticalPath } from "./critical_path.js";
+import { phasesIn } from "./phases.js";
+import { sceneAt } from "./scene.js";
+import { describeEvent } from "./words.js";
 
 const NEEDED_KEYS = ["mission", "method", "seed", "orders", "start", "steps", "end", "lower_bound"];
 const STATUSES = ["completed", "step limit", "infeasible", "interrupted"];
@@ -24,7 +31,7 @@ const ROWS_OF_STEP = {
 };
 
 // Throws an Error that says where a record is damaged.
-function checkRecord(record) {
+export function checkRecord(record) {
   for (const key of NEEDED_KEYS) if (record[key] === undefined) throw new Error(`'${key}' is missing`);
   const { mission, truth, steps, start, orders, end } = record;
   const listed = Array.isArray(mission?.tasks) && Array.isArray(mission.robots) && Array.isArray(mission.capabilities);
@@ -85,7 +92,7 @@ function isOfKind(counts, value, kind) {
 }
 
 // Reads a record as the page will, and throws what goes wrong on the way.
-function tryReading(record) {
+export function tryReading(record) {
   const history = frames(record);
   for (const event of history.events) describeEvent(history, event);
   if (history.last) phasesIn(history, history.last);

@@ -1,10 +1,14 @@
 // The critical path: the chain of ways, waits, services and forming that the end hangs on.
+// @ts-nocheck
 // `critical_path/of_record.py` has the same rules; a test holds the two against one another.
+
+import { AT_WORK, PHASES, PHASE_NAMES, phasesIn, pursuitsIn } from "./phases.js";
+import { NOBODY, robotsOfTeam } from "./state.js";
 
 // Stretches [{from, to, doing, robot, task}], the first one first; none unless all tasks were done,
 // and it is known by whom.
 // Before a task is known or may begin ("unknown", "closed") there is no robot.
-function criticalPath(history) {
+export function criticalPath(history) {
   const { doneAt, doneBy } = history;
   if (!history.end?.makespan || doneAt.some((at, task) => at < Infinity && doneBy[task] === NOBODY)) return [];
   return inOrder(new PathTracing(history).stretches(history.end.makespan));

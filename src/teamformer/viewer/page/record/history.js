@@ -1,16 +1,21 @@
 // From the deltas of a record to the state after any step, and to the list of what happened.
 
+import { covers } from "./counts.js";
+import { readMission, shareSites, windowOpens } from "./mission.js";
+import { inSquares, stepInSquares } from "./plane.js";
+import { robotsServing, serviceKeeper, takenIn } from "./services.js";
+import { NOBODY, applyStep, copyState, countsOfTeam, formTeams, loseRobot, placeOf, placeTeams, robotsOfTeam, sizeOf, startState, teamSizes } from "./state.js";
+
 const KEYFRAME_EVERY = 50;
 const STATES_KEPT = 40;
-const NOBODY = -1;
-const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"]; // events after which it is planned anew
+export const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"]; // events after which it is planned anew
 
 // Read a record once; then `at(step)` gives the state after that many steps. Memory stays bounded:
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
-function frames(recorded) {
+export function frames(recorded) {
   const record = inSquares(recorded);
   const mission = readMission(record.mission, record.truth, record.foresight);
-  const history = {
+  /** @type {any} */ const history = {
     record,
     mission,
     last: record.steps.length,
@@ -44,7 +49,7 @@ function frames(recorded) {
 }
 
 // One step more of a mission that runs; `end` says how it ended, if it did.
-function grow(history, take, change, end) {
+function grow(/** @type {TrialHistory} */ history, take, /** @type {StepTree} */ change, end) {
   const step = stepInSquares(history.mission.world, change);
   history.record.steps.push(step);
   history.last++;
@@ -56,92 +61,8 @@ function grow(history, take, change, end) {
   history.events.push({ step: history.last, kind: "end" });
 }
 
-// A state holds, by robot, the slot of its team, and by slot the team's place and task.
-function startState(record, mission) {
-  const count = mission.robots.length;
-  const state = {
-    team: new Int32Array(count).fill(NOBODY),
-    x: new Float64Array(count),
-    y: new Float64Array(count),
-    task: new Int32Array(count).fill(NOBODY),
-  };
-  for (const [slot, robots, x, y] of record.start) {
-    for (const robot of robots) state.team[robot] = slot;
-    putTeam(state, [slot, x, y, null]);
-  }
-  return state;
-}
-
-function copyState(state) {
-  return {
-    team: state.team.slice(),
-    x: state.x.slice(),
-    y: state.y.slice(),
-    task: state.task.slice(),
-  };
-}
-
-function putTeam(state, [slot, x, y, task]) {
-  state.x[slot] = x;
-  state.y[slot] = y;
-  state.task[slot] = task ?? NOBODY;
-}
-
-// The order is the record's own: splits, joins, losses, returns, then where everybody is.
-function applyStep(state, step) {
-  formTeams(state, step);
-  for (const robot of step.lost ?? []) loseRobot(state, robot);
-  for (const robot of step.back ?? []) state.team[robot] = robot;
-  placeTeams(state, step);
-}
-
-function formTeams(state, step) {
-  for (const parts of step.splits ?? []) splitTeam(state, parts);
-  if (step.joins) joinTeams(state, step.joins);
-}
-
-function placeTeams(state, step) {
-  for (const team of step.teams ?? []) putTeam(state, team);
-}
-
-function splitTeam(state, parts) {
-  const before = state.team[parts[0][0]];
-  for (const robots of parts) {
-    const slot = Math.min(...robots);
-    for (const robot of robots) state.team[robot] = slot;
-    if (slot !== before) putTeam(state, [slot, state.x[before], state.y[before], null]);
-  }
-}
-
-function placeOf(state, robot) {
-  const slot = state.team[robot];
-  return { x: state.x[slot], y: state.y[slot] };
-}
-
-// A team takes part in one formation a step at most, so one pass over the robots is enough.
-function joinTeams(state, joins) {
-  const renamed = new Map();
-  for (const pair of joins) renamed.set(Math.max(...pair), Math.min(...pair));
-  for (let robot = 0; robot < state.team.length; robot++) {
-    state.team[robot] = renamed.get(state.team[robot]) ?? state.team[robot];
-  }
-}
-
-// A team that loses its lowest robot is from then on known by the next.
-function loseRobot(state, robot) {
-  const slot = state.team[robot];
-  state.team[robot] = NOBODY;
-  if (slot !== robot) return;
-  const heir = state.team.indexOf(slot);
-  if (heir < 0) return;
-  putTeam(state, [heir, state.x[slot], state.y[slot], state.task[slot]]);
-  for (let mate = heir; mate < state.team.length; mate++) {
-    if (state.team[mate] === slot) state.team[mate] = heir;
-  }
-}
-
 // From the nearest keyframe, or from the state asked for last if that is on the way.
-function stateAt(history, step) {
+function stateAt(/** @type {TrialHistory} */ history, step) {
   const key = Math.floor(step / KEYFRAME_EVERY);
   const keyframe = { step: key * KEYFRAME_EVERY, state: history.keyframes[key] };
   const { latest } = history;
@@ -152,7 +73,14 @@ function stateAt(history, step) {
   return state;
 }
 
-function rememberLast(kept, make) {
+/**
+ * Returns what gives the value of a key, which is made once while the key is one of the last ones.
+ * @template Key, Value
+ * @param {number} kept
+ * @param {(key: Key) => Value} make
+ * @returns {(key: Key) => Value}
+ */
+export function rememberLast(kept, make) {
   const known = new Map();
   return (key) => {
     if (!known.has(key)) {
@@ -164,7 +92,7 @@ function rememberLast(kept, make) {
 }
 
 // Returns what to call with each step in turn: keyframes, events, services, completions, losses.
-function stepTaker(history) {
+function stepTaker(/** @type {TrialHistory} */ history) {
   const { record, mission } = history;
   const keepServices = serviceKeeper(history);
   const arrivals = arrivalsByStep(mission);
@@ -188,7 +116,7 @@ function stepTaker(history) {
   };
 }
 
-function arrivalsByStep(mission) {
+function arrivalsByStep(/** @type {Mission} */ mission) {
   const arrivals = new Map();
   mission.tasks.forEach(({ appears, cancelled }, task) => {
     if (appears > 0 && appears < cancelled) arrivals.set(appears, [...(arrivals.get(appears) ?? []), task]);
@@ -197,14 +125,14 @@ function arrivalsByStep(mission) {
 }
 
 // Tasks may begin when the last task that they are after is over.
-function openNextTasks({ mission, record, overAt }, step) {
+function openNextTasks(/** @type {TrialHistory} */ { mission, record, overAt }, step) {
   mission.tasks.forEach((task, number) => {
     if (task.opens < Infinity || task.after.some((other) => overAt[other] > step)) return;
     task.opens = Math.max(windowOpens(record.mission.tasks[number].between), step);
   });
 }
 
-function recordStep(history, state, change, step) {
+function recordStep(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   if (change.splits || change.joins) recordFormations(history, state, change, step);
   formTeams(state, change);
   for (const robot of change.lost ?? []) recordLoss(history, state, robot, step);
@@ -223,7 +151,7 @@ function recordStep(history, state, change, step) {
 }
 
 // Loads that are taken up are where they are brought, and `isUp`, until they are done or set down.
-function recordLoads(history, change, step) {
+function recordLoads(/** @type {TrialHistory} */ history, /** @type {StepTree} */ change, step) {
   const { mission, moves, events, lies, carriedBy } = history;
   for (const [task, ...at] of change.left ?? []) {
     moves.push({ step, task, at });
@@ -232,17 +160,22 @@ function recordLoads(history, change, step) {
     carriedBy.delete(task);
   }
   for (const [task, slot] of takenIn(history, change, step)) {
-    moves.push({ step, task, at: mission.tasks[task].to, isUp: true });
+    moves.push({ step, task, at: goalOf(mission, task), isUp: true });
     carriedBy.set(task, slot);
   }
   for (const [task] of change.done ?? []) {
     carriedBy.delete(task); // or it was taken up and brought in this step
-    if (mission.tasks[task].to) moves.push({ step, task, at: mission.tasks[task].to });
+    if (mission.tasks[task].to) moves.push({ step, task, at: goalOf(mission, task) });
   }
 }
 
+// Where a load is brought.
+function goalOf(/** @type {Mission} */ { tasks }, task) {
+  return tasks[task].to ?? tasks[task].at;
+}
+
 // Where tasks are believed to be after a step: by task {at, mates}, as in the mission.
-function sitesAt(history, step) {
+export function sitesAt(/** @type {TrialHistory} */ history, step) {
   const { moves, mission } = history;
   if (!mission.doTasksMove) return mission.tasks;
   if (step >= history.last && history.leaving.size) return (history.sitesLeft ??= sitesLeft(history));
@@ -252,7 +185,7 @@ function sitesAt(history, step) {
 }
 
 // The same after the latest step where robots leave: who cannot carry a load without them sets it down.
-function sitesLeft(history) {
+function sitesLeft(/** @type {TrialHistory} */ history) {
   const { last, services } = history;
   const state = history.at(last);
   const sites = history.sitesAfter(history.moves.length).map(({ at, isUp }, task) => {
@@ -260,19 +193,17 @@ function sitesLeft(history) {
     const { slot } = services[task].at(-1);
     return { at: [state.x[slot], state.y[slot]] };
   });
-  shareSites(sites);
-  return sites;
+  return shareSites(sites);
 }
 
 // The same after the first moves.
-function sitesAfter({ moves, mission }, count) {
+function sitesAfter(/** @type {TrialHistory} */ { moves, mission }, count) {
   const sites = mission.tasks.map(({ first }) => ({ at: first }));
-  for (const { task, at, isUp } of moves.slice(0, count)) sites[task] = { at, isUp };
-  shareSites(sites);
-  return sites;
+  for (const { task, at, isUp } of moves.slice(0, count)) Object.assign(sites[task], { at, isUp });
+  return shareSites(sites);
 }
 
-function recordFormations({ events }, state, change, step) {
+function recordFormations(/** @type {TrialHistory} */ { events }, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   const sizes = teamSizes(state);
   for (const [stay, leave] of change.splits ?? []) {
     events.push({ step, kind: "split", slot: state.team[stay[0]], stay, leave });
@@ -284,40 +215,45 @@ function recordFormations({ events }, state, change, step) {
 }
 
 // `heir` is the slot of the robot's team from then on.
-function recordLoss(history, state, robot, step) {
+function recordLoss(/** @type {TrialHistory} */ history, /** @type {State} */ state, robot, step) {
   const slot = state.team[robot];
-  const place = [state.x[slot], state.y[slot]];
+  /** @type {Place} */ const place = [state.x[slot], state.y[slot]];
   history.absences[robot].push({ from: step, to: Infinity, place });
   const mate = state.team.findIndex((other, number) => other === slot && number !== robot);
   loseRobot(state, robot);
   history.events.push({ step, kind: "lost", robot, slot, heir: state.team[mate] ?? NOBODY });
 }
 
-function recordReturn(history, state, robot, step) {
-  history.absences[robot].at(-1).to = step;
+function recordReturn(/** @type {TrialHistory} */ history, /** @type {State} */ state, robot, step) {
+  for (const absence of history.absences[robot].slice(-1)) absence.to = step;
   state.team[robot] = robot;
   history.events.push({ step, kind: "back", robot, slot: robot, size: 1 });
 }
 
 // What everybody believes that a task needs after a step.
-function needsAt(history, task, step) {
+export function needsAt(/** @type {TrialHistory} */ history, task, step) {
   const { needs, believed } = history.mission.tasks[task];
   return history.shownAt[task] <= step ? needs : believed;
 }
 
 // Since when and where a robot is lost at a step; undefined while it is there.
-function absenceAt(history, robot, step) {
+export function absenceAt(/** @type {TrialHistory} */ history, robot, step) {
   const leaving = step >= history.last && history.leaving.get(robot);
   return leaving || history.absences[robot].find(({ from, to }) => from <= step && step < to);
 }
 
-function isLost(history, robot, step) {
+// Where a lost robot lies.
+export function placeLost(/** @type {TrialHistory} */ history, robot, step) {
+  return /** @type {Absence} */ (absenceAt(history, robot, step)).place;
+}
+
+export function isLost(/** @type {TrialHistory} */ history, robot, step) {
   return absenceAt(history, robot, step) !== undefined;
 }
 
 // The robots of a live mission that count for nothing from the next step on: whatever is shown of
 // the latest step has them lost already.
-function leave(history, robots) {
+export function leave(/** @type {TrialHistory} */ history, robots) {
   if ([...history.leaving.keys()].join() === robots.join()) return;
   const state = history.at(history.last);
   const from = history.last + 1;
@@ -331,7 +267,7 @@ function leave(history, robots) {
 }
 
 // The state that is shown after a step: as recorded, without robots that are leaving.
-function stateShown(history, step) {
+export function stateShown(/** @type {TrialHistory} */ history, step) {
   const state = history.at(step);
   if (step < history.last || !history.leaving.size) return state;
   const left = copyState(state);
@@ -339,12 +275,12 @@ function stateShown(history, step) {
   return left;
 }
 
-function robotsLostAt(history, step) {
+export function robotsLostAt(/** @type {TrialHistory} */ history, step) {
   return [...history.absences.keys()].filter((robot) => isLost(history, robot, step));
 }
 
 // Teams that lose their assignment and get the same again have not changed their minds.
-function recordHeadings({ events, headings }, state, change, step) {
+function recordHeadings(/** @type {TrialHistory} */ { events, headings }, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   for (const [slot, , , task] of change.teams ?? []) {
     if (task === null || headings[slot] === task) continue;
     headings[slot] = task;
@@ -352,7 +288,7 @@ function recordHeadings({ events, headings }, state, change, step) {
   }
 }
 
-function recordCompletions(history, state, change, step) {
+function recordCompletions(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   for (const [task, doer] of change.done ?? []) {
     const slot = doer ?? NOBODY; // of a fleet nobody may know who did it
     history.doneAt[task] = history.overAt[task] = step;
@@ -363,22 +299,26 @@ function recordCompletions(history, state, change, step) {
 }
 
 // The tasks that are called off in a step.
-function cancelledIn({ mission, doneAt }, step) {
+function cancelledIn(/** @type {TrialHistory} */ { mission, doneAt }, step) {
   const all = mission.tasks.map((_, task) => task);
   return all.filter((task) => mission.tasks[task].cancelled === step && doneAt[task] === Infinity);
 }
 
 // What teams pursued in a step whose assignments neither before nor after it say so: news took them back.
-function pursuedIn({ record }, step) {
+export function pursuedIn(/** @type {TrialHistory} */ { record }, step) {
   return new Map(record.steps[step - 1].pursued ?? []);
 }
 
-function sizeOf(state, slot) {
-  return state.team.reduce((sum, other) => sum + (other === slot), 0);
-}
-
-function teamSizes(state) {
-  const sizes = new Int32Array(state.team.length);
-  for (const slot of state.team) if (slot !== NOBODY) sizes[slot]++;
-  return sizes;
+// The service of a task that goes on after a step, with the robots that are with it then; null if
+// there is none, or it is broken off because a robot leaves.
+export function serviceOf(/** @type {TrialHistory} */ history, task, step) {
+  const service = history.services[task].find(({ from, to }) => from <= step && step < to);
+  if (!service) return null;
+  const { mission } = history;
+  const state = stateShown(history, step);
+  const robots = robotsServing(service, step + 1).filter((robot) => state.team[robot] !== NOBODY);
+  const slot = state.team[robots[0]];
+  const isLeft = step >= history.last && history.leaving.size > 0;
+  if (isLeft && !(robots.length && covers(countsOfTeam(mission, state, slot), mission.tasks[task].needs))) return null;
+  return { ...service, slot, robots };
 }

@@ -1,8 +1,11 @@
 // What changes over time: tasks done and open, idle robots and the way made, after each step.
 
+import { IDLE, phasesIn } from "./phases.js";
+import { NOBODY, placeOf } from "./state.js";
+
 // {open, idle, way}, each with a number for every step from 0 on; `way` is the sum over all robots so
 // far, in cells, or squares of a plane. Worked out once for each length of the record.
-function curvesOf(history) {
+export function curvesOf(/** @type {TrialHistory} */ history) {
   const known = history.curves;
   if (known?.made === history.last) return known;
   const way = [0];
@@ -16,7 +19,7 @@ function curvesOf(history) {
 }
 
 // Tasks that are known and not over, after each step.
-function openAfterSteps({ mission, overAt, last }) {
+function openAfterSteps(/** @type {TrialHistory} */ { mission, overAt, last }) {
   const everOpen = mission.tasks.flatMap(({ appears }, task) => (appears < overAt[task] ? [task] : []));
   const known = countsUpTo(everOpen.map((task) => mission.tasks[task].appears), last);
   const over = countsUpTo(everOpen.map((task) => overAt[task]), last);
@@ -24,7 +27,7 @@ function openAfterSteps({ mission, overAt, last }) {
 }
 
 // Tasks that are done, after each step.
-function doneAfterSteps({ doneAt, last }) {
+export function doneAfterSteps(/** @type {TrialHistory} */ { doneAt, last }) {
   return countsUpTo(doneAt, last);
 }
 
@@ -38,7 +41,7 @@ function countsUpTo(steps, last) {
 
 // The way that all robots make in a step. They go by shortest ways, so where none turns back around
 // the end of a wall, which takes four cells in one step, it is what lies between the two places.
-function wayIn(history, step) {
+function wayIn(/** @type {TrialHistory} */ history, step) {
   const { world } = history.mission;
   const [before, after] = [history.at(step - 1), history.at(step)];
   let sum = 0;
@@ -52,12 +55,12 @@ function wayIn(history, step) {
 }
 
 // How many steps each robot was idle up to one, by robot.
-function idleStepsUpTo(history, step) {
+export function idleStepsUpTo(/** @type {TrialHistory} */ history, step) {
   history.idleSteps ??= [new Uint32Array(history.mission.robots.length)];
   const { idleSteps } = history;
   for (let made = idleSteps.length; made <= step; made++) {
     const row = idleSteps[made - 1].slice();
-    phasesIn(history, made).forEach((phase, robot) => (row[robot] += phase === IDLE));
+    phasesIn(history, made).forEach((phase, robot) => (row[robot] += Number(phase === IDLE)));
     idleSteps.push(row);
   }
   return idleSteps[step];

@@ -1,9 +1,15 @@
 // What each robot did in each step: the rows of the Gantt view, and the shares of its time.
+// @ts-nocheck
+
+import { pursuedIn, sitesAt } from "./history.js";
+import { isSamePlace } from "./plane.js";
+import { robotsServing } from "./services.js";
+import { NOBODY, placeOf } from "./state.js";
 
 // A load is not served: it is loaded where it lies, carried, and unloaded where it goes.
-const PHASES = ["walks", "waits", "forms", "serves", "loads", "carries", "unloads", "idle", "lost"];
-const AT_WORK = ["serving", "loading", "carrying", "unloading"];
-const PHASE_NAMES = {
+export const PHASES = ["walks", "waits", "forms", "serves", "loads", "carries", "unloads", "idle", "lost"];
+export const AT_WORK = ["serving", "loading", "carrying", "unloading"];
+export const PHASE_NAMES = {
   walks: "walking",
   waits: "waiting",
   forms: "forming",
@@ -14,15 +20,15 @@ const PHASE_NAMES = {
   idle: "idle",
   lost: "lost",
 };
-const [WALKS, WAITS, FORMS, SERVES, LOADS, CARRIES, UNLOADS, IDLE, LOST] = PHASES.keys();
+export const [WALKS, WAITS, FORMS, SERVES, LOADS, CARRIES, UNLOADS, IDLE, LOST] = PHASES.keys();
 
 // By robot, what it did in one step: `phasesIn(history, 1)` is about the first.
-function phasesIn(history, step) {
+export function phasesIn(history, step) {
   return workIn(history, step).phases;
 }
 
 // By robot, the task that it was about in one step, or NOBODY.
-function pursuitsIn(history, step) {
+export function pursuitsIn(history, step) {
   return workIn(history, step).pursuits;
 }
 
@@ -99,12 +105,8 @@ function workOn(history, task, step) {
   return step > history.doneAt[task] - unload ? UNLOADS : CARRIES;
 }
 
-function percent(part) {
-  return `${Math.round(100 * part)}%`;
-}
-
 // The runs of one phase for one task in a robot's time: [{phase, task, from, to}], `from` excluded.
-function phaseRuns(history, robot) {
+export function phaseRuns(history, robot) {
   const runs = [];
   for (let step = 1; step <= history.last; step++) {
     const phase = phasesIn(history, step)[robot];
@@ -117,7 +119,7 @@ function phaseRuns(history, robot) {
 }
 
 // The tasks that each robot has done, by robot: [{task, step}] in their order.
-function deedsOfRobots({ mission, doers, doneAt }) {
+export function deedsOfRobots({ mission, doers, doneAt }) {
   const deeds = mission.robots.map(() => []);
   doers.forEach((robots, task) => {
     for (const robot of robots) deeds[robot].push({ task, step: doneAt[task] });
@@ -127,7 +129,7 @@ function deedsOfRobots({ mission, doers, doneAt }) {
 }
 
 // The part of the steps up to one that each robot spent in each phase, by robot and phase.
-function phaseShares(history, step) {
+export function phaseShares(history, step) {
   const shares = history.mission.robots.map(() => new Float64Array(PHASES.length));
   for (let made = 1; made <= step; made++) {
     phasesIn(history, made).forEach((phase, robot) => shares[robot][phase]++);

@@ -1,7 +1,14 @@
 // Why a team does what it does, worked out from the record: plans, orders, and what made them anew.
+// @ts-nocheck
+
+import { NEWS, needsAt } from "./history.js";
+import { describeMoment } from "./lengths.js";
+import { isOver, orderAt } from "./scene.js";
+import { NOBODY } from "./state.js";
+import { MANY, describeEvent, listRobots, taskName } from "./words.js";
 
 // The reason for what a team does after a step, as a sentence without its end.
-function reasonFor(history, team, step) {
+export function reasonFor(history, team, step) {
   if (team.justDone !== NOBODY || team.activity === "leaves") return "";
   if (team.activity === "told") return step === 0 ? "" : planText(history, step);
   if (team.assigned === NOBODY && !team.service) return reasonForRest(history, team, step);
@@ -25,7 +32,7 @@ function reasonForTask(history, team, step) {
 
 // The shared plan that holds: {made, reasons, coalitions, scouts}, coalitions by task, scouts as
 // [robot, the task it looks at first]; null without one. Like robots may have exchanged their parts since it was made.
-function sharedPlanAt({ record }, step) {
+export function sharedPlanAt({ record }, step) {
   const latest = (record.plans ?? []).findLast(([made]) => made <= step);
   if (!latest) return null;
   const [made, [reasons, planned]] = latest;

@@ -1,9 +1,14 @@
 // What there is to see after a step: teams with what they can do, and how each task stands.
 
+import { exact, missing } from "./counts.js";
+import { NEWS, isLost, needsAt, pursuedIn, serviceOf, sitesAt, stateShown } from "./history.js";
+import { isSamePlace } from "./plane.js";
+import { NOBODY } from "./state.js";
+
 // A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, activity,
 // carries}.
 // `site` is where its task is believed to be, `goal` is the task whose colour the ring may take: the one served, just done or headed for.
-function sceneAt(history, step) {
+export function sceneAt(/** @type {TrialHistory} */ history, step) {
   const state = stateShown(history, step);
   const teams = gatherTeams(history.mission, state);
   const serving = servicesAt(history, step);
@@ -19,7 +24,7 @@ function sceneAt(history, step) {
   return { step, state, teams, assignedTo: groupByTask(teams) };
 }
 
-function gatherTeams(mission, state) {
+function gatherTeams(/** @type {Mission} */ mission, /** @type {State} */ state) {
   const teams = new Map();
   for (let robot = 0; robot < state.team.length; robot++) {
     const slot = state.team[robot];
@@ -34,12 +39,12 @@ function gatherTeams(mission, state) {
   return teams;
 }
 
-function newTeam(state, slot) {
+function newTeam(/** @type {State} */ state, slot) {
   const assigned = state.task[slot];
   return { slot, robots: [], counts: new Map(), x: state.x[slot], y: state.y[slot], assigned };
 }
 
-function describeGoal(history, step, team, service, done) {
+function describeGoal(/** @type {TrialHistory} */ history, step, /** @type {Team} */ team, service, done) {
   team.service = service ?? null;
   team.justDone = done ?? NOBODY;
   team.goal = service?.task ?? done ?? team.assigned;
@@ -50,7 +55,7 @@ function describeGoal(history, step, team, service, done) {
 // Some teams have no assignment only until the next step: the mission begins, or news has taken all
 // assignments back. Where the record goes on, it says which of them are idle all the same, and which
 // are lost before they are told anything.
-function tellWhoAwaitsAPlan(history, step, teams) {
+function tellWhoAwaitsAPlan(/** @type {TrialHistory} */ history, step, teams) {
   const idle = teams.filter(({ activity }) => activity === "idle");
   if (!idle.length || !isPlannedAnew(history, step)) return;
   const isOver = step >= history.last;
@@ -64,7 +69,7 @@ function tellWhoAwaitsAPlan(history, step, teams) {
 }
 
 // Returns what says of a robot whether it has a task in a step.
-function whoIsAboutATask(history, step) {
+function whoIsAboutATask(/** @type {TrialHistory} */ history, step) {
   const after = history.at(step);
   const [pursued, done] = [pursuedIn(history, step), doneIn(history, step)];
   return (robot) => {
@@ -74,22 +79,21 @@ function whoIsAboutATask(history, step) {
 }
 
 // Whether a plan or an order is made after a step, before anybody goes on.
-function isPlannedAnew({ record, events }, step) {
+function isPlannedAnew(/** @type {TrialHistory} */ { record, events }, step) {
   if (step === 0) return true;
-  const kept = [record.orders, record.plans];
-  if (kept.some((rows) => rows?.some(([made]) => made === step))) return true;
+  if ([...(record.orders ?? []), ...(record.plans ?? [])].some(([made]) => made === step)) return true;
   return events.some((event) => event.step === step && NEWS.includes(event.kind));
 }
 
 // What a team is about, in one word: serves, done, waits, walks or idle; and told and leaves, see `tellWhoAwaitsAPlan`.
-function activityOf(world, team) {
+function activityOf(/** @type {World} */ world, /** @type {Team} */ team) {
   if (team.service) return "serves";
   if (team.justDone !== NOBODY) return "done";
   if (team.assigned === NOBODY) return "idle";
-  return isSamePlace(world, [team.x, team.y], team.site.at) ? "waits" : "walks";
+  return team.site && isSamePlace(world, [team.x, team.y], team.site.at) ? "waits" : "walks";
 }
 
-function servicesAt(history, step) {
+function servicesAt(/** @type {TrialHistory} */ history, step) {
   const serving = new Map();
   const { team } = stateShown(history, step);
   history.services.forEach((_, task) => {
@@ -99,7 +103,7 @@ function servicesAt(history, step) {
   return serving;
 }
 
-function doneIn(history, step) {
+function doneIn(/** @type {TrialHistory} */ history, step) {
   const done = new Map();
   history.doneAt.forEach((at, task) => {
     if (at === step && !done.has(history.doneBy[task])) done.set(history.doneBy[task], task);
@@ -117,12 +121,12 @@ function groupByTask(teams) {
   return groups;
 }
 
-function teamOfRobot(scene, robot) {
-  return scene.teams.get(scene.state.team[robot]) ?? null;
+export function teamOfRobot(/** @type {Scene} */ scene, /** @type {number | undefined} */ robot) {
+  return robot === undefined ? null : (scene.teams.get(scene.state.team[robot]) ?? null);
 }
 
 // How a task stands after a step: hidden, open, served, done, cancelled or (at the end) blocked.
-function standingOf(history, task, step) {
+export function standingOf(/** @type {TrialHistory} */ history, task, step) {
   if (isOver(history, task, step)) return history.doneAt[task] <= step ? "done" : "cancelled";
   if (history.mission.tasks[task].appears > step) return "hidden";
   if (serviceOf(history, task, step)) return "served";
@@ -134,53 +138,39 @@ function standingOf(history, task, step) {
   return "open";
 }
 
-// The service of a task that goes on after a step, with the robots that are with it then; null if
-// there is none, or it is broken off because a robot leaves.
-function serviceOf(history, task, step) {
-  const service = history.services[task].find(({ from, to }) => from <= step && step < to);
-  if (!service) return null;
-  const { mission } = history;
-  const state = stateShown(history, step);
-  const robots = robotsServing(service, step + 1).filter((robot) => state.team[robot] !== NOBODY);
-  const slot = state.team[robots[0]];
-  const isLeft = step >= history.last && history.leaving.size > 0;
-  if (isLeft && !(robots.length && covers(countsOfTeam(mission, state, slot), mission.tasks[task].needs))) return null;
-  return { ...service, slot, robots };
-}
-
 // Whether a task is done or called off.
-function isOver({ overAt }, task, step) {
+export function isOver(/** @type {TrialHistory} */ { overAt }, task, step) {
   return overAt[task] <= step;
 }
 
-function countDone(history, step) {
+export function countDone(/** @type {TrialHistory} */ history, step) {
   return history.doneAt.filter((at) => at <= step).length;
 }
 
-function countCancelled(history, step) {
+export function countCancelled(/** @type {TrialHistory} */ history, step) {
   return history.overAt.filter((at) => at <= step).length - countDone(history, step);
 }
 
 // The open tasks in the order that everybody shares, as last computed.
-function orderAt(history, step) {
+export function orderAt(/** @type {TrialHistory} */ history, step) {
   let tasks = [];
   for (const [made, order] of history.record.orders ?? []) if (made <= step) tasks = order;
   return tasks.filter((task) => !isOver(history, task, step));
 }
 
-function namesCap(counts, cap) {
+function namesCap(/** @type {Counts} */ counts, cap) {
   return counts.some(([other]) => other === cap);
 }
 
 // The robots that bring a capability and are not lost.
-function robotsWith(history, cap, step) {
+export function robotsWith(/** @type {TrialHistory} */ history, cap, step) {
   const { robots } = history.mission;
   const all = robots.map((_, robot) => robot);
   return all.filter((robot) => !isLost(history, robot, step) && namesCap(robots[robot].can, cap));
 }
 
 // The tasks that are known, not over and need a capability.
-function tasksNeeding(history, cap, step) {
+export function tasksNeeding(/** @type {TrialHistory} */ history, cap, step) {
   const { mission } = history;
   const all = mission.tasks.map((_, task) => task);
   return all.filter((task) => {

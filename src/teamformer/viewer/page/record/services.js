@@ -1,11 +1,17 @@
 // Who stays with a task that has a duration, and since when: the record says only when it was done.
+// @ts-nocheck
+
+import { covers } from "./counts.js";
+import { cellKey } from "./mission.js";
+import { isSamePlace } from "./plane.js";
+import { NOBODY, countsOfTeam, robotsOfTeam } from "./state.js";
 
 // Returns what to call after each step. A team that stands at such a task and covers it begins;
 // it goes on until the record says done, or until the team no longer covers it. Of a team that
 // parts (robots that run by themselves may) the first part that covers it goes on. Who takes up a
 // load is recorded, and its robots have it until the record says that it is down, in however many
 // teams they are.
-function serviceKeeper(history) {
+export function serviceKeeper(history) {
   const { mission, services, events } = history;
   const lasting = mission.tasks
     .map((_, task) => task)
@@ -43,7 +49,7 @@ function isDoneIn(change, task) {
 }
 
 // Loads that teams take up in a step: [task, slot].
-function takenIn({ mission, doneAt }, { taken = [] }, step) {
+export function takenIn({ mission, doneAt }, { taken = [] }, step) {
   return taken.filter(([task]) => {
     const { to, cancelled } = mission.tasks[task];
     return to && cancelled > step && doneAt[task] === Infinity;
@@ -82,7 +88,7 @@ function whoGoesOn(history, state, slots, task, taker) {
 }
 
 // The robots that began a service and are with it in a step.
-function robotsServing({ robots, leftIn }, step) {
+export function robotsServing({ robots, leftIn }, step) {
   return robots.filter((robot) => !(leftIn.get(robot) < step));
 }
 
@@ -147,16 +153,4 @@ function teamFinder(world, state) {
     else cells.set(cell, [slot]);
   }
   return (at) => cells.get(cellKey(...at)) ?? [];
-}
-
-function robotsOfTeam(state, slot) {
-  const robots = [];
-  for (let robot = slot; robot < state.team.length; robot++) {
-    if (state.team[robot] === slot) robots.push(robot);
-  }
-  return robots;
-}
-
-function countsOfTeam(mission, state, slot) {
-  return addCounts(robotsOfTeam(state, slot).map((robot) => mission.robots[robot].can));
 }

@@ -1,14 +1,16 @@
 // The part of the events that concerns one robot (with the teams it is in) or one task.
 
-function taskStory(history, task) {
+import { NOBODY } from "./state.js";
+
+export function taskStory(/** @type {TrialHistory} */ history, task) {
   return history.events.filter((event) => event.task === task);
 }
 
 // Follow the robot's team through its changing slots.
-function robotStory(history, robot) {
+export function robotStory(/** @type {TrialHistory} */ history, robot) {
   const start = history.record.start.find(([, robots]) => robots.includes(robot));
-  let team = start[0];
-  const story = [];
+  let team = start?.[0] ?? NOBODY;
+  /** @type {HistoryEvent[]} */ const story = [];
   for (const event of history.events) {
     if (event.kind === "back" && event.robot === robot) team = NOBODY;
     const after = slotAfter(event, team, robot);
@@ -20,7 +22,7 @@ function robotStory(history, robot) {
 }
 
 // The slot of a robot's team after an event; undefined if the event is none of its business.
-function slotAfter(event, team, robot) {
+function slotAfter(/** @type {HistoryEvent} */ event, team, robot) {
   switch (event.kind) {
     case "join":
       return [event.joiner, event.partner].includes(team)

@@ -1,11 +1,19 @@
 // A row of the Gantt view: a robot's name, its bars, a mark for each task that it did, its idle share.
 
+import { taskColour } from "../draw/palette.js";
+import { describeMoment, percent } from "../record/lengths.js";
+import { IDLE, PHASES, PHASE_NAMES } from "../record/phases.js";
+import { NOBODY } from "../record/state.js";
+import { describeWhen, robotName, taskName } from "../record/words.js";
+import { NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
+import { isOnPath } from "./critical_path.js";
+
 const NAMED_FROM = 34; // pixels of a bar
 const PARTED_FROM = 16; // pixels of a bar
 const MARK = 4; // pixels from the middle of a mark to its edge
 const DARK = "#1b1400"; // ink on the colour of waiting, in both themes
 
-const PHASE_COLOURS = {
+export const PHASE_COLOURS = {
   walks: "accent",
   waits: "wait",
   forms: "form",
@@ -18,16 +26,16 @@ const PHASE_COLOURS = {
 };
 
 // How strong a phase is drawn in the colour of its task.
-const STRENGTHS = { walks: 0.5, waits: 0.25, forms: 0.75, serves: 1, loads: 0.85, carries: 1, unloads: 0.85, idle: 1, lost: 0.25 };
+export const STRENGTHS = { walks: 0.5, waits: 0.25, forms: 0.75, serves: 1, loads: 0.85, carries: 1, unloads: 0.85, idle: 1, lost: 0.25 };
 
 // What bars may be coloured by.
-const BARS = { phase: "What they do", task: "Tasks" };
+export const BARS = { phase: "What they do", task: "Tasks" };
 
-function drawBarsOfRow(ctx, gantt, robot, top, row) {
+export function drawBarsOfRow(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, robot, top, row) {
   const { from, to } = gantt.stepsInSight();
   const marks = marksOfRow(gantt, robot, row);
   const isWide = (run) => run && gantt.x(run.to) - gantt.x(run.from) >= PARTED_FROM;
-  gantt.runs[robot].forEach((run, index, runs) => {
+  gantt.runsOf(robot).forEach((run, index, runs) => {
     const isParted = isWide(run) && isWide(runs[index + 1]);
     if (run.to >= from && run.from <= to) drawBar(ctx, gantt, run, marks, top, row, isParted ? 0.6 : 0);
   });
@@ -36,7 +44,7 @@ function drawBarsOfRow(ctx, gantt, robot, top, row) {
 
 // `parted` is the space before the next bar: between narrow bars there is none, or they would be
 // mostly space.
-function drawBar(ctx, gantt, run, marks, top, row, parted) {
+function drawBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, run, marks, top, row, parted) {
   const gap = row > 10 ? 2 : 1;
   const [left, right] = [gantt.x(run.from), gantt.x(run.to)];
   const { colour, strength, ink } = paintOf(gantt.app, run);
@@ -48,7 +56,7 @@ function drawBar(ctx, gantt, run, marks, top, row, parted) {
 }
 
 // The colour of a bar, how strong it is, and the ink of its name.
-function paintOf({ map, options }, { phase, task }) {
+function paintOf(/** @type {Shown} */ { map, options }, /** @type {Run} */ { phase, task }) {
   const name = PHASES[phase];
   const { theme, isDark } = map;
   if (options.bars === "task" && task !== NOBODY && name !== "lost") {
@@ -61,7 +69,7 @@ function paintOf({ map, options }, { phase, task }) {
 
 // The task that a bar is about, where there is room between the marks of tasks done; it stays in sight
 // with a part of its bar.
-function nameBar(ctx, gantt, { phase, task, from, to }, marks, middle, ink) {
+function nameBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, /** @type {Run} */ { phase, task, from, to }, marks, middle, ink) {
   const name = PHASES[phase];
   if (task === NOBODY || name === "idle" || name === "lost") return;
   const begin = Math.max(gantt.x(from), NAME_WIDTH);
@@ -79,7 +87,7 @@ function nameBar(ctx, gantt, { phase, task, from, to }, marks, middle, ink) {
 }
 
 // Where the robot had done tasks: [{task, x, left, right}]; marks of one step stand side by side.
-function marksOfRow(gantt, robot, row) {
+function marksOfRow(/** @type {Gantt} */ gantt, robot, row) {
   const half = halfOfMark(row);
   let [last, beside] = [-1, 0];
   return gantt.deeds[robot].map(({ task, step }) => {
@@ -95,7 +103,7 @@ function halfOfMark(row) {
 }
 
 // A diamond in the task's colour for each task done.
-function drawMarks(ctx, gantt, marks, top, row) {
+function drawMarks(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, marks, top, row) {
   const { theme, isDark } = gantt.app.map;
   const [half, y] = [halfOfMark(row), top + row / 2];
   ctx.lineWidth = row > 16 ? 1.5 : 0.75;
@@ -114,7 +122,7 @@ function drawMarks(ctx, gantt, marks, top, row) {
 }
 
 // On a ground of their own, so that bars pass under them.
-function drawEndsOfRow(ctx, gantt, robot, top, row) {
+export function drawEndsOfRow(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, robot, top, row) {
   const { history, map, selection } = gantt.app;
   const { theme } = map;
   ctx.fillStyle = selection.robot === robot ? theme.soft : theme.ground;
@@ -131,10 +139,10 @@ function drawEndsOfRow(ctx, gantt, robot, top, row) {
 }
 
 // What a robot did in a step, in words.
-function describeBar(gantt, robot, step) {
+export function describeBar(/** @type {Gantt} */ gantt, robot, step) {
   const { history } = gantt.app;
   const { mission } = history;
-  const run = gantt.runs[robot].find(({ from, to }) => from < step && step <= to);
+  const run = gantt.runsOf(robot).find(({ from, to }) => from < step && step <= to);
   if (!run) return robotName(mission, robot);
   const about = run.task === NOBODY ? "" : `, ${taskName(mission, run.task)}`;
   const [from, to] = [run.from, run.to].map((it) => describeMoment(mission.world, it));
@@ -146,7 +154,7 @@ function describeBar(gantt, robot, step) {
 }
 
 // A text cut so that it fits into so many pixels.
-function clipped(ctx, text, width) {
+function clipped(/** @type {Canvas2D} */ ctx, text, width) {
   if (ctx.measureText(text).width <= width) return text;
   let end = text.length;
   while (end > 0 && ctx.measureText(`${text.slice(0, end)}…`).width > width) end--;

@@ -2,9 +2,9 @@
 
 numba compiles on one core. So while this process compiles a planner, which it needs first,
 `python -m teamformer.cli.terminal.compiling METHOD` compiles what comes after it into the cache;
-with `--simulator` only the step, as by a shared plan no policy has to think. With `--planner` it
-compiles the shared plan; `make run` has it do so while pip installs what that does not need. With
-`--everything` it compiles what any first run needs, for a wheel that brings it along.
+with `--simulator` only the step and the bound, as by a shared plan no policy has to think. With
+`--planner` it compiles the shared plan, as `make run` has it do while pip installs what that does
+not need. With `--everything` it compiles what any first run needs, for a wheel that brings it.
 """
 
 from __future__ import annotations
@@ -110,12 +110,14 @@ def main() -> None:
 
 
 def _make_a_step(smallest: Mission) -> None:
-    """Make one step by plans that hold nothing."""
+    """Make one step by plans that hold nothing, and work out what no plan beats."""
     from teamformer.methods.coordinators.on_command import OnCommand
+    from teamformer.planning.bounds.makespan import lower_bound
     from teamformer.world.env import TeamFormation
 
     env = TeamFormation([smallest], coordinator=OnCommand())
     env.step(env.planned_decision(env.view()))
+    lower_bound(smallest)
 
 
 def _make_a_plan(smallest: Mission) -> None:

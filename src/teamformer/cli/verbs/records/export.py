@@ -8,7 +8,7 @@ from pathlib import Path
 from teamformer.base.entry_points import OURS, Brought, brought, find_brought
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import prepare_file, prepare_folder, refuse_existing, say
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 
 FOLDER = "folder"
 """The exporter for a name without an ending; the others are named by endings."""

@@ -39,7 +39,6 @@ from teamformer.fleet.messages import (
     TaskFact,
     Word,
 )
-from teamformer.fleet.observer.alerts import Alert, Alerts
 from teamformer.fleet.observer.mission_clock import MissionClock
 from teamformer.fleet.observer.session import ObserverSession
 from teamformer.fleet.observer.silence import Silence
@@ -48,6 +47,7 @@ from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.process.fleet import free_ports
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
+from teamformer.live.running.alerts import Alert, Alerts
 from teamformer.record.files.reading import read_record
 from teamformer.record.happenings import events
 from teamformer.record.record import FLEET, TeamAt

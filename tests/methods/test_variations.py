@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from teamformer.methods.central.plan_centrally import plan_centrally
-from teamformer.methods.central.plays import Plays, Rank
+from teamformer.methods.central.plays import WORST, Plays, Rank
 from teamformer.methods.central.variations import vary
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
@@ -77,3 +77,17 @@ def test_tasks_stay_behind_those_that_they_come_after_and_coalitions_are_able() 
     assert {tuple(plan.order.tolist()) for plan in played} == {(0, 1, 2), (1, 0, 2), (1, 2, 0)}
     assert min(int(plan.size.min()) for plan in played) == 2
     assert len({str(plan) for plan in played}) == len(played)
+
+
+def test_where_windows_count_a_play_ends_when_it_is_beaten() -> None:
+    """A robot in the middle; a, due at 3, is 2 to the left, and b, which takes 30, 2 to the right.
+
+    a, b is done at 2 and 36: (36 + 2 x 0) / 3. b, a at 32 and 36: (36 + 2 x 33) / 3. Of this play
+    it is known at step 20 that it costs (20 + 2 x 17) / 3 = 18 at least.
+    """
+    robot = Robot("r", (2, 0), {"a": 1})
+    tasks = (Task("a", (0, 0), {"a": 1}, between=(0, 3)), Task("b", (4, 0), {"a": 1}, duration=30))
+    mission = Mission("corridor", Grid(5, 1), ("a",), (robot,), tasks)
+    plays = plays_of(mission)
+    ranks = [plays.add_plan("plan", plan_of_one(order)) for order in ((1, 0), (0, 1), (1, 0))]
+    assert ranks == [(34.0, -2), (12.0, -2), WORST]

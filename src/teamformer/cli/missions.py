@@ -18,6 +18,7 @@ from teamformer.cli.app import (
     Port,
     Seed,
     TimeLimit,
+    Webhook,
     app,
     is_given,
     split_names,
@@ -197,6 +198,7 @@ def live(
         bool,
         typer.Option("--resume", help="go on with one that was cut off; MISSION: its autosave"),
     ] = False,
+    webhook: Webhook = "",
 ) -> None:
     """Draw a mission in the browser and run it: watch it, add tasks, lose robots.
 
@@ -207,4 +209,4 @@ def live(
     from teamformer.cli.verbs.missions.live import live as command
 
     at = address_of(port, split_names(host))
-    raise typer.Exit(command(mission, LiveOptions(method, seed, at, out, resume)))
+    raise typer.Exit(command(mission, LiveOptions(method, seed, at, out, resume, webhook)))

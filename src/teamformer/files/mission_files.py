@@ -97,14 +97,17 @@ def mission_from_tree(value: Any, source: str = "mission") -> Mission:
     return _read(reader.from_value(value), source, "unnamed", None)
 
 
-def write_mission(mission: Mission, path: Path) -> None:
-    """Write a mission that needs no other file; JSON if the name ends so, else YAML."""
+def write_mission(mission: Mission, path: Path, head: str = "") -> None:
+    """Write a mission that needs no other file; JSON if the name ends so, else YAML.
+
+    `head` is a line of comment for the beginning of a YAML file.
+    """
     tree = mission_to_tree(mission)
     if path.suffix.lower() == ".json":
         text = json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False, default=own_number)
         text += "\n"
     else:
-        text = writer.to_text(tree)
+        text = f"{head}\n" * bool(head) + writer.to_text(tree)
     try:
         write_whole(path, text)
     except (OSError, ValueError) as error:  # ValueError: a name with a zero byte

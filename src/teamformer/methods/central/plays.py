@@ -47,6 +47,9 @@ That is far more than it takes in small missions, where so much is uncertain tha
 another plan.
 """
 
+LOOK = 20
+"""Every so many steps of a play in a mission with a cost it is asked whether it is beaten."""
+
 MARGIN = 0.1
 """Seconds kept back at the end, besides what the last plays take."""
 
@@ -89,7 +92,7 @@ class Plays:
         self._coordinator: Coordinator | None = None
         self._tasks_done = -1  # of the best play
         self._curve: list[tuple[float, int]] = []
-        self._longest = 0.0  # seconds that a play took
+        self._longest = 0.0  # seconds that the play of a plan took
 
     @property
     def seconds(self) -> float:
@@ -112,10 +115,8 @@ class Plays:
 
         That may be better than what the default does when it knows all.
         """
-        longest = self._longest  # this is never played last
         until = max(self.limit, self.seconds + BELIEVED_SECONDS)
         self.add(name, default, until=until, mission=believed)
-        self._longest = longest
 
     @property
     def _end(self) -> float:
@@ -124,9 +125,10 @@ class Plays:
 
     def add_plan(self, name: str, plan: CoalitionPlan) -> Rank:
         """Play a plan; the plan whose play is the best is kept in `best_plan`."""
-        order = plan.order.tolist()
+        begun, order = self.seconds, plan.order.tolist()
         routes = routes_of(plan, len(self._source.robots))
         rank = self.add(name, PlanPlayer(self._source, routes, order))
+        self._longest = max(self._longest, self.seconds - begun)
         if self.best_plan is None or rank < self.best_plan[0]:
             self.best_plan = rank, plan
         return rank
@@ -148,17 +150,18 @@ class Plays:
         What is done is noted in `log`. With a `mission` it is played by robots that know no more
         than that: it is the mission with what is uncertain left open.
 
-        Once there is a play to show, others end early: when they are no faster, or at the second
+        Once there is a play to show, others end early: when they are no better, or at the second
         `until`, when time is up if left out.
         """
         mission = mission or self._source
         env = stage_for(player, mission, self._source)
-        begun = self.seconds
         end = self._end if until is None else until
         most = NEVER if self.makespan is None or self._weights else self.makespan
         script: Script = []
         while env.is_running[0] and len(script) < most:
             if self.makespan is not None and self.seconds > end:
+                return WORST
+            if self._weights and len(script) % LOOK == 0 and self._cost_at_least(env) > self._cost:
                 return WORST
             script.append(_step(env, player))
             if log is not None:
@@ -174,7 +177,6 @@ class Plays:
             self._tasks_done = tally.tasks_done
             self._played_by, self._script, self._mission = name, script, mission
             self._coordinator = _again(player, env)
-        self._longest = max(self._longest, self.seconds - begun)
         return cost, -tally.tasks_done
 
     def _cost_of(self, env: TeamFormation) -> float:
@@ -182,6 +184,13 @@ class Plays:
         if self._weights is None:
             return env.tally().steps
         return weighed(self._source, self._weights, env.ends(), env.tally().steps)
+
+    def _cost_at_least(self, env: TeamFormation) -> float:
+        """Return what a play costs if all that is not done is done at once; weights count here."""
+        assert self._weights is not None
+        steps, ends = env.tally().steps, env.ends()
+        soonest = {task: ends.get(task, steps) for task in range(len(self._source.tasks))}
+        return weighed(self._source, self._weights, soonest, steps)
 
     def is_proven(self, bound: int) -> bool:
         """Say whether nothing can be better than the best play."""

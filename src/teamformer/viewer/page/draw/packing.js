@@ -52,9 +52,7 @@ function nextPlace(circles, r) {
   if (circles.length === 0) return { x: 0, y: 0 };
   if (circles.length === 1) return { x: circles[0].r + r, y: 0 };
   for (let late = circles.length - 1; late > 0; late--) {
-    const places = circles
-      .flatMap((circle, index) => (index === late ? [] : touching(circles[late], circle, r)))
-      .filter((place) => isFree(circles, place, r));
+    const places = circles.flatMap((circle, index) => (index === late ? [] : touching(circles[late], circle, r))).filter((place) => isFree(circles, place, r));
     if (places.length) return nearestTo(middleOf(circles), places);
   }
   throw new Error("circles in the plane always leave room beside them");

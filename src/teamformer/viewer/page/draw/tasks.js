@@ -51,9 +51,7 @@ function isUnchanging(/** @type {View} */ { history, sites, scene, places, place
   if (sites[task].isUp) return false;
   const cell = cellKey(...sites[task].at);
   if (places.cells.has(cell) || placesAfter.cells.has(cell)) return false;
-  return (
-    standing === "open" || standing === "cancelled" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS)
-  );
+  return standing === "open" || standing === "cancelled" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS);
 }
 
 // Such a task is drawn once and then copied: with a thousand tasks this is most of the work.
@@ -89,9 +87,7 @@ export function taskBox(/** @type {View} */ view, task) {
   const [x, y] = [camera.x(at[0]), camera.y(at[1])];
   if (detail !== "robots") return { x, y, half: Math.max(1.5, 0.3 * cell) };
   const least = mission.tasks.length <= FEW_TASKS && cell >= ROOMY_CELL ? 8 : 6;
-  const [from, to] = [places, placesAfter].map((known) =>
-    taskSquare(known, sites[task], task, cell, least),
-  );
+  const [from, to] = [places, placesAfter].map((known) => taskSquare(known, sites[task], task, cell, least));
   const pixels = (key) => between(from[key], to[key], part) * cell;
   return { x: x + pixels("right"), y: y + pixels("down"), half: pixels("half") };
 }

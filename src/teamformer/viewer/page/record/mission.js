@@ -148,9 +148,7 @@ function readWorld(world) {
 // The box around all free cells, and one cell more: scanned maps have wide dead margins.
 function usedPart(width, height, rows) {
   if (!rows.length) return { left: 0, low: 0, width, height };
-  const columns = Array.from({ length: width }, (_, x) => x).filter((x) =>
-    rows.some((row) => row[x] !== "@"),
-  );
+  const columns = Array.from({ length: width }, (_, x) => x).filter((x) => rows.some((row) => row[x] !== "@"));
   const lines = rows.map((_, y) => y).filter((y) => /[^@]/.test(rows[y]));
   const [left, right] = [Math.max(0, columns[0] - 1), Math.min(width - 1, columns[columns.length - 1] + 1)];
   const [low, high] = [Math.max(0, lines[0] - 1), Math.min(height - 1, lines[lines.length - 1] + 1)];

@@ -76,9 +76,7 @@ export function describeDoing(/** @type {TrialHistory} */ history, /** @type {Te
       const away = distanceTo(mission, team);
       const way = `${describeWay(mission.world, away)} to go`;
       const goes = isFlying(mission, team) ? "flies" : "walks";
-      return team.isMet
-        ? `${goes} to ${name} with all it needs, ${way}`
-        : `${goes} to ${name}, ${way}; lacks ${lack}`;
+      return team.isMet ? `${goes} to ${name} with all it needs, ${way}` : `${goes} to ${name}, ${way}; lacks ${lack}`;
     }
   }
 }

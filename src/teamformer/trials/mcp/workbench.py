@@ -242,6 +242,9 @@ TOOLS = (
 )
 """The tools, by the names of their functions."""
 
+READING = ("list_files", "check_mission", "compare_methods", "explain", "check_record")
+"""Those that write nothing, which a client need not ask its user about."""
+
 
 def _text(mission: str | Mapping[str, Any], path: Path) -> str:
     """Return what is written of a mission that is right: its text as it is."""

@@ -21,7 +21,7 @@ from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.process.bodies_by_name import body_maker
 from teamformer.methods.by_name import files_of_own, load_method
 from teamformer.methods.listings import method_listings, method_names, our_method_names
-from teamformer.record.writing import save_record
+from teamformer.record.files.writing import save_record
 from teamformer.trials.trial import run_trial
 
 CODE = """

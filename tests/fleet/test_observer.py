@@ -48,8 +48,8 @@ from teamformer.fleet.process.fleet import free_ports
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.live.running.alerts import Alert, Alerts
-from teamformer.record.export.events import events
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.happenings import events
 from teamformer.record.record import FLEET, TeamAt
 from teamformer.world.rules.constants import NOBODY
 

@@ -37,7 +37,7 @@ from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.live.running.incidents import LostRobot
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
-from teamformer.record.writing import save_record
+from teamformer.record.files.writing import save_record
 from teamformer.viewer.modules import joined
 from test_verbs import typed
 from texts import text_of

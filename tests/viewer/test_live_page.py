@@ -27,7 +27,7 @@ from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Absence
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 from teamformer.record.referee import judge
 from teamformer.world.env import Decision
 from teamformer.world.view import View

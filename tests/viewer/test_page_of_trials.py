@@ -12,7 +12,7 @@ import pytest
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.record.writing import record_to_tree
+from teamformer.record.files.writing import record_to_tree
 from teamformer.trials.recorder import Recorder
 from teamformer.viewer.modules import joined
 from teamformer.world.env import TeamFormation

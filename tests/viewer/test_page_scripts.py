@@ -16,7 +16,7 @@ from toy_records import Tree, random_mission, small_mission, toy_record, toy_sta
 from teamformer.mission.checks.rules import LIKELY
 from teamformer.record import phases
 from teamformer.record.export.moments import moments
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 from teamformer.viewer.modules import joined
 
 

@@ -11,7 +11,7 @@ from toy_records import Tree, random_mission, small_mission, toy_record
 
 from browsers import Opened, Opener
 from teamformer.base.errors import TeamformerError
-from teamformer.record.reading import record_from_tree
+from teamformer.record.files.reading import record_from_tree
 
 
 def three_in_one_cell() -> Tree:

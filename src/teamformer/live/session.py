@@ -46,8 +46,9 @@ from teamformer.live.running.what_if import luck_of, what_if
 from teamformer.live.serving.errands import Errands, apart
 from teamformer.live.serving.refusals import or_refuse, refusal
 from teamformer.live.serving.watchers import Watcher
+from teamformer.record.files.writing import save_record
 from teamformer.record.record import Record
-from teamformer.record.writing import save_record
+from teamformer.record.telling.latest import LatestTold
 
 AT_ONCE = 0.3
 """Seconds within which a step is made without a word; what takes longer is told to be planned."""
@@ -82,6 +83,7 @@ class Session:
         self.lock = asyncio.Lock()
         self._wake = asyncio.Event()
         self._errands = Errands()
+        self._told = LatestTold()
         self._outlook: Tree | None = None  # what the latest forecast said
         self._is_outdated = False  # since more was shown
         self._planning = ""  # after what a plan is being made, for as long as it is
@@ -146,7 +148,9 @@ class Session:
                 self._planning_is_over()
             self._autosave.step(self.mission)
             self._alarm.look(self.mission)
-            self._tell_all("step", news_of_step(self.mission.record(), self.mission.is_running))
+            record = self.mission.record()
+            told = await asyncio.to_thread(self._told.of, record)
+            self._tell_all("step", news_of_step(record, told, self.mission.is_running))
         if not self.mission.is_running:
             self._pause()
         elif self.mission.has_shown_more:
@@ -266,6 +270,7 @@ class Session:
     def _have_changed(self) -> None:
         """Have everything worked out again, for the mission is another now."""
         self._changes += 1
+        self._told.forget()
         self._alarm.look(self.mission)
         for watcher in self.watchers:
             if self._errands.end(watcher):

@@ -30,8 +30,10 @@ from teamformer.live.running.messages import read_incident, read_message
 from teamformer.live.running.page_trees import Tree, record_so_far
 from teamformer.live.serving.refusals import or_refuse
 from teamformer.live.serving.watchers import Watcher
+from teamformer.record.files.writing import save_record, step_to_tree
 from teamformer.record.record import Record
-from teamformer.record.writing import save_record, step_to_tree
+from teamformer.record.telling.latest import LatestTold
+from teamformer.record.telling.trees import news_to_tree
 
 LISTENS = 3.0
 """Seconds that agents have to tell what was done before."""
@@ -71,6 +73,7 @@ class ObserverSession:
         self.on_step: Callable[[Record], None] | None = None  # given what was seen so far
         names = tuple(robot.name for robot in watch.mission.source.robots)
         self._silence, self._alerts = Silence(names, time.monotonic()), Alerts(names)
+        self._told = LatestTold()
         self._step, self._clock = watch.mission.step, MissionClock(MOST_PAST * watch.mission.step)
         self._has_begun = False  # to write down steps
         transport.listen_to(range(watch.mission.robots))
@@ -228,9 +231,12 @@ class ObserverSession:
 
     def _make_step(self) -> None:
         step = self.watch.step()
-        self._tell_all("step", {"at": len(self.watch.steps), "step": step_to_tree(step)})
+        record = self.watch.record()
+        told = news_to_tree(self._told.of(record))
+        news = {"at": len(self.watch.steps), "step": step_to_tree(step), "told": told}
+        self._tell_all("step", news)
         if self.on_step is not None:
-            self.on_step(self.watch.record())
+            self.on_step(record)
 
     def _tell_of_task(self, text: str) -> None:
         self._incidents.append((len(self.watch.steps), text))

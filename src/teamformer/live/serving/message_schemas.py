@@ -123,7 +123,10 @@ def said_by_the_server() -> list[Schema]:
         message("kind", "begun", "load the page again: a mission has begun or ended", {}),
         message("kind", "mission", "the whole record so far", recorded, MAY_BE_OF_A_STATE | TEXTED),
         message("kind", "state", "how the mission stands", STATE, MAY_BE_OF_A_STATE),
-        message("kind", "step", "one step, as in the record", {"at": STEPS, "step": TREE}),
+        message(
+            *("kind", "step", "one step, as in the record, and what is told of it"),
+            {"at": STEPS, "step": TREE, "told": TREE},
+        ),
         message(
             *("kind", "incident", "something has happened"),
             {"text": TEXT} | recorded,

@@ -19,10 +19,10 @@ from teamformer.mission.model import Mission
 from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.reasons import story_lines
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
-from teamformer.record.writing import record_to_tree
 from teamformer.trials.advice.advise import advise_on
 from teamformer.trials.advice.changes import changes_of
 from teamformer.trials.api import trials

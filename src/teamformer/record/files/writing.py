@@ -10,8 +10,10 @@ from typing import Any
 from teamformer.base.whole_files import own_number, write_whole
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.files.trees.mission import RECORD
+from teamformer.record.files.truths import truth_to_tree
 from teamformer.record.record import VERSION, Record, Step
-from teamformer.record.truths import truth_to_tree
+from teamformer.record.telling.trees import told_to_tree
+from teamformer.record.telling.whole import told_of
 
 
 def record_to_tree(record: Record) -> dict[str, Any]:
@@ -37,6 +39,7 @@ def record_to_tree(record: Record) -> dict[str, Any]:
         tree["heeds"] = list(record.heeds)
     if record.foresight != "scouting":
         tree["foresight"] = record.foresight
+    tree["told"] = told_to_tree(told_of(record))
     return tree
 
 
@@ -66,6 +69,9 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
         if key == "steps":
             steps = ",\n".join(_compact(step) for step in value)
             yield f'"steps": [\n{steps}\n]{comma}'
+        elif key == "told":
+            parts = ",\n".join(f"{_compact(part)}: {_compact(it)}" for part, it in value.items())
+            yield f'"told": {{\n{parts}\n}}{comma}'
         else:
             yield f"{_compact(key)}: {_compact(value)}{comma}"
     yield "}\n"

@@ -12,7 +12,7 @@ from teamformer.files.trees.writer import absences_to_tree, counts_to_tree, task
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.values import (
+from teamformer.record.files.values import (
     DamageError,
     amount_of,
     check_keys,

@@ -17,20 +17,8 @@ from teamformer.mission.checks.rules import FORESIGHTS
 from teamformer.mission.coordination import NEWS, TAKEN_OVER
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.record import (
-    FLEET,
-    HEARD,
-    STATUSES,
-    VERSION,
-    Ending,
-    Record,
-    SharedPlanMade,
-    Step,
-    TaskAt,
-    TeamAt,
-)
-from teamformer.record.truths import truth_from_tree
-from teamformer.record.values import (
+from teamformer.record.files.truths import truth_from_tree
+from teamformer.record.files.values import (
     DamageError,
     check_keys,
     count_of,
@@ -46,6 +34,20 @@ from teamformer.record.values import (
     text_of,
     whole_number,
 )
+from teamformer.record.record import (
+    FLEET,
+    HEARD,
+    STATUSES,
+    VERSION,
+    Ending,
+    Record,
+    SharedPlanMade,
+    Step,
+    TaskAt,
+    TeamAt,
+)
+from teamformer.record.telling.trees import told_to_tree
+from teamformer.record.telling.whole import told_of
 
 LARGEST_FILE = 1_000_000_000  # bytes
 """A thousand robots on the move for three thousand steps take 40 MB."""
@@ -58,8 +60,8 @@ ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
 RECORD_BEFORE = "teamformer_replay"
 """The key of a record's version in formats 1 and 2."""
 
-RECORD_KEYS = (RECORD, *(field.name for field in fields(Record)))
-OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight", "heeds")
+RECORD_KEYS = (RECORD, *(field.name for field in fields(Record) if field.init), "told")
+OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight", "heeds", "told")
 NEEDED_KEYS = tuple(key for key in RECORD_KEYS if key not in OPTIONAL_KEYS)
 
 
@@ -182,7 +184,7 @@ def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
     method, steps = text_of(tree["method"]), tuple(_steps(tree["steps"], robots, tasks, along))
     if method != FLEET and any(slot is None for step in steps for _, slot in step.done):
         raise DamageError("a task is done by nobody, which only the record of a fleet may say")
-    return Record(
+    record = Record(
         mission=mission,
         method=method,
         seed=whole_number(tree["seed"]),
@@ -197,6 +199,18 @@ def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
         foresight=_foresight(tree),
         heeds=_heeds(tree),
     )
+    with inside("told"):
+        if "told" in tree:
+            _check_told(tree["told"], told_to_tree(told_of(record)))
+    return record
+
+
+def _check_told(told: Any, expected: Mapping[str, Any]) -> None:
+    """Refuse what is told of other steps than those of the record."""
+    check_keys(told, tuple(expected), tuple(expected))
+    for key, value in expected.items():
+        if told[key] != value:
+            raise DamageError(f"'{key}' is not what the steps tell")
 
 
 def _foresight(tree: Mapping[str, Any]) -> str:
@@ -286,6 +300,11 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
         taken=_pairs(tree.get("taken", []), tasks, robots),
         left=_places(tree.get("left", []), tasks, along),
         pursued=_pairs(tree.get("pursued", []), robots, tasks),
+        served=tuple(
+            (number_below(task, tasks), numbers_below(members, robots))
+            for task, members in rows_of(tree.get("served", []), 2)
+        ),
+        unloads=numbers_below(tree.get("unloads", []), tasks),
     )
 
 

@@ -60,7 +60,7 @@ class Event:
 
 def events(record: Record) -> Iterator[Event]:
     """Yield the events of a record."""
-    teams = Teams(record)
+    teams = Teams(record.mission.robots, record.start)
     appears: defaultdict[int, list[int]] = defaultdict(list)
     for task, steps in enumerate(known_steps(record)):
         appears[steps].append(task)

@@ -13,8 +13,8 @@ from browsers import Opener
 from random_worlds import random_world, with_precedence_and_windows, with_surprises
 from small_worlds import make, robot, task
 from teamformer.methods.by_name import load_method
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.files.writing import record_to_tree
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.trial import run_trial
 from teamformer.viewer.modules import joined
 

@@ -91,9 +91,13 @@ $(ROS)/stamp: pyproject.toml  # its packages re-execute every Python of their en
 		ros-geometry-msgs ros-nav-msgs ros-action-msgs 'ros-visualization-msgs==5.5.1' 'ros-test-msgs==2.3.0'
 	touch $@
 
-$(VENV)/run.stamp: pyproject.toml
+LIBRARIES := sed -n '/^dependencies/,/^]/s/^  \("[^"]*"\),/\1/p' pyproject.toml
+$(VENV)/run.stamp: pyproject.toml  # ortools and onnxruntime come while kernels are compiled, which need neither
 	$(MAKE_VENV) $(VENV)
-	$(BIN)/pip install --quiet --editable .
+	@echo "installing, and compiling beside it: about a minute in all ..."
+	$(LIBRARIES) | grep -v '"o' | xargs $(BIN)/pip install --quiet --no-compile
+	PYTHONPATH=src $(BIN)/python -m teamformer.cli.terminal.compiling --planner > $(VENV)/compiling.log 2>&1 & \
+		trap "kill $$!" INT TERM; $(BIN)/pip install --quiet --no-compile --editable .
 	touch $@
 
 $(VENV)/dev.stamp: pyproject.toml  # bytecode as it is needed: most of it never is

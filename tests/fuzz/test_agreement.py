@@ -81,7 +81,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def page(browser: Any) -> Any:
     """An empty page with the scripts that read a record."""
     page = browser.new_page()
-    page.add_script_tag(content=joined("look"))
+    page.add_script_tag(content=joined("look", "record/story"))
     return page
 
 

@@ -17,6 +17,8 @@ import anyio
 from mcp import Client, StdioServerParameters
 from mcp.client.stdio import stdio_client
 
+from teamformer.trials.mcp.workbench import READING, TOOLS
+
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "mcp.md"
 SERVER = ("-m", "teamformer.cli", "mcp", "--folder")
 ASKED = re.compile(
@@ -83,6 +85,18 @@ def test_what_can_be_read_before_a_mission_is_drawn_up(tmp_path: Path) -> None:
                 if "map:" not in text:  # which is a file beside it
                     file = {"file": "it.yaml", "mission": text, "replace": True}
                     assert (await ask(client, "write_mission", file))["written"], uri
+
+    anyio.run(talk)
+
+
+def test_a_client_knows_which_tools_write(tmp_path: Path) -> None:
+    async def talk() -> None:
+        async with client_of(tmp_path) as client:
+            tools = (await client.list_tools()).tools
+            reading = {it.name for it in tools if it.annotations and it.annotations.read_only_hint}
+            assert reading == set(READING)
+            assert {it.name for it in tools} == set(TOOLS)
+            assert all(it.description for it in tools)
 
     anyio.run(talk)
 

@@ -94,6 +94,18 @@ def test_nothing_outside_is_read_or_written(bench: Workbench, name: str) -> None
     assert sorted(path.name for path in root.iterdir()) == ["link.yaml", "up"]
 
 
+def test_a_result_is_not_written_through_a_link_that_leads_out(bench: Workbench) -> None:
+    bench.write_mission("a.yaml", TINY)
+    secret = bench.folder.root.parent / "secret.yaml"
+    (bench.folder.root / "out").mkdir()
+    for name in ("record.html", "plan.json"):
+        (bench.folder.root / "out" / name).symlink_to(secret)
+    for act in (bench.run_mission, bench.plan_mission):
+        with pytest.raises(TeamformerError, match="this is not in"):
+            act("a.yaml", seconds=0.1)  # type: ignore[operator]
+    assert secret.read_text() == TINY
+
+
 def test_a_mission_names_no_map_outside(bench: Workbench) -> None:
     text = TINY.replace("grid: [4, 4]", "map: ../secret.map").replace("[3, 3]", "[1, 0]")
     (mistake,) = bench.write_mission("m.yaml", text)["mistakes"]

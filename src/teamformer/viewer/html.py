@@ -23,11 +23,16 @@ def plain_page(title: str, style: str, body: str) -> str:
 
 def plan_page(title: str, style: str, body: str, plan: Mapping[str, object]) -> str:
     """Return the page of a plan, with the plan and the scripts that tell of it."""
-    script = joined("plan/plan")
     held = f'<script type="application/json" id="plan">{_json_for_html(plan)}</script>'
+    return script_page(title, style, f"{body}{held}", "plan/plan")
+
+
+def script_page(title: str, style: str, body: str, opener: str, allowed: str = "") -> str:
+    """Return a small page that the module `opener` works on, with whatever else is `allowed`."""
+    script = joined(opener)
     run = f'<script type="module">{script}</script>'
-    policy = f"style-src {_fingerprint(style)}; script-src {_fingerprint(script)}"
-    return _small_page(title, style, f"{body}{held}{run}", policy)
+    policy = f"{allowed}style-src {_fingerprint(style)}; script-src {_fingerprint(script)}"
+    return _small_page(title, style, f"{body}{run}", policy)
 
 
 def _small_page(title: str, style: str, body: str, policy: str) -> str:

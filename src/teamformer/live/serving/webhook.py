@@ -111,7 +111,7 @@ def _host_of(url: str) -> str:
 
 def _post(url: str, event: dict[str, Any]) -> str | None:
     """Send an event; return why it was not taken, or None."""
-    data = json.dumps(event, ensure_ascii=False).encode()
+    data = json.dumps(event).encode()
     headers = {"Content-Type": "application/json", "User-Agent": "teamformer"}
     try:
         with urllib.request.urlopen(urllib.request.Request(url, data, headers), timeout=TIMEOUT):

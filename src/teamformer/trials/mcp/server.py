@@ -13,11 +13,12 @@ import anyio
 import anyio.to_thread
 from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
+from mcp.types import ToolAnnotations
 
 from teamformer.base.errors import TeamformerError
 from teamformer.trials.mcp import resources
 from teamformer.trials.mcp.telling import Told, in_words
-from teamformer.trials.mcp.workbench import TOOLS, Workbench
+from teamformer.trials.mcp.workbench import READING, TOOLS, Workbench
 
 SIGN_OF_LIFE = 2.0
 """Seconds between signs that a tool is still at work, for clients that wait only so long."""
@@ -38,7 +39,9 @@ def make_server(bench: Workbench) -> MCPServer[Any]:
     for name in TOOLS:
         tool = getattr(bench, name)
         about = " ".join(tool.__doc__.split())
-        server.add_tool(_beside(tool, f"{bench.folder.root}/"), name=name, description=about)
+        hints = ToolAnnotations(read_only_hint=name in READING, open_world_hint=False)
+        call = _beside(tool, f"{bench.folder.root}/")
+        server.add_tool(call, name=name, description=about, annotations=hints)
     _add_resources(server)
     return server
 

@@ -44,9 +44,14 @@ class WorkFolder:
         self.new_folder(str(Path(name).parent))
         return path
 
-    def new_folder(self, name: str) -> Path:
-        """Return a folder, made if there is none."""
+    def new_folder(self, name: str, *holds: str) -> Path:
+        """Return a folder, made if there is none, in which files are to be written.
+
+        Raises `TeamformerError` if one of those that it `holds` is a link that leads out.
+        """
         path = self.path(name)
+        for file in holds:
+            self.path(f"{name}/{file}")
         try:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:

@@ -99,7 +99,7 @@ class Workbench:
         made = trials.plan(mission, limit, method)
         if made is None:
             raise TeamformerError("no plan was found in this time", "try again with more seconds")
-        into, row = self.folder.new_folder(out), made.row
+        into, row = self.folder.new_folder(out, "plan.html", "plan.json"), made.row
         write_gantt(row, into / "plan.html")
         write_whole(into / "plan.json", json.dumps(row, ensure_ascii=False) + "\n")
         return {
@@ -127,7 +127,8 @@ class Workbench:
         """
         chosen = _method(method) if method else None
         record = trials.run(self._mission(file), chosen, seed, _seconds(seconds)).record
-        kept, page = write_record(record, self.folder.new_folder(out))
+        into = self.folder.new_folder(out, "record.json", "record.html")
+        kept, page = write_record(record, into)
         verdict = judge(record)
         return outcome(record) | {
             "legal": verdict.is_legal,
@@ -240,6 +241,9 @@ TOOLS = (
     *("compare_methods", "explain", "check_record", "advise", "change_mission", "show"),
 )
 """The tools, by the names of their functions."""
+
+READING = ("list_files", "check_mission", "compare_methods", "explain", "check_record")
+"""Those that write nothing, which a client need not ask its user about."""
 
 
 def _text(mission: str | Mapping[str, Any], path: Path) -> str:

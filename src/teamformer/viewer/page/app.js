@@ -15,7 +15,8 @@ import { Lists } from "./panel/lists.js";
 import { VIEWS, showPlayback, showSwitches } from "./panel/playback.js";
 import { Timeline } from "./panel/timeline.js";
 import { Player } from "./player.js";
-import { frames, rememberLast } from "./record/history.js";
+import { frames } from "./record/history.js";
+import { rememberLast } from "./record/keeping.js";
 import { describeSpan } from "./record/lengths.js";
 import { sceneAt, teamOfRobot } from "./record/scene.js";
 import { describeAt, describeEvent, robotName, taskName } from "./record/words.js";
@@ -267,9 +268,7 @@ export class App extends Shown {
 
   goToEvent(/** @type {HistoryEvent} */ event) {
     if (event.task !== undefined) this.selection = { task: event.task };
-    else if (event.kind === "join") this.selection = { robot: event.joiner };
-    else if (event.kind === "split") this.selection = { robot: event.stay?.[0] };
-    else if (event.robot !== undefined) this.selection = { robot: event.robot };
+    else if (event.robots) this.selection = { robot: event.robots[0] };
     this.go(event.step);
     this.show(true);
   }

@@ -3,9 +3,7 @@
 import { ringColour, taskColour } from "./draw/palette.js";
 import { robotSpot } from "./draw/shapes.js";
 import { needsThatFit, taskBox } from "./draw/tasks.js";
-import { criticalPath } from "./record/critical_path.js";
 import { curvesOf } from "./record/over_time.js";
-import { PHASES, PHASE_NAMES } from "./record/phases.js";
 import { NOBODY } from "./record/state.js";
 import { describeDoing, robotName, taskName } from "./record/words.js";
 import { ROBOT_COLUMNS, TASK_COLUMNS, momentOf } from "./views/columns.js";
@@ -42,7 +40,7 @@ export function lookInto(/** @type {App} */ app) {
     told: () => toldOf(app.history),
     tables: () => tablesOf(app),
     incidents: () => /** @type {any} */ (app).state.incidents,
-    criticalPath: () => criticalPath(app.history),
+    criticalPath: () => app.history.told.path,
     bars: (robot) => ganttRow(app, robot),
     curves: () => curvesOf(app.history),
     lineOf: (step, part) => ({ x: app.compared.curves.x(step), y: app.compared.curves.y(part) }),
@@ -59,10 +57,10 @@ function ganttRow(/** @type {Shown} */ { gantt, history }, robot) {
   const place = (step) => gantt.x(step);
   return {
     bars: gantt.runsOf(robot).map(({ phase, task, from, to }) => ({
-      ...{ phase: PHASE_NAMES[PHASES[phase]], task: nameOf(task), from, to },
+      ...{ phase, task: nameOf(task), from, to },
       ...{ left: place(from), right: place(to) },
     })),
-    marks: gantt.deeds[robot].map(({ task, step }) => ({ task: nameOf(task), step })),
+    marks: (gantt.deeds?.[robot] ?? []).map(({ task, step }) => ({ task: nameOf(task), step })),
     rowHeight: gantt.rowHeight(),
   };
 }
@@ -85,9 +83,9 @@ function toldOf(/** @type {TrialHistory} */ { mission, doneAt, doers, events }) 
       lines.push([doneAt[task], "done", namesOf(robots), taskName(mission, task)]);
     }
   });
-  for (const { step, kind, robot, task } of events) {
+  for (const { step, kind, robots, task } of events) {
     if (kind === "appears" || kind === "cancelled") lines.push([step, kind, "", taskName(mission, task)]);
-    if (kind === "lost" || kind === "back") lines.push([step, kind, namesOf([robot]), ""]);
+    if (kind === "lost" || kind === "back") lines.push([step, kind, namesOf([robots[0]]), ""]);
   }
   return lines;
 }

@@ -20,11 +20,11 @@ type RecordTree = {
   seed: number;
   orders: [number, number[]][];
   plans?: [number, [string[], number[][]]][];
-  scouts?: [number, [number, number][]][];
   start: [number, number[], number, number][];
   steps: StepTree[];
   end: End;
   lower_bound: number | null;
+  told?: any;
 };
 type End = { status: string; makespan: number | null; blocked_tasks: string[]; steps?: number };
 
@@ -124,31 +124,41 @@ interface TrialHistory {
   keyframes: State[];
   latest: { step: number; state: State } | null; // the state asked for last
   events: HistoryEvent[];
-  services: any[][];
+  told: Told;
   doneAt: number[];
   overAt: number[]; // the step in which a task is done or called off
-  doneBy: number[];
   doers: number[][]; // the robots of the team that did a task
   shownAt: number[];
   foundAt: number[];
   moves: { step: number; task: number; at: Place; isUp?: boolean }[];
-  lies: Place[];
-  carriedBy: Map<number, number>;
   absences: Absence[][]; // by robot
   headings: number[];
   leaving: Map<number, Absence>;
-  sitesLeft: Site[] | null;
   at(step: number): State;
   sitesAfter(count: number): Site[];
-  grow(change: StepTree, end?: End): void;
+  grow(change: StepTree, told: any, end?: End): void;
   curves?: { made: number; open: number[]; idle: number[]; way: number[] };
-  idleSteps?: Uint32Array[];
   expected?: (number | null)[];
 }
 
+// What a team did for a task, from the end of a step to that of another; `to` is open while it goes on.
 interface Service {
   task: number;
+  doing: string;
   from: number;
+  to: number;
+  began: number[]; // robots
+  ended: number[];
+}
+
+interface Told {
+  rows: Service[];
+  services: Service[][]; // by task
+  phases: any[][]; // by robot, as in the record
+  chapters: any[][];
+  texts: string[];
+  path: Stretch[];
+  runs: Map<number, { last: number; runs: Run[] }>; // worked out of the phases
 }
 
 interface Team {
@@ -177,7 +187,7 @@ interface Scene {
 
 // What is shown.
 
-type Run = { phase: number; task: number; from: number; to: number };
+type Run = { phase: string; task: number; from: number; to: number };
 type Stretch = { from: number; to: number; doing: string; robot: number; task: number };
 type Selected = { robot?: number; task?: number; cap?: number; place?: Place };
 type Group = { x: number; y: number; r: number; teams: Team[]; count: number; column: number; row: number };
@@ -242,7 +252,7 @@ interface Moment {
   mission: Mission;
   scene: Scene;
   step: number;
-  plan: any;
+  plan: Map<number, number[]> | null; // coalitions by task
   deeds: { task: number; step: number }[][];
   next: Map<number, number>;
 }

@@ -8,11 +8,7 @@ import { describeProgress } from "../panel/header.js";
 export function titleOf(/** @type {Trial[]} */ trials, /** @type {Trial} */ { history }) {
   const differs = (read) => new Set(trials.map((trial) => read(trial.history))).size > 1;
   const { mission, record } = history;
-  const parts = [
-    differs((other) => other.mission.name) ? mission.name : "",
-    record.method,
-    differs((other) => other.record.seed) ? `seed ${record.seed}` : "",
-  ];
+  const parts = [differs((other) => other.mission.name) ? mission.name : "", record.method, differs((other) => other.record.seed) ? `seed ${record.seed}` : ""];
   return parts.filter(Boolean).join(", ");
 }
 

@@ -107,12 +107,7 @@ function drawDensity(/** @type {View} */ view) {
   view.mostInSquare = most;
   for (const { column, row, count } of squares) {
     ctx.globalAlpha = densityStrength(count, most);
-    ctx.fillRect(
-      camera.left + column * DENSE_SIDE,
-      camera.top + row * DENSE_SIDE,
-      DENSE_SIDE - 1,
-      DENSE_SIDE - 1,
-    );
+    ctx.fillRect(camera.left + column * DENSE_SIDE, camera.top + row * DENSE_SIDE, DENSE_SIDE - 1, DENSE_SIDE - 1);
   }
   ctx.globalAlpha = 1;
   lazily(view, "groups", () => gatherGroups(view, GROUP_SIDE));
@@ -126,16 +121,12 @@ export function densityStrength(count, most) {
 // The group under a pixel: one click comes nearer to it.
 export function groupUnder(/** @type {View} */ view, x, y) {
   const reach = ({ r }) => (view.detail === "density" ? GROUP_SIDE / 2 : r);
-  const found = (view.groups ?? []).find(
-    (group) => Math.hypot(group.x - x, group.y - y) <= reach(group),
-  );
+  const found = (view.groups ?? []).find((group) => Math.hypot(group.x - x, group.y - y) <= reach(group));
   return found ? { group: found } : null;
 }
 
 export function describeGroup(/** @type {Group} */ { count, teams }) {
-  const parts = [...countActivities(teams)]
-    .filter(([, robots]) => robots)
-    .map(([activity, robots]) => `${robots} ${ACTIVITIES[activity]}`);
+  const parts = [...countActivities(teams)].filter(([, robots]) => robots).map(([activity, robots]) => `${robots} ${ACTIVITIES[activity]}`);
   return [plural(count, "robot"), parts.join(", ")];
 }
 

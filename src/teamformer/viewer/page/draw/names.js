@@ -29,7 +29,7 @@ export function drawNames(/** @type {View} */ view) {
   const discs = view.detail === "robots" ? discsByCell(view) : new Map();
   if (isRoomy || lost.length <= LOST_NAMED) drawLostNames(view, taken, lost, discs);
   if (view.detail !== "robots") return;
-  for (const teams of teamsByPlace(view.scene).values()) {
+  for (const teams of Map.groupBy(view.scene.teams.values(), ({ x, y }) => cellKey(x, y)).values()) {
     const named = isRoomy ? teams : teams.filter((team) => team === view.selectedTeam);
     if (named.length) drawTeamNames(view, taken, named, discs);
     if (!isRoomy) drawBadges(view, teams);
@@ -66,16 +66,6 @@ function drawLostNames(/** @type {View} */ view, taken, lost, discs) {
   }
 }
 
-function teamsByPlace(/** @type {Scene} */ scene) {
-  const places = new Map();
-  for (const team of scene.teams.values()) {
-    const key = cellKey(team.x, team.y);
-    if (places.has(key)) places.get(key).push(team);
-    else places.set(key, [team]);
-  }
-  return places;
-}
-
 // One line over all that is in a place, or over the task that is there; under it where other robots
 // are over it.
 function drawTeamNames(/** @type {View} */ view, taken, teams, discs) {
@@ -99,14 +89,9 @@ function drawTeamNames(/** @type {View} */ view, taken, teams, discs) {
 }
 
 // The robots on the map by the cell that they are drawn in.
+/** @returns {Map<string, number[]>} */
 function discsByCell(/** @type {View} */ { blended, mission }) {
-  const cells = new Map();
-  mission.robots.forEach((_, robot) => {
-    const key = cellKey(Math.round(blended.x[robot]), Math.round(blended.y[robot]));
-    if (cells.has(key)) cells.get(key).push(robot);
-    else cells.set(key, [robot]);
-  });
-  return cells;
+  return Map.groupBy(mission.robots.keys(), (robot) => cellKey(Math.round(blended.x[robot]), Math.round(blended.y[robot])));
 }
 
 // Whether a line of text would lie over a robot that is not one of its own.

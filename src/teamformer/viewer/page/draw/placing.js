@@ -25,27 +25,10 @@ export function placeEverybody(/** @type {TrialHistory} */ history, /** @type {S
 
 // Robots lost in a cell lie there like a team of their own, with no slot.
 function groupsByCell(/** @type {TrialHistory} */ history, /** @type {Scene} */ scene) {
-  const cells = new Map();
-  const add = (x, y, group) => {
-    const key = cellKey(x, y);
-    if (cells.has(key)) cells.get(key).push(group);
-    else cells.set(key, [group]);
-  };
-  for (const team of scene.teams.values()) add(team.x, team.y, team);
-  for (const [key, robots] of lostByCell(history, scene.step)) {
-    const [x, y] = placeLost(history, robots[0], scene.step);
-    add(x, y, { key, slot: NOBODY, robots, x, y });
-  }
-  return cells;
-}
-
-function lostByCell(/** @type {TrialHistory} */ history, step) {
-  const cells = new Map();
-  for (const robot of robotsLostAt(history, step)) {
-    const key = cellKey(...placeLost(history, robot, step));
-    cells.set(key, [...(cells.get(key) ?? []), robot]);
-  }
-  return cells;
+  const placeIn = (robot) => placeLost(history, robot, scene.step);
+  const lost = Map.groupBy(robotsLostAt(history, scene.step), (robot) => cellKey(...placeIn(robot)));
+  const lying = [...lost.values()].map((robots) => ({ slot: NOBODY, robots, x: placeIn(robots[0])[0], y: placeIn(robots[0])[1] }));
+  return Map.groupBy([...scene.teams.values(), ...lying], ({ x, y }) => cellKey(x, y));
 }
 
 function placeCell(/** @type {Places} */ places, groups, cell) {

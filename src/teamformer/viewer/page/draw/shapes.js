@@ -62,7 +62,7 @@ export function drawDisc(/** @type {Canvas2D} */ ctx, x, y, r, colour) {
 }
 
 // A team's circle on the screen: the middle of its robots, and how far they reach.
-export function teamSpot(/** @type {View} */ view, /** @type {Team} */ team) {
+export function teamSpot(/** @type {View} */ view, /** @type {{robots: number[]}} */ team) {
   const spots = team.robots.map((robot) => robotSpot(view, robot));
   const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
   const y = spots.reduce((sum, spot) => sum + spot.y, 0) / spots.length;

@@ -2,9 +2,10 @@
 
 import { attemptOn } from "../panel/attempt.js";
 import { piecesOf, sumCounts } from "../record/counts.js";
-import { needsAt, serviceOf } from "../record/history.js";
+import { needsAt } from "../record/history.js";
 import { cellKey } from "../record/mission.js";
 import { standingOf } from "../record/scene.js";
+import { serviceAfter } from "../record/told.js";
 import { taskColour } from "./palette.js";
 import { TASK_HALF, between, taskSquare } from "./placing.js";
 import { cornerOf, drawCross, isOnScreen, onto, penOf, shorten, teamSpot, tracedSquare } from "./shapes.js";
@@ -50,9 +51,7 @@ function isUnchanging(/** @type {View} */ { history, sites, scene, places, place
   if (sites[task].isUp) return false;
   const cell = cellKey(...sites[task].at);
   if (places.cells.has(cell) || placesAfter.cells.has(cell)) return false;
-  return (
-    standing === "open" || standing === "cancelled" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS)
-  );
+  return standing === "open" || standing === "cancelled" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS);
 }
 
 // Such a task is drawn once and then copied: with a thousand tasks this is most of the work.
@@ -88,9 +87,7 @@ export function taskBox(/** @type {View} */ view, task) {
   const [x, y] = [camera.x(at[0]), camera.y(at[1])];
   if (detail !== "robots") return { x, y, half: Math.max(1.5, 0.3 * cell) };
   const least = mission.tasks.length <= FEW_TASKS && cell >= ROOMY_CELL ? 8 : 6;
-  const [from, to] = [places, placesAfter].map((known) =>
-    taskSquare(known, sites[task], task, cell, least),
-  );
+  const [from, to] = [places, placesAfter].map((known) => taskSquare(known, sites[task], task, cell, least));
   const pixels = (key) => between(from[key], to[key], part) * cell;
   return { x: x + pixels("right"), y: y + pixels("down"), half: pixels("half") };
 }
@@ -98,7 +95,8 @@ export function taskBox(/** @type {View} */ view, task) {
 // A load goes with the robots that carry it, and embraces them.
 function loadBox(/** @type {View} */ view, task) {
   const { history, scene, camera } = view;
-  const { x, y, r } = teamSpot(view, serviceOf(history, task, scene.step));
+  const robots = serviceAfter(history, task, scene.step)?.robots ?? [];
+  const { x, y, r } = teamSpot(view, { robots });
   return { x, y, half: Math.max(TASK_HALF * camera.cell, r + 3) };
 }
 
@@ -238,7 +236,8 @@ function drawProgress(/** @type {View} */ view, task, { x, y, half }) {
   const { ctx } = view;
   const { duration } = view.mission.tasks[task];
   if (view.sites[task].isUp || !duration) return;
-  const service = serviceOf(view.history, task, view.scene.step);
+  const service = serviceAfter(view.history, task, view.scene.step);
+  if (!service) return;
   const made = view.scene.step + view.part - service.from;
   const outer = half + 4;
   const length = squareLength(outer);

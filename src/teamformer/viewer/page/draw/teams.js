@@ -41,7 +41,12 @@ function drawRobot(/** @type {View} */ view, robot, ring, isMet) {
 function drawRotors(/** @type {View} */ { ctx, theme }, x, y, r, colour) {
   ctx.save();
   ctx.lineWidth = Math.max(1, r * 0.16);
-  for (const [right, up] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
+  for (const [right, up] of [
+    [1, 1],
+    [1, -1],
+    [-1, 1],
+    [-1, -1],
+  ]) {
     const [toX, toY] = [x + right * r * 0.95, y + up * r * 0.95];
     ctx.beginPath();
     ctx.arc(toX, toY, Math.max(1.5, r * 0.42), 0, 2 * Math.PI);
@@ -72,13 +77,7 @@ function drawCapabilities(/** @type {View} */ view, robot, x, y, r) {
     ctx.fillStyle = colours[cap].fill;
     ctx.fill();
     const middle = (start + end) / 2;
-    drawLabel(
-      view,
-      cap,
-      x + Math.cos(middle) * r * 0.55,
-      y + Math.sin(middle) * r * 0.55,
-      r * 0.55,
-    );
+    drawLabel(view, cap, x + Math.cos(middle) * r * 0.55, y + Math.sin(middle) * r * 0.55, r * 0.55);
     start = end;
   }
 }

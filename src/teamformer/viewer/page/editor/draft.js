@@ -50,7 +50,7 @@ const MOST_KEPT = 2_000_000; // letters
 export function keepDraft({ tree, before, after }) {
   const write = (last, next) => JSON.stringify({ tree, before: last, after: next });
   let text = write(before, after);
-  for (let kept = before.length; text.length > MOST_KEPT && kept > 0; ) {
+  for (let kept = before.length; text.length > MOST_KEPT && kept > 0;) {
     kept = Math.floor(kept / 2);
     text = write(kept ? before.slice(-kept) : [], []);
   }
@@ -84,9 +84,7 @@ export function withThing(/** @type {MissionTree} */ tree, kind, thing) {
 
 // What is undefined in `change` is taken out: it then has its default.
 export function withChange(/** @type {MissionTree} */ tree, /** @type {Thing} */ thing, /** @type {StepTree} */ change) {
-  const list = tree[kindOf(thing)].map((it, number) =>
-    number === numberOf(thing) ? withoutUndefined({ ...it, ...change }) : it,
-  );
+  const list = tree[kindOf(thing)].map((it, number) => (number === numberOf(thing) ? withoutUndefined({ ...it, ...change }) : it));
   return { ...tree, [kindOf(thing)]: list };
 }
 

@@ -93,13 +93,13 @@ export class LiveApp extends App {
   }
 
   // A step; one that does not follow the last is of a line that broke, and is told anew.
-  take(/** @type {Message} */ { at, step, orders = [], plans = [], end }) {
+  take(/** @type {Message} */ { at, step, told, orders = [], plans = [], end }) {
     const { history } = this;
     if (at !== history.last + 1) return;
     history.record.orders.push(...orders);
     (history.record.plans ??= []).push(...plans);
     this.steps.push(step);
-    history.grow(step, end);
+    history.grow(step, told, end);
     this.follow();
     if (end) this.tellEnd();
   }

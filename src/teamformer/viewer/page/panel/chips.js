@@ -7,11 +7,7 @@ export const CHIPS_SHOWN = 12;
 const SWATCHES_SHOWN = 4;
 
 function chip(key, on, title, ...children) {
-  return element(
-    "button",
-    { type: "button", class: "chip", "data-key": key, on, title },
-    ...children,
-  );
+  return element("button", { type: "button", class: "chip", "data-key": key, on, title }, ...children);
 }
 
 export function robotChips(/** @type {App} */ app, robots, chosen = -1) {

@@ -101,8 +101,7 @@ function pressKey(/** @type {App} */ app, /** @type {KeyboardEvent} */ event) {
   const at = targetOf(event);
   if (byId("help-text").open && event.key === "?") return toggleHelp();
   if (byId("menu").open && event.key === "Escape") return (byId("menu").open = false);
-  const isTyping =
-    at.matches("input:not([type=range]), textarea, select") || document.querySelector("dialog[open]");
+  const isTyping = at.matches("input:not([type=range]), textarea, select") || document.querySelector("dialog[open]");
   const isPressing = event.key === " " && at.closest("button, summary");
   if (isTyping || isPressing || event.ctrlKey || event.metaKey || event.altKey) return;
   const act = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
@@ -127,8 +126,7 @@ function connectPointer(/** @type {App} */ app, /** @type {HTMLCanvasElement} */
     const before = pointers.get(event.pointerId) ?? [0, 0];
     /** @type {Place} */ const after = [event.offsetX, event.offsetY];
     moved += Math.abs(after[0] - before[0]) + Math.abs(after[1] - before[1]);
-    if (moved > 4 && !app.drag(placeUnder(app, event)))
-      dragMap(app.map, pointers, event.pointerId, before, after);
+    if (moved > 4 && !app.drag(placeUnder(app, event))) dragMap(app.map, pointers, event.pointerId, before, after);
     pointers.set(event.pointerId, after);
   });
   canvas.addEventListener("pointerup", (event) => {
@@ -184,11 +182,7 @@ function dragMap(/** @type {TrialMap} */ map, /** @type {Map<number, Place>} */ 
   }
   const other = [...pointers].find(([key]) => key !== id)?.[1] ?? after;
   const apart = ([x, y]) => Math.hypot(x - other[0], y - other[1]);
-  map.zoom(
-    apart(after) / Math.max(1, apart(before)),
-    (after[0] + other[0]) / 2,
-    (after[1] + other[1]) / 2,
-  );
+  map.zoom(apart(after) / Math.max(1, apart(before)), (after[0] + other[0]) / 2, (after[1] + other[1]) / 2);
 }
 
 function showTip(/** @type {App} */ app, /** @type {PointerEvent} */ { offsetX, offsetY, pointerType }) {
@@ -211,10 +205,7 @@ function tipLines(/** @type {Shown} */ app, /** @type {Thing} */ { robot, task, 
   const { mission } = history;
   if (task !== undefined) {
     const needs = describeNeeds(history, task, app.player.step);
-    return [
-      taskName(mission, task),
-      `${describeStanding(history, task, app.scene())}; needs ${needs}`,
-    ];
+    return [taskName(mission, task), `${describeStanding(history, task, app.scene())}; needs ${needs}`];
   }
   if (robot === undefined) return null;
   const team = teamOfRobot(app.scene(), robot);

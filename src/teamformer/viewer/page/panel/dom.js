@@ -125,11 +125,7 @@ function foldout(key, title, content) {
 // A coloured disc with a capability's short label.
 export function swatch(/** @type {App} */ app, cap) {
   const { fill, ink } = app.colours[cap];
-  const node = element(
-    "span",
-    { class: "swatch", colour: fill, "aria-hidden": "true" },
-    app.labels[cap],
-  );
+  const node = element("span", { class: "swatch", colour: fill, "aria-hidden": "true" }, app.labels[cap]);
   node.style.color = ink;
   return node;
 }

@@ -2,7 +2,7 @@
 
 import { titleOf } from "../compared/titles.js";
 import { penOf } from "../draw/shapes.js";
-import { checkRecord, tryReading } from "../record/checking.js";
+import { tryReading } from "../record/checking.js";
 import { describeAt } from "../record/words.js";
 import { byId, element } from "./dom.js";
 import { notify, notifyWork } from "./notice.js";
@@ -76,7 +76,6 @@ function readRecord(text) {
     throw new Error(`it has format ${record.teamformer_record}, and this page knows ${KNOWN_FORMAT}${remedy}`);
   }
   try {
-    checkRecord(record);
     tryReading(record);
   } catch (error) {
     throw new Error(`it is damaged (${messageOf(error)})`);

@@ -17,9 +17,7 @@ export function showHeader(/** @type {App} */ app) {
     ...(record.method ? [`Method ${record.method}`, `seed ${record.seed}`] : ["Draft"]),
     plural(mission.robots.length, "robot"),
     plural(mission.tasks.length, "task"),
-    mission.capabilities.length === 1
-      ? "1 capability"
-      : `${mission.capabilities.length} capabilities`,
+    mission.capabilities.length === 1 ? "1 capability" : `${mission.capabilities.length} capabilities`,
   ].join(", ");
   notify(noticeText(history));
   byId("legend").replaceChildren(...legend(app));
@@ -28,8 +26,7 @@ export function showHeader(/** @type {App} */ app) {
 export function noticeText(/** @type {TrialHistory} */ { end }) {
   if (end.status !== "infeasible") return "";
   const names = end.blocked_tasks;
-  const shown =
-    names.slice(0, 8).join(", ") + (names.length > 8 ? ` and ${names.length - 8} more` : "");
+  const shown = names.slice(0, 8).join(", ") + (names.length > 8 ? ` and ${names.length - 8} more` : "");
   return `Can never be done: ${shown}. The robots that are left do not bring all that is needed.`;
 }
 
@@ -40,26 +37,12 @@ function legend(/** @type {App} */ app) {
       app.lists.open("capabilities");
       byId("filter").focus();
     };
-    return [
-      element(
-        "li",
-        {},
-        element(
-          "button",
-          { type: "button", class: "all", on: open },
-          `${capabilities.length} capabilities`,
-        ),
-      ),
-    ];
+    return [element("li", {}, element("button", { type: "button", class: "all", on: open }, `${capabilities.length} capabilities`))];
   }
   return capabilities.map((name, cap) => {
     const on = () => app.select({ cap });
     const title = "Show who brings it and what needs it";
-    return element(
-      "li",
-      {},
-      element("button", { type: "button", on, title }, swatch(app, cap), name),
-    );
+    return element("li", {}, element("button", { type: "button", on, title }, swatch(app, cap), name));
   });
 }
 

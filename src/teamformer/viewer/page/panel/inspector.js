@@ -2,11 +2,11 @@
 
 import { needsAt, sitesAt } from "../record/history.js";
 import { capitalised, describePlace, describeSpan, describeWay, percent, plural, shortMoment } from "../record/lengths.js";
-import { reasonFor } from "../record/reasons.js";
-import { orderAt, robotsWith, standingOf, tasksNeeding } from "../record/scene.js";
+import { newsIn, orderAt, robotsWith, standingOf, tasksNeeding } from "../record/scene.js";
 import { NOBODY } from "../record/state.js";
 import { robotStory, taskStory } from "../record/story.js";
 import { describeAt, describeChances, describeDoing, describeDuration, describeEvent, describeLoss, describeShares, describeStanding, robotName } from "../record/words.js";
+import { reasonFor } from "../record/told.js";
 import { CHIPS_SHOWN, capabilityChips, robotChips, taskChip, taskLink } from "./chips.js";
 import { byId, element, foldedList, link, mark, oneStop, refill, swatch, taskMark, teamMark, titled } from "./dom.js";
 import { assignedTeams, lackingAt, missingOfBest, waitingFor } from "./waiting.js";
@@ -37,7 +37,7 @@ export const ACTIVITIES = {
 };
 
 function overview(/** @type {App} */ app) {
-  if (app.isUnheard?.()) return [element("h2", {}, "No robot heard yet"), lead("What the map shows is only where the robots start")];
+  if (app.isUnheard()) return [element("h2", {}, "No robot heard yet"), lead("What the map shows is only where the robots start")];
   const scene = app.scene();
   const counts = new Map();
   const teams = [...scene.teams.values()];
@@ -63,7 +63,7 @@ function teamDetails(/** @type {App} */ app, /** @type {Team} */ team, robot) {
     heading(app, teamMark(app, team), titleOfTeam(mission, team)),
     lead(capitalised(describeDoing(app.history, team, app.player.step))),
     whyText(app, team),
-    ...(app.actionsFor?.(robot) ?? []),
+    ...(app.actionsFor(robot)),
     waitingFor(app, team.goal, team.missing, team),
     delayText(app, robot),
     sharesText(app, robot),
@@ -84,8 +84,12 @@ function titleOfTeam(/** @type {Mission} */ mission, /** @type {Team} */ team) {
   return `Team ${robotName(mission, team.slot)} of ${length} robots`;
 }
 
-function whyText(/** @type {App} */ { history, player }, /** @type {Team} */ team) {
-  const why = reasonFor(history, team, Math.min(player.step, history.last));
+function whyText(/** @type {App} */ { history, player }, /** @type {Team} */ { activity, slot }) {
+  const step = Math.min(player.step, history.last);
+  const isLast = step === history.last;
+  if (activity === "done" || activity === "leaves" || (isLast && history.end.status !== "running")) return null;
+  const isAhead = activity === "told" && isLast; // nobody has told it yet
+  const why = isAhead ? newsIn(history, step).map((event) => describeEvent(history, event)).join(", ") : reasonFor(history, slot, step);
   return why ? element("p", { class: "muted", id: "why" }, `Why: ${why}.`) : null;
 }
 
@@ -112,7 +116,7 @@ function lostDetails(/** @type {App} */ app, robot) {
   return [
     heading(app, mark("mark", app.map.theme.lost), name),
     lead(capitalised(describeLoss(history, robot, player.step))),
-    ...(app.actionsFor?.(robot) ?? []),
+    ...(app.actionsFor(robot)),
     ...saidOf(FILE_KEYS.robots, history.mission.robots[robot]),
     ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
   ];
@@ -134,7 +138,7 @@ function taskDetails(/** @type {App} */ app, task) {
     ...saidOf(FILE_KEYS.tasks, history.mission.tasks[task]),
     ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
     ...(isShown ? [] : titled("May need", element("p", {}, describeChances(history.mission, mayNeed)))),
-    ...(app.actionsForTask?.(task) ?? []),
+    ...(app.actionsForTask(task)),
     isOpen ? waitingFor(app, task, missingOfBest(app, task), null) : null,
     isOpen || standing === "served" ? assignedTeams(app, task) : null,
     ...titled("History", storyList(app, taskStory(history, task))),

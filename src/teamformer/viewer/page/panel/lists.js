@@ -3,7 +3,18 @@
 import { taskColour } from "../draw/palette.js";
 import { isLost } from "../record/history.js";
 import { capitalised, describeMoment, shortMoment } from "../record/lengths.js";
-import { MANY, describeCounts, describeDoing, describeEvent, describeLoss, describeShares, describeStanding, nameOfTeam, robotName, taskName } from "../record/words.js";
+import {
+  MANY,
+  describeCounts,
+  describeDoing,
+  describeEvent,
+  describeLoss,
+  describeShares,
+  describeStanding,
+  nameOfTeam,
+  robotName,
+  taskName,
+} from "../record/words.js";
 import { swatches } from "./chips.js";
 import { byId, element, swatch, taskMark, teamMark } from "./dom.js";
 import { describeCapability } from "./inspector.js";
@@ -119,25 +130,33 @@ function listedTasks(/** @type {App} */ app, isWanted) {
   return tasks.map((_, task) => task).filter((task) => isWanted(() => tasks[task].name));
 }
 
-function taskRow(/** @type {App} */ app, task) {
-  const { history, selection } = app;
-  return {
-    class: selection.task === task ? "now" : "",
-    on: () => app.select({ task }),
-    children: [
-      taskMark(app, task),
-      twoLines(taskName(history.mission, task), describeStanding(history, task, app.scene())),
-    ],
-  };
+// What a row of two lines looks like: what it selects, its sign, and its lines.
+function twoLines(/** @type {App} */ app, /** @type {Selected} */ selection, sign, first, second) {
+  const [[kind, number]] = Object.entries(selection);
+  const lines = element("span", { class: "text" }, element("span", {}, first), element("span", {}, second));
+  return { class: app.selection[kind] === number ? "now" : "", on: () => app.select(selection), children: [sign, lines] };
 }
 
-function twoLines(first, second) {
-  return element(
-    "span",
-    { class: "text" },
-    element("span", {}, first),
-    element("span", {}, second),
-  );
+function taskRow(/** @type {App} */ app, task) {
+  const { history } = app;
+  return twoLines(app, { task }, taskMark(app, task), taskName(history.mission, task), describeStanding(history, task, app.scene()));
+}
+
+function teamRow(/** @type {App} */ app, /** @type {Team} */ team) {
+  const { history, player } = app;
+  const size = team.robots.length > 1 ? ` (${team.robots.length})` : "";
+  const row = twoLines(app, { robot: team.slot }, teamMark(app, team), nameOfTeam(history.mission, team) + size, describeDoing(history, team, player.step));
+  return { ...row, class: app.selectedTeam() === team ? "now" : "" };
+}
+
+function robotRow(/** @type {App} */ app, robot) {
+  const { mission } = app.history;
+  const sign = element("span", { class: "swatches" }, ...swatches(app, mission.robots[robot].can));
+  return twoLines(app, { robot }, sign, robotName(mission, robot), describeSoFar(app.history, robot, app.player.step));
+}
+
+function capabilityRow(/** @type {App} */ app, cap) {
+  return twoLines(app, { cap }, swatch(app, cap), app.history.mission.capabilities[cap], describeCapability(app, cap));
 }
 
 function listedTeams(/** @type {App} */ app, isWanted) {
@@ -146,35 +165,9 @@ function listedTeams(/** @type {App} */ app, isWanted) {
   return teams.filter(({ robots }) => robots.some((robot) => isWanted(() => robotName(mission, robot))));
 }
 
-function teamRow(/** @type {App} */ app, /** @type {Team} */ team) {
-  const { mission } = app.history;
-  const size = team.robots.length > 1 ? ` (${team.robots.length})` : "";
-  return {
-    class: app.selectedTeam() === team ? "now" : "",
-    on: () => app.select({ robot: team.slot }),
-    children: [
-      teamMark(app, team),
-      twoLines(nameOfTeam(mission, team) + size, describeDoing(app.history, team, app.player.step)),
-    ],
-  };
-}
-
 function listedRobots(/** @type {App} */ app, isWanted) {
   const { robots } = app.history.mission;
   return robots.map((_, robot) => robot).filter((robot) => isWanted(() => robots[robot].name));
-}
-
-function robotRow(/** @type {App} */ app, robot) {
-  const { history, selection, player } = app;
-  const { can } = history.mission.robots[robot];
-  return {
-    class: selection.robot === robot ? "now" : "",
-    on: () => app.select({ robot }),
-    children: [
-      element("span", { class: "swatches" }, ...swatches(app, can)),
-      twoLines(robotName(history.mission, robot), describeSoFar(history, robot, player.step)),
-    ],
-  };
 }
 
 // What a robot has done with its time; of one that is lost, since when it is.
@@ -189,13 +182,3 @@ function listedCapabilities(/** @type {App} */ app, isWanted) {
   return names.map((_, cap) => cap).filter((cap) => isWanted(() => names[cap]));
 }
 
-function capabilityRow(/** @type {App} */ app, cap) {
-  return {
-    class: app.selection.cap === cap ? "now" : "",
-    on: () => app.select({ cap }),
-    children: [
-      swatch(app, cap),
-      twoLines(app.history.mission.capabilities[cap], describeCapability(app, cap)),
-    ],
-  };
-}

@@ -22,13 +22,9 @@ export function waitingFor(/** @type {App} */ app, task, /** @type {Counts} */ s
 
 function waitingItem(/** @type {App} */ app, task, /** @type {Count} */ [cap, count], /** @type {Team | null} */ team) {
   const { mission } = app.history;
-  const bringers = assignedByDistance(app, task).filter(
-    (other) => other !== team && other.counts.has(cap),
-  );
+  const bringers = assignedByDistance(app, task).filter((other) => other !== team && other.counts.has(cap));
   const what = describeCounts(mission, [[cap, count]]);
-  const who = bringers
-    .slice(0, BRINGERS_SHOWN)
-    .map((other) => [teamLink(app, other), ` brings it and ${farText(mission, other)}`]);
+  const who = bringers.slice(0, BRINGERS_SHOWN).map((other) => [teamLink(app, other), ` brings it and ${farText(mission, other)}`]);
   if (!who.length) who.push([nobodyBrings(app, cap)]);
   return element(
     "li",

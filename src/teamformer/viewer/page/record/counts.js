@@ -27,17 +27,13 @@ export function covers(/** @type {Map<number, number>} */ have, /** @type {Count
 // What is needed beyond what is there.
 /** @returns {Counts} */
 export function missing(/** @type {Map<number, number>} */ have, /** @type {Counts} */ needs) {
-  return needs
-    .map(([cap, count]) => /** @type {Count} */ ([cap, exact(count - (have.get(cap) ?? 0))]))
-    .filter(([, count]) => count > 0);
+  return needs.map(([cap, count]) => /** @type {Count} */ ([cap, exact(count - (have.get(cap) ?? 0))])).filter(([, count]) => count > 0);
 }
 
 // What of the wanted counts is there.
 /** @returns {Counts} */
 export function overlap(/** @type {Map<number, number>} */ have, /** @type {Counts} */ wanted) {
-  return wanted
-    .map(([cap, count]) => /** @type {Count} */ ([cap, Math.min(count, have.get(cap) ?? 0)]))
-    .filter(([, count]) => count > 0);
+  return wanted.map(([cap, count]) => /** @type {Count} */ ([cap, Math.min(count, have.get(cap) ?? 0)])).filter(([, count]) => count > 0);
 }
 
 export function sumCounts(/** @type {Iterable<Count>} */ counts) {

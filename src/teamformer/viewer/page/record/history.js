@@ -1,14 +1,13 @@
 // From the deltas of a record to the state after any step, and to the list of what happened.
 
-import { covers } from "./counts.js";
-import { readMission, shareSites, windowOpens } from "./mission.js";
+import { rememberLast } from "./keeping.js";
+import { readMission, shareSites } from "./mission.js";
 import { inSquares, stepInSquares } from "./plane.js";
-import { robotsServing, serviceKeeper, takenIn } from "./services.js";
-import { NOBODY, applyStep, copyState, countsOfTeam, formTeams, loseRobot, placeOf, placeTeams, robotsOfTeam, sizeOf, startState, teamSizes } from "./state.js";
+import { NOBODY, applyStep, copyState, formTeams, loseRobot, placeOf, placeTeams, robotsOfTeam, startState } from "./state.js";
+import { CARRYING, LOADING, SERVING, UNLOADING, hearTold, readTold } from "./told.js";
 
 const KEYFRAME_EVERY = 50;
 const STATES_KEPT = 40;
-export const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"]; // events after which it is planned anew
 
 // Read a record once; then `at(step)` gives the state after that many steps. Memory stays bounded:
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
@@ -24,37 +23,33 @@ export function frames(recorded) {
     hasMessages: record.steps.some(({ heard }) => heard),
     keyframes: [],
     events: [],
-    services: mission.tasks.map(() => []), // [{slot, from, to, robots, leftIn}], steps; `to` is open till it ends
+    told: readTold(record, mission),
     doneAt: mission.tasks.map(() => Infinity),
     overAt: mission.tasks.map(({ cancelled }) => cancelled), // the step in which it is done or called off
-    doneBy: mission.tasks.map(() => NOBODY),
     doers: mission.tasks.map(() => []), // the robots of the team that did it
     shownAt: mission.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
     foundAt: mission.tasks.map(({ within }) => (within ? Infinity : 0)),
     moves: [], // {step, task, at, isUp} of tasks that are elsewhere from then on, or believed to be
-    lies: mission.tasks.map(({ at }) => at), // where tasks really are; loads where they were taken up
-    carriedBy: new Map(), // load -> the slot of the team that has it up after the latest step read
     absences: mission.robots.map(() => []), // [{from, to, place}], steps; `to` is open till it is back
     headings: mission.robots.map(() => NOBODY), // by slot, the task last headed for
     leaving: new Map(), // of a live mission: robot -> its absence from the next step on
-    sitesLeft: null, // where tasks are after the latest step then, once asked for
   };
   history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
   history.sitesAfter = rememberLast(STATES_KEPT, (count) => sitesAfter(history, count));
   const take = stepTaker(history);
   record.steps.forEach((change, index) => take(change, index + 1));
   if (history.end.status !== "running") history.events.push({ step: history.last, kind: "end" });
-  history.grow = (change, end) => grow(history, take, change, end);
+  history.grow = (change, told, end) => grow(history, take, change, told, end);
   return history;
 }
 
-// One step more of a mission that runs; `end` says how it ended, if it did.
-function grow(/** @type {TrialHistory} */ history, take, /** @type {StepTree} */ change, end) {
+// One step more of a mission that runs, and what is told of it; `end` says how it ended, if it did.
+function grow(/** @type {TrialHistory} */ history, take, /** @type {StepTree} */ change, told, end) {
   const step = stepInSquares(history.mission.world, change);
   history.record.steps.push(step);
   history.last++;
   if (history.leaving.size) history.leaving = new Map(); // the step says that they are lost
-  history.sitesLeft = null;
+  hearTold(history.told, told);
   take(step, history.last);
   if (!end) return;
   history.end = history.record.end = end;
@@ -73,63 +68,23 @@ function stateAt(/** @type {TrialHistory} */ history, step) {
   return state;
 }
 
-/**
- * Returns what gives the value of a key, which is made once while the key is one of the last ones.
- * @template Key, Value
- * @param {number} kept
- * @param {(key: Key) => Value} make
- * @returns {(key: Key) => Value}
- */
-export function rememberLast(kept, make) {
-  const known = new Map();
-  return (key) => {
-    if (!known.has(key)) {
-      if (known.size >= kept) known.delete(known.keys().next().value);
-      known.set(key, make(key));
-    }
-    return known.get(key);
-  };
-}
-
-// Returns what to call with each step in turn: keyframes, events, services, completions, losses.
+// Returns what to call with each step in turn: keyframes, events, places of loads, completions, losses.
 function stepTaker(/** @type {TrialHistory} */ history) {
   const { record, mission } = history;
-  const keepServices = serviceKeeper(history);
-  const arrivals = arrivalsByStep(mission);
+  const later = [...mission.tasks.keys()].filter((task) => mission.tasks[task].appears > 0);
+  const arrivals = Map.groupBy(later, (task) => mission.tasks[task].appears);
   const state = startState(record, mission);
   history.keyframes.push(copyState(state));
   return (change, step) => {
     recordStep(history, state, change, step);
-    recordLoads(history, change, step);
-    keepServices(state, change, step);
-    for (const [task, slot] of takenIn(history, change, step)) {
-      history.events.push({ step, kind: "taken", task, slot, size: sizeOf(state, slot) });
-    }
+    recordServices(history, state, change, step);
     recordCompletions(history, state, change, step);
-    const cancelled = cancelledIn(history, step);
-    for (const task of cancelled) history.events.push({ step, kind: "cancelled", task });
-    if (change.done || cancelled.length) openNextTasks(history, step);
+    for (const task of cancelledIn(history, step)) history.events.push({ step, kind: "cancelled", task });
     for (const task of arrivals.get(step) ?? []) {
-      history.events.push({ step, kind: "appears", task });
+      if (step < mission.tasks[task].cancelled) history.events.push({ step, kind: "appears", task });
     }
     if (step % KEYFRAME_EVERY === 0) history.keyframes.push(copyState(state));
   };
-}
-
-function arrivalsByStep(/** @type {Mission} */ mission) {
-  const arrivals = new Map();
-  mission.tasks.forEach(({ appears, cancelled }, task) => {
-    if (appears > 0 && appears < cancelled) arrivals.set(appears, [...(arrivals.get(appears) ?? []), task]);
-  });
-  return arrivals;
-}
-
-// Tasks may begin when the last task that they are after is over.
-function openNextTasks(/** @type {TrialHistory} */ { mission, record, overAt }, step) {
-  mission.tasks.forEach((task, number) => {
-    if (task.opens < Infinity || task.after.some((other) => overAt[other] > step)) return;
-    task.opens = Math.max(windowOpens(record.mission.tasks[number].between), step);
-  });
 }
 
 function recordStep(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
@@ -150,23 +105,36 @@ function recordStep(/** @type {TrialHistory} */ history, /** @type {State} */ st
   recordHeadings(history, state, change, step);
 }
 
-// Loads that are taken up are where they are brought, and `isUp`, until they are done or set down.
-function recordLoads(/** @type {TrialHistory} */ history, /** @type {StepTree} */ change, step) {
-  const { mission, moves, events, lies, carriedBy } = history;
-  for (const [task, ...at] of change.left ?? []) {
+// Services that begin in a step, and where loads are: those that are up where they are brought, and
+// `isUp`, until they are done or set down.
+function recordServices(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
+  const { mission, moves, events, told } = history;
+  const began = told.rows.filter(({ from }) => from === step);
+  const isUp = ({ doing }) => doing === CARRYING || doing === UNLOADING;
+  for (const service of told.rows.filter((row) => row.to === step && isUp(row))) {
+    const { task } = service;
+    if (change.done?.some(([done]) => done === task) || began.some((row) => row.task === task && row.doing === UNLOADING)) continue;
+    const at = placeLeft(state, change, service);
     moves.push({ step, task, at });
     events.push({ step, kind: "left", task, at });
-    lies[task] = at;
-    carriedBy.delete(task);
   }
-  for (const [task, slot] of takenIn(history, change, step)) {
+  for (const { task, doing, from, to, began: robots } of began) {
+    if (doing === LOADING || (doing === SERVING && from < to)) events.push({ step, kind: "begins", task, robots });
+    if (doing !== CARRYING) continue;
+    events.push({ step, kind: "taken", task, robots });
     moves.push({ step, task, at: goalOf(mission, task), isUp: true });
-    carriedBy.set(task, slot);
   }
-  for (const [task] of change.done ?? []) {
-    carriedBy.delete(task); // or it was taken up and brought in this step
-    if (mission.tasks[task].to) moves.push({ step, task, at: goalOf(mission, task) });
-  }
+  for (const [task] of change.done ?? []) if (mission.tasks[task].to) moves.push({ step, task, at: goalOf(mission, task) });
+}
+
+// Where a load lies that was set down: as the step says, or where its robots are.
+/** @returns {Place} */
+function placeLeft(/** @type {State} */ state, /** @type {StepTree} */ { left = [] }, /** @type {Service} */ { task, began, ended }) {
+  const said = left.find(([other]) => other === task);
+  if (said) return [said[1], said[2]];
+  const there = [...ended, ...began].find((robot) => state.team[robot] !== NOBODY) ?? began[0];
+  const slot = state.team[there] === NOBODY ? there : state.team[there];
+  return [state.x[slot], state.y[slot]];
 }
 
 // Where a load is brought.
@@ -178,22 +146,9 @@ function goalOf(/** @type {Mission} */ { tasks }, task) {
 export function sitesAt(/** @type {TrialHistory} */ history, step) {
   const { moves, mission } = history;
   if (!mission.doTasksMove) return mission.tasks;
-  if (step >= history.last && history.leaving.size) return (history.sitesLeft ??= sitesLeft(history));
   let count = moves.length;
   while (count > 0 && moves[count - 1].step > step) count--;
   return history.sitesAfter(count);
-}
-
-// The same after the latest step where robots leave: who cannot carry a load without them sets it down.
-function sitesLeft(/** @type {TrialHistory} */ history) {
-  const { last, services } = history;
-  const state = history.at(last);
-  const sites = history.sitesAfter(history.moves.length).map(({ at, isUp }, task) => {
-    if (!isUp || serviceOf(history, task, last)) return { at, isUp };
-    const { slot } = services[task].at(-1);
-    return { at: [state.x[slot], state.y[slot]] };
-  });
-  return shareSites(sites);
 }
 
 // The same after the first moves.
@@ -204,30 +159,25 @@ function sitesAfter(/** @type {TrialHistory} */ { moves, mission }, count) {
 }
 
 function recordFormations(/** @type {TrialHistory} */ { events }, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
-  const sizes = teamSizes(state);
-  for (const [stay, leave] of change.splits ?? []) {
-    events.push({ step, kind: "split", slot: state.team[stay[0]], stay, leave });
-  }
-  for (const [joiner, partner] of change.joins ?? []) {
-    const [joiners, partners] = [sizes[joiner], sizes[partner]];
-    events.push({ step, kind: "join", joiner, partner, joiners, partners });
+  for (const [stay, leave] of change.splits ?? []) events.push({ step, kind: "split", stay, leave, robots: [...stay, ...leave] });
+  for (const pair of change.joins ?? []) {
+    const [joiner, partner] = pair.map((slot) => robotsOfTeam(state, slot));
+    events.push({ step, kind: "join", joiner, partner, robots: [...joiner, ...partner] });
   }
 }
 
-// `heir` is the slot of the robot's team from then on.
 function recordLoss(/** @type {TrialHistory} */ history, /** @type {State} */ state, robot, step) {
-  const slot = state.team[robot];
-  /** @type {Place} */ const place = [state.x[slot], state.y[slot]];
-  history.absences[robot].push({ from: step, to: Infinity, place });
-  const mate = state.team.findIndex((other, number) => other === slot && number !== robot);
+  const { x, y } = placeOf(state, robot);
+  history.absences[robot].push({ from: step, to: Infinity, place: [x, y] });
+  const mates = robotsOfTeam(state, state.team[robot]).filter((mate) => mate !== robot);
+  history.events.push({ step, kind: "lost", robots: [robot, ...mates] });
   loseRobot(state, robot);
-  history.events.push({ step, kind: "lost", robot, slot, heir: state.team[mate] ?? NOBODY });
 }
 
 function recordReturn(/** @type {TrialHistory} */ history, /** @type {State} */ state, robot, step) {
   for (const absence of history.absences[robot].slice(-1)) absence.to = step;
   state.team[robot] = robot;
-  history.events.push({ step, kind: "back", robot, slot: robot, size: 1 });
+  history.events.push({ step, kind: "back", robots: [robot] });
 }
 
 // What everybody believes that a task needs after a step.
@@ -257,7 +207,6 @@ export function leave(/** @type {TrialHistory} */ history, robots) {
   if ([...history.leaving.keys()].join() === robots.join()) return;
   const state = history.at(history.last);
   const from = history.last + 1;
-  history.sitesLeft = null;
   history.leaving = new Map(
     robots.map((robot) => {
       const { x, y } = placeOf(state, robot);
@@ -284,17 +233,15 @@ function recordHeadings(/** @type {TrialHistory} */ { events, headings }, /** @t
   for (const [slot, , , task] of change.teams ?? []) {
     if (task === null || headings[slot] === task) continue;
     headings[slot] = task;
-    events.push({ step, kind: "heads", slot, task, size: sizeOf(state, slot) });
+    events.push({ step, kind: "heads", task, robots: robotsOfTeam(state, slot) });
   }
 }
 
 function recordCompletions(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   for (const [task, doer] of change.done ?? []) {
-    const slot = doer ?? NOBODY; // of a fleet nobody may know who did it
     history.doneAt[task] = history.overAt[task] = step;
-    history.doneBy[task] = slot;
-    history.doers[task] = slot === NOBODY ? [] : robotsOfTeam(state, slot);
-    history.events.push({ step, kind: "done", task, slot, size: history.doers[task].length });
+    history.doers[task] = doer === null ? [] : robotsOfTeam(state, doer); // of a fleet nobody may know who did it
+    history.events.push({ step, kind: "done", task, robots: history.doers[task] });
   }
 }
 
@@ -302,23 +249,4 @@ function recordCompletions(/** @type {TrialHistory} */ history, /** @type {State
 function cancelledIn(/** @type {TrialHistory} */ { mission, doneAt }, step) {
   const all = mission.tasks.map((_, task) => task);
   return all.filter((task) => mission.tasks[task].cancelled === step && doneAt[task] === Infinity);
-}
-
-// What teams pursued in a step whose assignments neither before nor after it say so: news took them back.
-export function pursuedIn(/** @type {TrialHistory} */ { record }, step) {
-  return new Map(record.steps[step - 1].pursued ?? []);
-}
-
-// The service of a task that goes on after a step, with the robots that are with it then; null if
-// there is none, or it is broken off because a robot leaves.
-export function serviceOf(/** @type {TrialHistory} */ history, task, step) {
-  const service = history.services[task].find(({ from, to }) => from <= step && step < to);
-  if (!service) return null;
-  const { mission } = history;
-  const state = stateShown(history, step);
-  const robots = robotsServing(service, step + 1).filter((robot) => state.team[robot] !== NOBODY);
-  const slot = state.team[robots[0]];
-  const isLeft = step >= history.last && history.leaving.size > 0;
-  if (isLeft && !(robots.length && covers(countsOfTeam(mission, state, slot), mission.tasks[task].needs))) return null;
-  return { ...service, slot, robots };
 }

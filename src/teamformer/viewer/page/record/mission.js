@@ -28,7 +28,7 @@ export function readMission(/** @type {MissionTree} */ tree, truth, foresight = 
       delay: robot.delays?.chance ?? robot.delays ?? 0, // of how many steps it stands still in
     })),
     tasks,
-    tasksAt: groupTasks(tasks, ({ at }) => cellKey(...at.map(Math.round))),
+    tasksAt: Map.groupBy(tasks.keys(), (task) => cellKey(...tasks[task].at.map(Math.round))),
     doTasksMove: tasks.some(({ within, to }) => within || to), // in what is believed, or carried
     sensingRadius: readRadius(tree.sensing_radius),
     cost: tree.cost ?? null, // the weights by which a plan costs something, if it does
@@ -38,8 +38,7 @@ export function readMission(/** @type {MissionTree} */ tree, truth, foresight = 
   return mission;
 }
 
-// `appears` is when a task becomes known and `opens` when it may begin, in steps made; the latter is
-// Infinity until all that it is after is over.
+// `appears` is when a task becomes known and `opens` when its window does, in steps made.
 // `needs` and `duration` are what they really are, `sure`, `believed` and `lasts` what is known
 // before; `mayNeed` has pairs of a capability and the probability that one more is needed. It is at
 // `at`, known to be `within` a distance of `around`, and `first` believed to be in the nearest place.
@@ -62,7 +61,7 @@ function readTask(said, numbers, truth, leastChance) {
     mayNeed,
     lasts,
     duration: truth?.duration ?? took,
-    opens: after?.length ? Infinity : windowOpens(between),
+    opens: windowOpens(between),
     appears: appears ?? 0,
     cancelled: cancelled ?? Infinity, // the step in which it is called off if it is not done by then
     after: after ?? [],
@@ -84,7 +83,7 @@ export function weightsOf(/** @type {Mission} */ mission) {
 }
 
 // How many steps are made when a window begins.
-export function windowOpens(between) {
+function windowOpens(between) {
   return Math.ceil(between?.[0] ?? 0);
 }
 
@@ -107,18 +106,9 @@ function firstPlace(/** @type {World} */ { isBlocked, width, height, isPlane }, 
 /** @returns {Site[]} */
 export function shareSites(/** @type {any[]} */ sites) {
   const keyOf = ({ at, isUp }) => (isUp ? "up" : cellKey(...at));
-  const groups = groupTasks(sites, keyOf);
+  const groups = Map.groupBy(sites.keys(), (task) => keyOf(sites[task]));
   sites.forEach((site, task) => (site.mates = site.isUp ? [task] : groups.get(keyOf(site))));
   return sites;
-}
-
-function groupTasks(tasks, keyOf) {
-  const groups = new Map();
-  tasks.forEach((task, number) => {
-    const key = keyOf(task);
-    groups.set(key, [...(groups.get(key) ?? []), number]);
-  });
-  return groups;
 }
 
 export function cellKey(x, y) {
@@ -158,9 +148,7 @@ function readWorld(world) {
 // The box around all free cells, and one cell more: scanned maps have wide dead margins.
 function usedPart(width, height, rows) {
   if (!rows.length) return { left: 0, low: 0, width, height };
-  const columns = Array.from({ length: width }, (_, x) => x).filter((x) =>
-    rows.some((row) => row[x] !== "@"),
-  );
+  const columns = Array.from({ length: width }, (_, x) => x).filter((x) => rows.some((row) => row[x] !== "@"));
   const lines = rows.map((_, y) => y).filter((y) => /[^@]/.test(rows[y]));
   const [left, right] = [Math.max(0, columns[0] - 1), Math.min(width - 1, columns[columns.length - 1] + 1)];
   const [low, high] = [Math.max(0, lines[0] - 1), Math.min(height - 1, lines[lines.length - 1] + 1)];

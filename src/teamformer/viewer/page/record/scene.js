@@ -1,9 +1,12 @@
 // What there is to see after a step: teams with what they can do, and how each task stands.
 
 import { exact, missing } from "./counts.js";
-import { NEWS, isLost, needsAt, pursuedIn, serviceOf, sitesAt, stateShown } from "./history.js";
+import { isLost, needsAt, sitesAt, stateShown } from "./history.js";
 import { isSamePlace } from "./plane.js";
 import { NOBODY } from "./state.js";
+import { IDLE, LOST, runAfter, serviceAfter } from "./told.js";
+
+const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"];
 
 // A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, activity,
 // carries}.
@@ -11,19 +14,21 @@ import { NOBODY } from "./state.js";
 export function sceneAt(/** @type {TrialHistory} */ history, step) {
   const state = stateShown(history, step);
   const teams = gatherTeams(history.mission, state);
-  const serving = servicesAt(history, step);
-  const justDone = doneIn(history, step);
+  const serving = servicesAt(history, state, step);
+  const justDone = doneIn(history, state, step);
   const sites = sitesAt(history, step);
   for (const team of teams.values()) {
     describeGoal(history, step, team, serving.get(team.slot), justDone.get(team.slot));
     team.site = sites[team.assigned] ?? null;
     team.carries = team.service !== null && sites[team.service.task].isUp === true;
     team.activity = activityOf(history.mission.world, team);
+    if (team.activity === "idle") team.activity = whatComes(history, team, step);
   }
-  tellWhoAwaitsAPlan(history, step, [...teams.values()]);
-  return { step, state, teams, assignedTo: groupByTask(teams) };
+  const assigned = [...teams.values()].filter((team) => team.assigned !== NOBODY);
+  return { step, state, teams, assignedTo: Map.groupBy(assigned, (team) => team.assigned) };
 }
 
+/** @returns {Map<number, Team>} */
 function gatherTeams(/** @type {Mission} */ mission, /** @type {State} */ state) {
   const teams = new Map();
   for (let robot = 0; robot < state.team.length; robot++) {
@@ -52,40 +57,23 @@ function describeGoal(/** @type {TrialHistory} */ history, step, /** @type {Team
   team.isMet = team.goal !== NOBODY && team.missing.length === 0;
 }
 
-// Some teams have no assignment only until the next step: the mission begins, or news has taken all
-// assignments back. Where the record goes on, it says which of them are idle all the same, and which
-// are lost before they are told anything.
-function tellWhoAwaitsAPlan(/** @type {TrialHistory} */ history, step, teams) {
-  const idle = teams.filter(({ activity }) => activity === "idle");
-  if (!idle.length || !isPlannedAnew(history, step)) return;
-  const isOver = step >= history.last;
-  if (isOver && history.end.status !== "running") return;
-  const isAbout = isOver ? () => true : whoIsAboutATask(history, step + 1);
-  const isGone = (robot) => isLost(history, robot, step + 1);
-  for (const team of idle) {
-    if (team.robots.some(isAbout)) team.activity = "told";
-    else if (team.robots.every(isGone)) team.activity = "leaves";
+// Some teams have no assignment only until the next step: "told" what they are about then, or lost, as
+// it is told; where a mission goes on that nobody has told yet, after the start and after news.
+function whatComes(/** @type {TrialHistory} */ history, /** @type {Team} */ { robots }, step) {
+  if (step < history.last) {
+    const phases = robots.map((robot) => runAfter(history, robot, step)?.phase ?? IDLE);
+    if (phases.every((phase) => phase === LOST)) return "leaves";
+    return phases.some((phase) => phase !== IDLE && phase !== LOST) ? "told" : "idle";
   }
+  return history.end.status === "running" && (step === 0 || newsIn(history, step).length) ? "told" : "idle";
 }
 
-// Returns what says of a robot whether it has a task in a step.
-function whoIsAboutATask(/** @type {TrialHistory} */ history, step) {
-  const after = history.at(step);
-  const [pursued, done] = [pursuedIn(history, step), doneIn(history, step)];
-  return (robot) => {
-    const slot = after.team[robot];
-    return slot !== NOBODY && (after.task[slot] !== NOBODY || pursued.has(slot) || done.has(slot));
-  };
+// What happened in a step that has it planned anew.
+export function newsIn(/** @type {TrialHistory} */ { events }, step) {
+  return events.filter((event) => event.step === step && NEWS.includes(event.kind));
 }
 
-// Whether a plan or an order is made after a step, before anybody goes on.
-function isPlannedAnew(/** @type {TrialHistory} */ { record, events }, step) {
-  if (step === 0) return true;
-  if ([...(record.orders ?? []), ...(record.plans ?? [])].some(([made]) => made === step)) return true;
-  return events.some((event) => event.step === step && NEWS.includes(event.kind));
-}
-
-// What a team is about, in one word: serves, done, waits, walks or idle; and told and leaves, see `tellWhoAwaitsAPlan`.
+// What a team is about, in one word: serves, done, waits, walks or idle; and told and leaves, see `whatComes`.
 function activityOf(/** @type {World} */ world, /** @type {Team} */ team) {
   if (team.service) return "serves";
   if (team.justDone !== NOBODY) return "done";
@@ -93,32 +81,20 @@ function activityOf(/** @type {World} */ world, /** @type {Team} */ team) {
   return team.site && isSamePlace(world, [team.x, team.y], team.site.at) ? "waits" : "walks";
 }
 
-function servicesAt(/** @type {TrialHistory} */ history, step) {
-  const serving = new Map();
-  const { team } = stateShown(history, step);
-  history.services.forEach((_, task) => {
-    const { robots, from } = serviceOf(history, task, step) ?? { robots: [] };
-    for (const robot of robots) serving.set(team[robot], { task, from });
-  });
-  return serving;
+/** @returns {Map<number, Service>} */
+function servicesAt(/** @type {TrialHistory} */ history, /** @type {State} */ { team }, step) {
+  const services = history.mission.tasks.flatMap((_, task) => serviceAfter(history, task, step) ?? []);
+  return new Map(services.flatMap((service) => service.robots.map((robot) => [team[robot], service])));
 }
 
-function doneIn(/** @type {TrialHistory} */ history, step) {
+// By slot, the first task that a team has done in a step; who did it may be lost in the same step.
+function doneIn(/** @type {TrialHistory} */ history, /** @type {State} */ { team }, step) {
   const done = new Map();
   history.doneAt.forEach((at, task) => {
-    if (at === step && !done.has(history.doneBy[task])) done.set(history.doneBy[task], task);
+    const robot = history.doers[task].find((doer) => team[doer] !== NOBODY);
+    if (at === step && robot !== undefined && !done.has(team[robot])) done.set(team[robot], task);
   });
   return done;
-}
-
-function groupByTask(teams) {
-  const groups = new Map();
-  for (const team of teams.values()) {
-    if (team.assigned === NOBODY) continue;
-    if (!groups.has(team.assigned)) groups.set(team.assigned, []);
-    groups.get(team.assigned).push(team);
-  }
-  return groups;
 }
 
 export function teamOfRobot(/** @type {Scene} */ scene, /** @type {number | undefined} */ robot) {
@@ -129,13 +105,9 @@ export function teamOfRobot(/** @type {Scene} */ scene, /** @type {number | unde
 export function standingOf(/** @type {TrialHistory} */ history, task, step) {
   if (isOver(history, task, step)) return history.doneAt[task] <= step ? "done" : "cancelled";
   if (history.mission.tasks[task].appears > step) return "hidden";
-  if (serviceOf(history, task, step)) return "served";
-  if (
-    step === history.last &&
-    history.end.blocked_tasks.includes(history.mission.tasks[task].name)
-  )
-    return "blocked";
-  return "open";
+  if (serviceAfter(history, task, step)) return "served";
+  const isBlocked = step === history.last && history.end.blocked_tasks.includes(history.mission.tasks[task].name);
+  return isBlocked ? "blocked" : "open";
 }
 
 // Whether a task is done or called off.

@@ -1,7 +1,5 @@
 // Where everybody is after a step: by robot the slot of its team, by slot the team's place and task.
 
-import { addCounts } from "./counts.js";
-
 export const NOBODY = -1;
 
 // A state holds, by robot, the slot of its team, and by slot the team's place and task.
@@ -88,24 +86,10 @@ export function loseRobot(/** @type {State} */ state, robot) {
   }
 }
 
-export function sizeOf(/** @type {State} */ state, slot) {
-  return state.team.reduce((sum, other) => sum + Number(other === slot), 0);
-}
-
-export function teamSizes(/** @type {State} */ state) {
-  const sizes = new Int32Array(state.team.length);
-  for (const slot of state.team) if (slot !== NOBODY) sizes[slot]++;
-  return sizes;
-}
-
 export function robotsOfTeam(/** @type {State} */ state, slot) {
   const robots = [];
   for (let robot = slot; robot < state.team.length; robot++) {
     if (state.team[robot] === slot) robots.push(robot);
   }
   return robots;
-}
-
-export function countsOfTeam(/** @type {Mission} */ mission, /** @type {State} */ state, slot) {
-  return addCounts(robotsOfTeam(state, slot).map((robot) => mission.robots[robot].can));
 }

@@ -1,12 +1,12 @@
 // Everything that the page says about robots, teams and tasks, as plain text.
 
-import { absenceAt, needsAt, serviceOf, sitesAt } from "./history.js";
+import { absenceAt, needsAt, sitesAt } from "./history.js";
 import { describeMoment, describePlace, describeSpan, describeWay, percent, plural, secondsOf } from "./lengths.js";
 import { isFlying, walkingDistance } from "./mission.js";
-import { PHASES, PHASE_NAMES, phasesIn } from "./phases.js";
 import { isSamePlace } from "./plane.js";
 import { isOver, standingOf } from "./scene.js";
 import { NOBODY } from "./state.js";
+import { serviceAfter, stepsInPhases } from "./told.js";
 
 export const MANY = 3; // names written out
 const MANY_NEEDS = 12; // kinds of needs written out
@@ -20,12 +20,13 @@ export function taskName(/** @type {Mission} */ mission, task) {
 }
 
 // A lone robot goes by its own name, a team by that of its lowest robot.
-function teamName(/** @type {Mission} */ mission, slot, size) {
-  return size === 1 ? robotName(mission, slot) : `team ${robotName(mission, slot)}`;
+function nameOfRobots(/** @type {Mission} */ mission, robots) {
+  const name = robots.length ? robotName(mission, Math.min(...robots)) : "nobody";
+  return robots.length > 1 ? `team ${name}` : name;
 }
 
-export function nameOfTeam(/** @type {Mission} */ mission, /** @type {Team} */ team) {
-  return teamName(mission, team.slot, team.robots.length);
+export function nameOfTeam(/** @type {Mission} */ mission, /** @type {Team} */ { robots }) {
+  return nameOfRobots(mission, robots);
 }
 
 // A few names are written out; of more than `most`, the first stands for all.
@@ -75,9 +76,7 @@ export function describeDoing(/** @type {TrialHistory} */ history, /** @type {Te
       const away = distanceTo(mission, team);
       const way = `${describeWay(mission.world, away)} to go`;
       const goes = isFlying(mission, team) ? "flies" : "walks";
-      return team.isMet
-        ? `${goes} to ${name} with all it needs, ${way}`
-        : `${goes} to ${name}, ${way}; lacks ${lack}`;
+      return team.isMet ? `${goes} to ${name} with all it needs, ${way}` : `${goes} to ${name}, ${way}; lacks ${lack}`;
     }
   }
 }
@@ -136,14 +135,8 @@ export function describeWhen(/** @type {World} */ world, step) {
 
 // How a robot has spent its time so far, the largest share first.
 export function describeShares(/** @type {TrialHistory} */ history, robot, step) {
-  const steps = new Map(PHASES.map((name) => [name, 0]));
-  for (let made = 1; made <= Math.min(step, history.last); made++) {
-    const name = PHASES[phasesIn(history, made)[robot]];
-    steps.set(name, Number(steps.get(name)) + 1);
-  }
-  const parts = [...steps].filter(([, count]) => count).sort(([, a], [, b]) => b - a);
-  const text = parts.map(([name, count]) => `${PHASE_NAMES[name]} ${percent(count / step)}`);
-  return text.join(", ") || "not yet begun";
+  const parts = [...stepsInPhases(history, robot, step)].filter(([, count]) => count).sort(([, a], [, b]) => b - a);
+  return parts.map(([name, count]) => `${name} ${percent(count / step)}`).join(", ") || "not yet begun";
 }
 
 // Since when a robot is lost.
@@ -169,14 +162,14 @@ export function describeStanding(/** @type {TrialHistory} */ history, task, /** 
     case "hidden":
       return `appears after ${describeMoment(mission.world, appears)}`;
     case "done":
-      if (history.doneBy[task] === NOBODY) return `done by ${describeMoment(mission.world, history.doneAt[task])}, nobody heard by whom`;
+      if (!history.doers[task].length) return `done by ${describeMoment(mission.world, history.doneAt[task])}, nobody heard by whom`;
       return `done ${describeWhen(mission.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "cancelled":
       return `called off ${describeWhen(mission.world, cancelled)}`;
     case "served": {
       if (sitesAt(history, step)[task].isUp) return "being carried";
       if (mission.tasks[task].to) return "being taken up";
-      const made = step - serviceOf(history, task, step).from;
+      const made = step - (serviceAfter(history, task, step)?.from ?? step);
       return `under way, ${describePart(mission.world, made, mission.tasks[task])}`;
     }
     case "blocked":
@@ -200,16 +193,16 @@ export function describeEvent(/** @type {TrialHistory} */ history, /** @type {Hi
 function eventText(/** @type {TrialHistory} */ history, /** @type {HistoryEvent} */ event) {
   const { mission } = history;
   const task = event.task === undefined ? "" : taskName(mission, event.task);
-  const team = event.slot === undefined || event.slot === NOBODY ? "" : teamName(mission, event.slot, event.size);
+  const team = event.robots?.length ? nameOfRobots(mission, event.robots) : "";
   switch (event.kind) {
     case "join":
       return describeJoin(mission, event);
     case "split":
       return describeSplit(mission, event);
     case "lost":
-      return `${robotName(mission, event.robot)} is lost`;
+      return `${robotName(mission, event.robots[0])} is lost`;
     case "back":
-      return `${robotName(mission, event.robot)} is back`;
+      return `${robotName(mission, event.robots[0])} is back`;
     case "appears":
       return `${task} appears`;
     case "cancelled":
@@ -233,16 +226,13 @@ function eventText(/** @type {TrialHistory} */ history, /** @type {HistoryEvent}
   }
 }
 
-function describeJoin(/** @type {Mission} */ mission, /** @type {HistoryEvent} */ { joiner, partner, joiners, partners }) {
-  const names = [teamName(mission, joiner, joiners), teamName(mission, partner, partners)];
-  const text = names.join(" joins ");
-  const total = joiners + partners;
-  return total > 2 ? `${text}, now ${total}` : text;
+function describeJoin(/** @type {Mission} */ mission, /** @type {HistoryEvent} */ { joiner, partner, robots }) {
+  const text = `${nameOfRobots(mission, joiner)} joins ${nameOfRobots(mission, partner)}`;
+  return robots.length > 2 ? `${text}, now ${robots.length}` : text;
 }
 
-function describeSplit(/** @type {Mission} */ mission, /** @type {HistoryEvent} */ { slot, stay, leave }) {
-  const parts = `${listRobots(mission, stay)} | ${listRobots(mission, leave)}`;
-  return `${teamName(mission, slot, stay.length + leave.length)} splits: ${parts}`;
+function describeSplit(/** @type {Mission} */ mission, /** @type {HistoryEvent} */ { stay, leave, robots }) {
+  return `${nameOfRobots(mission, robots)} splits: ${listRobots(mission, stay)} | ${listRobots(mission, leave)}`;
 }
 
 function describeEnd(/** @type {TrialHistory} */ { end, mission }) {

@@ -2,8 +2,8 @@
 
 import { taskColour } from "../draw/palette.js";
 import { describeMoment, percent } from "../record/lengths.js";
-import { IDLE, PHASES, PHASE_NAMES } from "../record/phases.js";
 import { NOBODY } from "../record/state.js";
+import { IDLE, LOST, WAITING } from "../record/told.js";
 import { describeWhen, robotName, taskName } from "../record/words.js";
 import { NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
 import { isOnPath } from "./critical_path.js";
@@ -14,19 +14,19 @@ const MARK = 4; // pixels from the middle of a mark to its edge
 const DARK = "#1b1400"; // ink on the colour of waiting, in both themes
 
 export const PHASE_COLOURS = {
-  walks: "accent",
-  waits: "wait",
-  forms: "form",
-  serves: "good",
-  loads: "load",
-  carries: "carry",
-  unloads: "load",
+  walking: "accent",
+  waiting: "wait",
+  forming: "form",
+  serving: "good",
+  loading: "load",
+  carrying: "carry",
+  unloading: "load",
   idle: "line",
   lost: "bad",
 };
 
 // How strong a phase is drawn in the colour of its task.
-export const STRENGTHS = { walks: 0.5, waits: 0.25, forms: 0.75, serves: 1, loads: 0.85, carries: 1, unloads: 0.85, idle: 1, lost: 0.25 };
+export const STRENGTHS = { walking: 0.5, waiting: 0.25, forming: 0.75, serving: 1, loading: 0.85, carrying: 1, unloading: 0.85, idle: 1, lost: 0.25 };
 
 // What bars may be coloured by.
 export const BARS = { phase: "What they do", task: "Tasks" };
@@ -57,21 +57,19 @@ function drawBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, run, m
 
 // The colour of a bar, how strong it is, and the ink of its name.
 function paintOf(/** @type {Shown} */ { map, options }, /** @type {Run} */ { phase, task }) {
-  const name = PHASES[phase];
   const { theme, isDark } = map;
-  if (options.bars === "task" && task !== NOBODY && name !== "lost") {
-    const strength = STRENGTHS[name];
+  if (options.bars === "task" && task !== NOBODY && phase !== LOST) {
+    const strength = STRENGTHS[phase];
     return { colour: taskColour(task, isDark), strength, ink: strength > 0.6 ? theme.surface : theme.ink };
   }
-  const strength = name === "lost" ? STRENGTHS.lost : 1;
-  return { colour: theme[PHASE_COLOURS[name]], strength, ink: name === "waits" ? DARK : theme.surface };
+  const strength = phase === LOST ? STRENGTHS.lost : 1;
+  return { colour: theme[PHASE_COLOURS[phase]], strength, ink: phase === WAITING ? DARK : theme.surface };
 }
 
 // The task that a bar is about, where there is room between the marks of tasks done; it stays in sight
 // with a part of its bar.
 function nameBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, /** @type {Run} */ { phase, task, from, to }, marks, middle, ink) {
-  const name = PHASES[phase];
-  if (task === NOBODY || name === "idle" || name === "lost") return;
+  if (task === NOBODY || phase === IDLE || phase === LOST) return;
   const begin = Math.max(gantt.x(from), NAME_WIDTH);
   const over = marks.filter(({ left, right }) => left <= begin && right > begin);
   const left = Math.max(begin, ...over.map((mark) => mark.right - MARK));
@@ -90,7 +88,7 @@ function nameBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, /** @t
 function marksOfRow(/** @type {Gantt} */ gantt, robot, row) {
   const half = halfOfMark(row);
   let [last, beside] = [-1, 0];
-  return gantt.deeds[robot].map(({ task, step }) => {
+  return (gantt.deeds?.[robot] ?? []).map(({ task, step }) => {
     beside = step === last ? beside + 1 : 0;
     last = step;
     const x = gantt.x(step) - beside * half * 1.6;
@@ -135,7 +133,7 @@ export function drawEndsOfRow(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ 
   const name = clipped(ctx, robotName(history.mission, robot), NAME_WIDTH - 14);
   ctx.fillText(name, NAME_WIDTH - 8, top + row / 2);
   ctx.fillStyle = theme.muted;
-  ctx.fillText(percent(gantt.shares[robot][IDLE]), gantt.width - 10, top + row / 2);
+  ctx.fillText(percent(gantt.shareOf(robot, IDLE)), gantt.width - 10, top + row / 2);
 }
 
 // What a robot did in a step, in words.
@@ -146,11 +144,11 @@ export function describeBar(/** @type {Gantt} */ gantt, robot, step) {
   if (!run) return robotName(mission, robot);
   const about = run.task === NOBODY ? "" : `, ${taskName(mission, run.task)}`;
   const [from, to] = [run.from, run.to].map((it) => describeMoment(mission.world, it));
-  const done = gantt.deeds[robot].filter((deed) => deed.step > run.from && deed.step <= run.to);
+  const done = (gantt.deeds?.[robot] ?? []).filter((deed) => deed.step > run.from && deed.step <= run.to);
   const deeds = done.map(({ task, step: at }) => `${taskName(mission, task)} done ${describeWhen(mission.world, at)}`);
   const name = robotName(mission, robot);
-  if (isOnPath(gantt, robot, step)) deeds.push("the end hangs on it");
-  return [`${name}: ${PHASE_NAMES[PHASES[run.phase]]}${about}, ${from} to ${to}`, ...deeds].join("\n");
+  if (isOnPath(history, robot, step)) deeds.push("the end hangs on it");
+  return [`${name}: ${run.phase}${about}, ${from} to ${to}`, ...deeds].join("\n");
 }
 
 // A text cut so that it fits into so many pixels.

@@ -1,13 +1,12 @@
 // The columns of the tables: what each says of a task or a robot, and by what it sorts.
 
-import { isLost, serviceOf } from "../record/history.js";
+import { isLost } from "../record/history.js";
 import { describeSpan, percent, shortMoment } from "../record/lengths.js";
 import { hasDueTimes } from "../record/mission.js";
-import { idleStepsUpTo } from "../record/over_time.js";
-import { deedsOfRobots } from "../record/phases.js";
-import { sharedPlanAt } from "../record/reasons.js";
+import { sharedPlanAt } from "../record/plans.js";
 import { isOver, standingOf, teamOfRobot } from "../record/scene.js";
 import { NOBODY } from "../record/state.js";
+import { IDLE, deedsOfRobots, serviceAfter, stepsInPhases } from "../record/told.js";
 import { describeCounts, describeNeeds, listRobots, robotName, taskName } from "../record/words.js";
 
 // A cell is {text, sort, isAhead, whole}: numbers sort before words, what is absent last; what is ahead
@@ -87,10 +86,10 @@ function whoCell(/** @type {Moment} */ moment, task) {
   const isDone = history.doneAt[task] <= step;
   if (!isDone && isOver(history, task, step)) return NOTHING;
   const there = (scene.assignedTo.get(task) ?? []).flatMap(({ robots }) => robots);
-  const served = serviceOf(history, task, step)?.robots ?? [];
+  const served = serviceAfter(history, task, step)?.robots ?? [];
   const now = isDone ? history.doers[task] : [...new Set([...served, ...there])];
   if (now.length) return robotsCell(mission, now);
-  const planned = plan?.coalitions.get(task) ?? history.doers[task];
+  const planned = plan?.get(task) ?? history.doers[task];
   const later = planned.filter((robot) => !isLost(history, robot, step));
   return later.length ? robotsCell(mission, later, true) : NOTHING;
 }
@@ -131,7 +130,7 @@ function doingOf(/** @type {Moment} */ { scene, mission }, robot) {
 function nextTasks(/** @type {Moment} */ { history, plan, scene, step, deeds }) {
   const next = new Map();
   const isCurrent = (robot, task) => teamOfRobot(scene, robot)?.goal === task;
-  for (const [task, robots] of plan?.coalitions ?? []) {
+  for (const [task, robots] of plan ?? []) {
     if (isOver(history, task, step)) continue;
     for (const robot of robots) if (!next.has(robot) && !isCurrent(robot, task)) next.set(robot, task);
   }
@@ -150,6 +149,6 @@ function nextCell(/** @type {Moment} */ { next, mission, scene }, robot) {
 
 function idleCell(/** @type {Moment} */ { history, step }, robot) {
   if (!step) return NOTHING;
-  const share = idleStepsUpTo(history, step)[robot] / step;
+  const share = Number(stepsInPhases(history, robot, step).get(IDLE)) / step;
   return { text: percent(share), sort: share };
 }

@@ -6,7 +6,8 @@ import { AXIS_HEIGHT, NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
 const FRAME = 2; // pixels
 
 export function drawCriticalPath(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt) {
-  const { path, app } = gantt;
+  const { app } = gantt;
+  const { path } = app.history.told;
   if (!path.length) return;
   ctx.save();
   ctx.beginPath();
@@ -59,6 +60,6 @@ function rowMiddle(/** @type {Gantt} */ gantt, robot) {
   return robot === NOBODY ? AXIS_HEIGHT - 1 : rowTop(gantt, robot) + gantt.rowHeight() / 2;
 }
 
-export function isOnPath(/** @type {Gantt} */ { path }, robot, step) {
-  return path.some((it) => it.robot === robot && it.from < step && step <= it.to);
+export function isOnPath(/** @type {TrialHistory} */ { told }, robot, step) {
+  return told.path.some((it) => it.robot === robot && it.from < step && step <= it.to);
 }

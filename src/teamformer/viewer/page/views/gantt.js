@@ -2,9 +2,8 @@
 
 import { penOf } from "../draw/shapes.js";
 import { element } from "../panel/dom.js";
-import { criticalPath } from "../record/critical_path.js";
 import { percent } from "../record/lengths.js";
-import { PHASES, PHASE_NAMES, deedsOfRobots, phaseRuns, phaseShares } from "../record/phases.js";
+import { CARRYING, IDLE, LOADING, LOST, PHASES, UNLOADING, deedsOfRobots, runsOf, stepsInPhases } from "../record/told.js";
 import { PHASE_COLOURS, STRENGTHS, describeBar, drawBarsOfRow, drawEndsOfRow } from "./bars.js";
 import { AXIS_HEIGHT, NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
 import { drawCriticalPath } from "./critical_path.js";
@@ -15,10 +14,7 @@ const LEAST_ROW_HEIGHT = 13; // names can be read
 const STEP_WIDTH_MOST = 60; // pixels a step
 
 export class Gantt {
-  /** @type {Run[][] | null} */ runs = null; // by robot, worked out when they are drawn
-  /** @type {Float64Array[]} */ shares;
-  /** @type {{task: number, step: number}[][]} */ deeds;
-  /** @type {Stretch[]} */ path = [];
+  /** @type {{task: number, step: number}[][] | null} */ deeds = null; // by robot, worked out when they are drawn
 
   constructor(/** @type {Shown} */ app, /** @type {HTMLCanvasElement} */ canvas, /** @type {HTMLElement} */ legend) {
     this.app = app;
@@ -43,11 +39,17 @@ export class Gantt {
 
   // Another record, or another length of this one.
   forget() {
-    this.runs = null;
+    this.deeds = null;
   }
 
   runsOf(robot) {
-    return this.runs?.[robot] ?? [];
+    return runsOf(this.app.history, robot);
+  }
+
+  // The part of its time that a robot spent in a phase.
+  shareOf(robot, phase) {
+    const { history } = this.app;
+    return Number(stepsInPhases(history, robot, history.last).get(phase)) / Math.max(1, history.last);
   }
 
   // Up and down go from robot to robot; the other keys are the page's own.
@@ -72,7 +74,7 @@ export class Gantt {
   // What is under the pointer, as the browser shows titles.
   point(/** @type {{ offsetX: number, offsetY: number }} */ { offsetX, offsetY }) {
     const robot = this.robotAt(offsetY);
-    const isBar = robot !== null && offsetX >= NAME_WIDTH && this.runs;
+    const isBar = robot !== null && offsetX >= NAME_WIDTH;
     this.canvas.title = isBar ? describeBar(this, robot, Math.ceil(this.timeAt(offsetX))) : "";
   }
 
@@ -171,7 +173,7 @@ export class Gantt {
     const { history, map, options, player, selection } = this.app;
     const { width, height } = this.canvas;
     const { scrollLeft, scrollTop } = this.box;
-    const shown = [width, height, scrollLeft, scrollTop, this.factor, this.runs, map.theme, options.bars, player.last, selection.robot];
+    const shown = [width, height, scrollLeft, scrollTop, this.factor, this.deeds, map.theme, options.bars, player.last, selection.robot];
     if (shown.every((value, place) => value === this.stillShown[place])) return;
     this.stillShown = shown;
     Object.assign(this.still, { width, height });
@@ -189,15 +191,12 @@ export class Gantt {
     drawCriticalPath(ctx, this);
   }
 
-  // Runs, deeds and shares are worked out once for each length of the record.
+  // Deeds are gathered once for each length of the record.
   work() {
     const { history } = this.app;
-    if (this.runs && this.madeFor === history.last) return;
+    if (this.deeds && this.madeFor === history.last) return;
     this.madeFor = history.last;
-    this.shares = phaseShares(history, history.last);
-    this.runs = history.mission.robots.map((_, robot) => phaseRuns(history, robot));
     this.deeds = deedsOfRobots(history);
-    this.path = criticalPath(history);
   }
 
   fit() {
@@ -263,24 +262,23 @@ export class Gantt {
     const told = [this.stillShown, this.app.titleItem()?.textContent];
     if (told.every((value, place) => value === this.legendTold[place])) return;
     this.legendTold = told;
-    const means = PHASES.map(
-      (_, phase) => this.shares.reduce((sum, row) => sum + row[phase], 0) / this.shares.length,
-    );
+    const robots = [...this.app.history.mission.robots.keys()];
+    const mean = (phase) => robots.reduce((sum, robot) => sum + this.shareOf(robot, phase), 0) / robots.length;
     const isByTask = options.bars === "task";
     const hasLoads = this.app.history.mission.tasks.some(({ to }) => to);
-    const isThere = (name) => hasLoads || !["loads", "carries", "unloads"].includes(name);
-    const items = PHASES.flatMap((name, phase) => {
+    const isThere = (name) => hasLoads || ![LOADING, CARRYING, UNLOADING].includes(name);
+    const items = PHASES.flatMap((name) => {
       if (!isThere(name)) return [];
-      const isOwn = name === "idle" || name === "lost";
+      const isOwn = name === IDLE || name === LOST;
       const colour = isByTask && !isOwn ? map.theme.ink : map.theme[PHASE_COLOURS[name]];
       const dot = element("span", { class: "dot", colour });
       if (isByTask) dot.style.opacity = STRENGTHS[name];
-      return [element("li", {}, dot, `${PHASE_NAMES[name]} ${percent(means[phase])}`)];
+      return [element("li", {}, dot, `${name} ${percent(mean(name))}`)];
     });
     const diamond = element("span", { class: "diamond" });
     items.push(element("li", {}, diamond, "a task done"));
     const frame = element("span", { class: "frame" });
-    if (this.path.length) items.push(element("li", {}, frame, "what the end hangs on"));
+    if (this.app.history.told.path.length) items.push(element("li", {}, frame, "what the end hangs on"));
     const title = this.app.titleItem();
     this.legend.replaceChildren(...(title ? [title] : []), ...items);
   }

@@ -23,9 +23,8 @@ def news_of_step(mission: RunningMission, latest: LatestTold) -> Tree:
     made, told = len(record.steps), news_to_tree(latest.of(record))
     news: Tree = {"at": made, "step": step_to_tree(record.steps[-1]), "told": told}
     for key in ("orders", "plans"):
-        latest = [plan for plan in getattr(record, key) if plan[0] == made]
-        if latest:
-            news[key] = latest
+        if plans := [plan for plan in getattr(record, key) if plan[0] == made]:
+            news[key] = plans
     if not mission.is_running:
         news["end"] = vars(record.end)
         told["path"] = path_to_tree(path_of_record(record))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from small_worlds import make, robot, task
 from teamformer.base.errors import RecordError
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Absence
 from teamformer.record.export.moments import moments
 from teamformer.record.files.reading import record_from_tree
 from teamformer.record.files.writing import record_to_tree
@@ -82,7 +84,7 @@ def test_robots_do_one_thing_at_a_time_from_the_first_step_to_the_last(method: s
 
 def test_services_end_as_the_record_says() -> None:
     """A task that is done has one that ended then, and takes as long as it really takes."""
-    done = broken = 0
+    done = 0
     for seed in range(12):
         record = record_of(seed, "plan")
         rows = told_of(record).services
@@ -94,9 +96,18 @@ def test_services_end_as_the_record_says() -> None:
             if last.doing == SERVING:
                 assert step - last.begun == tasks[k].duration
         done += len(ends)
-        broken += sum((it.task, it.ended) not in ends for it in rows if it.doing == SERVING)
     assert done > 20
-    assert broken > 0
+
+
+def test_a_service_that_is_broken_off_ends_then_and_begins_anew() -> None:
+    """They begin in step 1; b is lost from step 3 to 6, and joins a again in step 7."""
+    away = replace(robot("b", 0), absences=(Absence(3, 6),))
+    mission = make([robot("a", 0), away], [task("ab", 0, duration=4)], teams=((0, 1),))
+    told = told_of(run_trial(mission, load_method("plan")).record)
+    assert [tuple(it) for it in told.services] == [
+        (0, SERVING, 1, 3, (0, 1), (0, 1)),
+        (0, SERVING, 7, 11, (0, 1), (0, 1)),
+    ]
 
 
 def test_a_load_is_loaded_carried_and_unloaded() -> None:

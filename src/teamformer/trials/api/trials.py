@@ -20,8 +20,8 @@ from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.reading import read_record
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
-from teamformer.record.referee.rules.truth import wrong_truths
-from teamformer.record.referee.rules.verdict import Verdict
+from teamformer.record.referee.truth import wrong_truths
+from teamformer.record.referee.verdict import Verdict
 from teamformer.record.writing import record_to_tree
 from teamformer.trials.api.arguments import (
     PathOrName,

@@ -6,7 +6,7 @@ import numpy as np
 
 from random_worlds import random_world
 from teamformer.mission.parts.grid import Grid
-from teamformer.world.reference.ways import Ways
+from teamformer.world.reference.ways import PlainWays
 from teamformer.world.rules.distances import (
     UNREACHABLE,
     blocked_cells,
@@ -56,7 +56,7 @@ def test_fields_and_matrix_are_what_a_plain_search_finds() -> None:
         cells = [(x, y) for y in range(grid.height) for x in range(grid.width)]
         free = [cell for cell in cells if grid.is_free(cell)]
         goals = [free[i] for i in rng.integers(len(free), size=3)]
-        ways = Ways(grid)
+        ways = PlainWays(grid)
         expected = [[ways.length(cell, goal, flies=False) for goal in goals] for cell in free]
         assert travel_matrix(grid, free, goals).tolist() == expected
         fields = distance_fields(grid, goals)

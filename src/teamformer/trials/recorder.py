@@ -9,6 +9,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.mission.checks.rules import FORESIGHTS
+from teamformer.mission.coordination import NEWS
 from teamformer.mission.parts.capabilities import covers
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.reach import totals_by_region
@@ -133,7 +134,7 @@ class Recorder:
             truth=truth_until(self._mission, self._truth, made + 1) if is_uncertain else None,
             scouts=tuple(row for row in self._scouts if row[0] <= made),
             foresight=self._foresight,
-            heeds=self._env.heeds(),
+            heeds=tuple(word for word in NEWS if word in self._env.heeds()),
             decisions=tuple(row for row in self._decisions if row[0] <= made),
         )
 

@@ -29,7 +29,7 @@ def first_difference(world: PlainWorld, before: Before, rules: Told, told: Told)
 def _difference_of_rows(
     world: PlainWorld, kind: str, rules: tuple[Any, ...], told: tuple[Any, ...]
 ) -> str:
-    phrase = Names(world.mission).phrases[kind]
+    phrase = Wording(world.mission).phrases[kind]
     missing = [row for row in rules if row not in told]
     more = [row for row in told if row not in rules]
     if not missing and not more:
@@ -62,7 +62,7 @@ def _why_not_done(world: PlainWorld, task: int, slot: int | None) -> str:
         return f"that team lacks {describe(lacks)}"
     place = world.at[task] if wanted.to is None else wanted.to
     if not world.is_same(team.at, place):
-        at, there = (Names(world.mission).place(one) for one in (team.at, place))
+        at, there = (Wording(world.mission).place(one) for one in (team.at, place))
         return f"that team is at {at}, the task at {there}"
     return "that team has not been at work on it for long enough"
 
@@ -81,7 +81,7 @@ def _difference_of_teams(
     told: tuple[TeamAt, ...],
 ) -> str:
     """Say of the first team that the record has elsewhere or heading elsewhere, both places."""
-    names = Names(world.mission)
+    names = Wording(world.mission)
     by_rules, in_record = ({row.slot: row for row in rows} for rows in (rules, told))
     for slot in sorted(by_rules.keys() | in_record.keys()):
         if slot not in world.teams:
@@ -102,8 +102,8 @@ def _difference_of_teams(
     return "the rows of teams are not in order of their slots, one for each"
 
 
-class Names:
-    """Names of robots, teams, tasks and places of a mission, and what rows of each kind say."""
+class Wording:
+    """Robots, teams, tasks, places and rows of a mission in words."""
 
     def __init__(self, mission: Mission) -> None:
         self._mission = mission

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+from teamformer.mission.coordination import NEWS
 from teamformer.record.record import Record
 from teamformer.record.referee.ending import judge_ending, judge_start
 from teamformer.record.referee.playing import Play
@@ -57,5 +58,7 @@ def _judge_rows(record: Record, notes: Notes) -> None:
             notes.note(f"the rows of {name} are not in order of steps, one for each")
         if steps and max(steps) > last:
             notes.note(f"{name} has a row of step {max(steps)}, but only {last} were made")
+    if record.heeds != tuple(word for word in NEWS if word in record.heeds):
+        notes.note("heeds has news twice or not in order")
     if any(not rows for _, rows in record.decisions):
         notes.note("decisions has a row without any")

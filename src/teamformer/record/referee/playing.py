@@ -5,7 +5,7 @@ from __future__ import annotations
 from teamformer.mission.coordination import TAKEN_OVER
 from teamformer.record.decisions import Standing, rows_of, standing_after
 from teamformer.record.record import Record, SharedPlanMade, Wants
-from teamformer.record.referee.differences import Names, first_difference
+from teamformer.record.referee.differences import Wording, first_difference
 from teamformer.record.referee.plans import faults_of_plan
 from teamformer.record.referee.reasons import is_order_due, why_plan
 from teamformer.record.referee.told import Before, told_of
@@ -84,7 +84,7 @@ class Play:
         said = {slot: wish.counts for slot, wish in wishes.items()}
         slots = [slot for slot in said | self._wants if said.get(slot) != self._wants.get(slot)]
         for slot in sorted(slots)[:1]:
-            team = Names(self.world.mission).team(self.world.teams[slot].robots)
+            team = Wording(self.world.mission).team(self.world.teams[slot].robots)
             wants, has = (self._words(wish.get(slot)) for wish in (self._wants, said))
             self._notes.note(f"by the plan {team} wants to {wants}; in the record, to {has}")
 

@@ -15,7 +15,7 @@ from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.precedence import tasks_before
-from teamformer.world.reference.ways import Ways, apart_squared
+from teamformer.world.reference.ways import PlainWays, apart_squared
 
 Units = tuple[int, ...]
 """Counts of all capabilities of the mission, in whole units."""
@@ -94,7 +94,7 @@ class PlainWorld:
         self.is_coordinated, self.foresight = is_coordinated, foresight
         world = mission.world
         assert isinstance(world, Grid | Plane)
-        self.world, self.ways = world, Ways(world)
+        self.world, self.ways = world, PlainWays(world)
         self.here = world.arrival_radius if isinstance(world, Plane) else 0.0
         self.sensing_radius = max(mission.sensing_radius, self.here)
         self.join_radius = max(mission.join_radius, self.here)

@@ -42,7 +42,7 @@ def cells(one: Place, other: Place) -> int:
     return int(abs(one[0] - other[0]) + abs(one[1] - other[1]))
 
 
-class Ways:
+class PlainWays:
     """The shortest ways of a world, each worked out only as far as somebody asks."""
 
     def __init__(self, world: Grid | Plane) -> None:

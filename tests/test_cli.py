@@ -20,7 +20,7 @@ from teamformer.cli.terminal import console
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
 from teamformer.methods.listings import method_listings
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 from typed import FOUR, teamformer

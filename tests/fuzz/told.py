@@ -315,20 +315,13 @@ def _strip(
     return picture
 
 
-PAGE_SCRIPTS = (
-    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
-    *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "record/over_time", "views/columns", "look"),
-)
-"""What a page reads a record with; it draws nothing."""
-
 TOLD_BY_PAGE = """(tree) => {
   const history = frames(tree);
   const { mission, events, end } = history;
   const lines = toldOf(history);
   const bars = mission.robots.flatMap(({ name }, robot) =>
-    phaseRuns(history, robot).map(({ phase, task, from, to }) => [
-      name, PHASE_NAMES[PHASES[phase]], task < 0 ? "" : mission.tasks[task].name, from, to,
+    runsOf(history, robot).map(({ phase, task, from, to }) => [
+      name, phase, task < 0 ? "" : mission.tasks[task].name, from, to,
     ]),
   );
   const stories = mission.robots.map((_, robot) =>
@@ -347,8 +340,8 @@ TOLD_BY_PAGE = """(tree) => {
     [name, endOfTask(moment, task)?.at ?? 0, stateOfTask(moment, task) === "done"]);
   for (const robot of mission.robots.keys()) for (const { of } of ROBOT_COLUMNS) of(moment, robot);
   for (const task of mission.tasks.keys()) for (const { of } of TASK_COLUMNS) of(moment, task);
-  const idle = [...idleStepsUpTo(history, half)].map((steps, robot) =>
-    [mission.robots[robot].name, steps]);
+  const idle = mission.robots.map(({ name }, robot) =>
+    [name, stepsInPhases(history, robot, half).get(IDLE)]);
   const halfway = { step: half, tasks, idle };
   const curves = curvesOf(history);
   return { lines, bars, stories, marks, said, needs, halfway, curves,

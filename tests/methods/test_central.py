@@ -17,8 +17,8 @@ from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, routes_of
 from teamformer.planning.problem.relaxed_problem import relax
-from teamformer.planning.problem.team_plan import TeamPlan, routes_of
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.situation import situation_in_hindsight
 from teamformer.trials.trial import run_trials
@@ -176,7 +176,7 @@ def test_a_play_becomes_a_plan(is_plane: bool) -> None:
         assert play(mission, plan) > 0
 
 
-def play(mission: Mission, plan: TeamPlan) -> int:
+def play(mission: Mission, plan: CoalitionPlan) -> int:
     player = PlanPlayer(mission, routes_of(plan, len(mission.robots)), plan.order.tolist())
     env = TeamFormation([mission])
     while env.is_running[0]:

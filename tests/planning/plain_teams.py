@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from teamformer.mission.model import Mission
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Relaxed
-from teamformer.planning.problem.team_plan import TeamPlan
 
 
-def slow_ends(mission: Mission, problem: Relaxed, plan: TeamPlan) -> list[int]:
+def slow_ends(mission: Mission, problem: Relaxed, plan: CoalitionPlan) -> list[int]:
     """Time a plan with sets: each group is its robots, where they are, and since when."""
     tasks, names = len(mission.tasks), [task.name for task in mission.tasks]
     together = [

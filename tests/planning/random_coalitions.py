@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem, pose_problem
-from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan
 
 
 def random_problem(

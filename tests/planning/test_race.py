@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from teamformer.planning.problem.team_plan import plan_teams
+from teamformer.planning.problem.coalition_plan import plan_of_lists
 from teamformer.planning.race import Judgement, Race, search_by_clock
 from teamformer.planning.steps.solve import begin_race
 from teamformer.planning.steps.timed_plan import TimedPlan
@@ -44,7 +44,7 @@ def test_a_plan_as_good_as_the_bound_ends_it_if_the_bound_is_of_such_plans() -> 
 
 
 def test_plans_in_steps_are_over_when_the_makespan_is_the_bound() -> None:
-    now, plan = time.perf_counter(), plan_teams([0], [[0]])
+    now, plan = time.perf_counter(), plan_of_lists([0], [[0]])
     for has_prices in (False, True):
         timed = TimedPlan(plan, 26_629, 0, np.array([31]), has_prices)
         race = begin_race(timed, now, now + 60)

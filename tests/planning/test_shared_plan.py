@@ -19,7 +19,7 @@ from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Grid
-from teamformer.planning.problem.team_plan import plan_teams
+from teamformer.planning.problem.coalition_plan import plan_of_lists
 from teamformer.planning.steps.shared_plan import (
     Rounds,
     is_too_large,
@@ -62,7 +62,7 @@ def settled(
 ) -> tuple[list[int], list[list[int]]]:
     """Return the step in which each task of a plan is done, and by whom once it is settled."""
     situation = situation_of(start_of(mission))
-    timed = time_team_plan(situation, plan_teams(order, crews))
+    timed = time_team_plan(situation, plan_of_lists(order, crews))
     plan = timed.plan
     crew = [sorted(plan.coalition[k, : plan.size[k]].tolist()) for k in range(len(order))]
     return timed.ends.tolist(), crew

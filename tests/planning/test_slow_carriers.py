@@ -15,7 +15,7 @@ from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.planning.continuous.solve import plan_together
 from teamformer.planning.graph.meeting import TICKS
-from teamformer.planning.problem.team_plan import plan_teams
+from teamformer.planning.problem.coalition_plan import plan_of_lists
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.situation import situation_of
 from teamformer.trials.trial import run_trial
@@ -92,6 +92,6 @@ def test_arcs_in_steps_have_the_times_of_the_plan(crew: tuple[int, ...]) -> None
         free_at=(0, 0),
     )
     arcs = TeamArcs(situation_of(known))
-    arcs.begin_at(plan_teams([0], [crew]))
+    arcs.begin_at(plan_of_lists([0], [crew]))
     ends = arcs.search.graph.nodes.end[:1] // TICKS
     np.testing.assert_array_equal(ends, arcs.best.ends)

@@ -12,7 +12,7 @@ from random_worlds import random_world, with_precedence_and_windows
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
-from teamformer.planning.problem.team_plan import keep_order, plan_teams, routes_of
+from teamformer.planning.problem.coalition_plan import keep_order, plan_of_lists, routes_of
 from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import situation_in_hindsight
 from teamformer.planning.steps.timed_plan import time_team_plan
@@ -43,7 +43,7 @@ def timed(mission: Mission, order: list[int], crews: list[list[int]]) -> tuple[i
     """Return cost, lead and what timing a plan left, nothing being done on the way."""
     situation = situation_in_hindsight(mission)
     groups = empty_groups(situation.problem, situation.company, mission.forming_steps)
-    plan = plan_teams(order, crews)
+    plan = plan_of_lists(order, crews)
     cost, lead = time_plan(situation.problem, no_crossings(), plan, groups)
     return int(cost), int(lead), groups
 
@@ -118,16 +118,16 @@ def test_a_task_starts_in_the_step_after_those_before_it_are_done() -> None:
 def test_what_comes_after_others_is_not_done_in_passing_before_these() -> None:
     """On its way to `t9` the robot passes `t4`, which comes after `t9`."""
     mission = corridor([0], [replace(task(4, 1), after=("t9",)), task(9, 1)])
-    timed_plan = time_team_plan(situation_in_hindsight(mission), plan_teams([0, 1], [[0], [0]]))
+    timed_plan = time_team_plan(situation_in_hindsight(mission), plan_of_lists([0, 1], [[0], [0]]))
     assert timed_plan.plan.order.tolist() == [1, 0]
     assert timed_plan.ends.tolist() == [14, 9]
     free = corridor([0], [task(4, 1), task(9, 1)])
-    timed_plan = time_team_plan(situation_in_hindsight(free), plan_teams([1, 0], [[0], [0]]))
+    timed_plan = time_team_plan(situation_in_hindsight(free), plan_of_lists([1, 0], [[0], [0]]))
     assert timed_plan.ends.tolist() == [4, 9]
 
 
 def test_routes_follow_the_order() -> None:
-    assert routes_of(plan_teams([2, 0, 1], [[0], [1, 0], [1]]), 2) == [[0, 1], [2, 1]]
+    assert routes_of(plan_of_lists([2, 0, 1], [[0], [1, 0], [1]]), 2) == [[0, 1], [2, 1]]
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -141,6 +141,6 @@ def test_times_are_those_of_a_slow_twin(seed: int) -> None:
     crews = [rng.permutation(robots)[: rng.integers(1, robots + 1)].tolist() for _ in range(tasks)]
     order = keep_order(problem.before, rng.permutation(tasks).tolist())
     cost, _, groups = timed(mission, order, crews)
-    slow = slow_ends(mission, problem, plan_teams(order, crews))
+    slow = slow_ends(mission, problem, plan_of_lists(order, crews))
     assert groups.end[:tasks].tolist() == slow
     assert cost == STEP * tasks * max(slow)

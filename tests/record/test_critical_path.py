@@ -22,7 +22,7 @@ from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.moments import moments
-from teamformer.record.phases import AT_WORK
+from teamformer.record.phases import AT_WORK, CARRYING, UNLOADING
 from teamformer.record.record import Record
 from teamformer.trials.trial import run_trial
 from teamformer.world.rules.constants import NOBODY
@@ -261,6 +261,8 @@ def test_the_stretches_add_up_and_tell_what_the_record_tells(method: str) -> Non
                 shown = seen[step].phase[stretch.robot]
                 if shown == "forming" and stretch.doing in AT_WORK:
                     continue  # others come or leave while it serves
+                if shown == UNLOADING and stretch.doing == CARRYING:
+                    continue  # it was set down before it was unloaded
                 assert shown == stretch.doing, (seed, stretch, step)
     assert completed > 10
 

@@ -21,13 +21,13 @@ from teamformer.mission.model import Absence, Breakdown, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.record.export.csv_tables import write_tables
 from teamformer.record.export.moments import moments
-from teamformer.record.export.plans_in_force import PlansInForce
 from teamformer.record.export.reasons import explain, story_lines
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
 from teamformer.record.phases import FORMING, IDLE, LOST, SERVING, WAITING, WALKING
-from teamformer.record.reading import read_record
 from teamformer.record.record import Ending, Record, SharedPlanMade, Step, TeamAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import save_record
+from teamformer.record.telling.plans_in_force import PlansInForce
 from teamformer.trials.trial import run_trial
 
 
@@ -52,7 +52,7 @@ def two_lifters() -> Record:
     steps = (
         Step(teams=(TeamAt(0, 1, 0, 0), TeamAt(1, 2, 0, 0))),
         Step(teams=(TeamAt(0, 2, 0, 0),)),
-        Step(joins=((1, 0),)),
+        Step(joins=((1, 0),), served=((0, (0, 1)),)),
         Step(),
         Step(done=((0, 0),), teams=(TeamAt(0, 2, 0, None),)),
         Step(lost=(1,)),
@@ -77,12 +77,15 @@ def test_places_and_teams_are_those_of_the_record() -> None:
     assert [moment.task[0] for moment in seen] == [-1, 0, 0, 0, 0, -1, -1]
 
 
+SERVES = "its team brings all that the task needs, and stays until that is done"
+
+
 def test_a_robot_says_what_it_did_and_why() -> None:
     record = replace(two_lifters(), orders=((0, (0,)), (5, ())))
     assert list(story_lines(record, 0)) == [
-        ("1-2", "walks to beam", "number 1 in the order that everybody shares"),
+        ("1-2", "walks to beam", "first in the order that everybody shares"),
         ("3-3", "forms with =b", ""),
-        ("4-5", "serves beam, with =b", "its team brings all that the task needs"),
+        ("4-5", "serves beam, with =b", SERVES),
         ("6-6", "idle", "no task is open"),
     ]
     assert list(story_lines(record, 1))[1:2] == [
@@ -98,9 +101,11 @@ def test_a_shared_plan_says_who_does_what_and_who_took_whose_part() -> None:
     record = replace(before, plans=plans, steps=steps)
     told = [why for _, _, why in story_lines(record, 0)]
     assert told[0] == "the plan has a do it"
-    held, doing = PlansInForce(record), []
-    for number in range(1, 4):
-        held.go_on(number)
+    held, doing = PlansInForce(), []
+    for made in range(3):
+        for pair in record.steps[made - 1].took if made else ():
+            held.exchange(*pair)
+        held.go_on(record, made)
         doing.append(held.coalition(0))
     assert doing == [(0,), (1,), (1,)]
 
@@ -165,7 +170,7 @@ def test_plans_made_anew_say_after_what() -> None:
         (
             "2-2",
             "walks to box",
-            "number 1 in the order that everybody shares; planned anew after step 1: box appears",
+            "first in the order that everybody shares; planned anew after step 1: box appears",
         ),
     ]
 

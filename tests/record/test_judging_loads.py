@@ -16,10 +16,10 @@ from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
-from teamformer.record.reading import record_from_tree
+from teamformer.record.files.reading import record_from_tree
+from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record, Step, TaskAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import record_to_tree
 from teamformer.trials.trial import run_trial
 
 

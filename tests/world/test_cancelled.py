@@ -26,7 +26,7 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.critical_path.of_record import path_of_record
-from teamformer.record.export.events import events
+from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import cancelled_steps, done_steps, opening_steps

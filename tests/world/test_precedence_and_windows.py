@@ -17,7 +17,7 @@ from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.export.events import events
+from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import known_steps, lateness, opening_steps

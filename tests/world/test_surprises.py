@@ -23,12 +23,12 @@ from teamformer.mission.model import Absence, Breakdown, Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.truth import draw_truth, truth_until
 from teamformer.record.export.csv_tables import write_tables
-from teamformer.record.export.events import events
-from teamformer.record.reading import read_record, record_from_tree
+from teamformer.record.files.reading import read_record, record_from_tree
+from teamformer.record.files.writing import record_to_tree, save_record
+from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import lateness
-from teamformer.record.writing import record_to_tree, save_record
 from teamformer.trials.trial import decide, run_trial
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY

@@ -29,6 +29,7 @@ class _Snapshot:
     groups: Groups
     has: Array  # (robots, caps)
     tally: Tally
+    served: dict[int, tuple[int, ...]]  # by task, who serves it
 
 
 class Recorder:
@@ -91,6 +92,8 @@ class Recorder:
                     for k in np.flatnonzero(tasks["left_at"] == steps)
                 ),
                 pursued=_pursued(before, after),
+                served=_served(before, after, tasks),
+                unloads=_unloads(tasks),
             )
         )
         decided = self._decided(before)
@@ -141,7 +144,15 @@ class Recorder:
     def _snapshot(self) -> _Snapshot:
         groups = _groups(self._env.worlds.robots["team"][0])
         worlds = self._env.worlds
-        return _Snapshot(worlds.teams[0].copy(), groups, worlds.has[0].copy(), self._env.tally())
+        server = worlds.tasks["server"][0]
+        served = {k: groups[server[k]] for k in np.flatnonzero(server != NOBODY).tolist()}
+        return _Snapshot(
+            teams=worlds.teams[0].copy(),
+            groups=groups,
+            has=worlds.has[0].copy(),
+            tally=self._env.tally(),
+            served=served,
+        )
 
     def _decided(self, before: _Snapshot) -> dict[int, Wants]:
         """Return what the teams that there were wanted in the latest step, but to stay as is."""
@@ -275,6 +286,28 @@ def _pursued(before: _Snapshot, after: _Snapshot) -> tuple[tuple[int, int], ...]
     pursued, now, was = after.teams["pursued"], after.teams["task"], before.teams["task"]
     is_untold = (pursued != NOBODY) & (now == NOBODY) & (was != pursued)
     return tuple((slot, int(pursued[slot])) for slot in sorted(after.groups) if is_untold[slot])
+
+
+def _served(
+    before: _Snapshot, after: _Snapshot, tasks: Array
+) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """Return the tasks that others serve since a step, or nobody any more, and who does."""
+    rows: list[tuple[int, tuple[int, ...]]] = []
+    for task in sorted(before.served.keys() | after.served.keys()):
+        was, now = before.served.get(task, ()), after.served.get(task, ())
+        is_new = tasks["served"][task] == 0 and not tasks["is_carried"][task]
+        is_over = tasks["done_at"][task] == after.tally.steps
+        if was and not is_over and (not now or is_new):
+            rows.append((task, ()))
+        if now and (was != now or is_new):
+            rows.append((task, now))
+    return tuple(rows)
+
+
+def _unloads(tasks: Array) -> tuple[int, ...]:
+    """Return the loads that have got to where they go in the latest step, and are not done."""
+    is_there = tasks["is_carried"] & (tasks["served"] == 1)
+    return tuple(np.flatnonzero(is_there & (tasks["server"] != NOBODY)).tolist())
 
 
 def _changed_teams(

@@ -16,13 +16,14 @@ from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.graph.arc_problem import different_needs, pose_arcs
 from teamformer.planning.graph.graph import AIM, BACK_SUM, COST, MAKESPAN, read_off
 from teamformer.planning.problem import schedule as by_schedule
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     NOBODY,
     CoalitionProblem,
     pose_problem,
 )
-from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan, schedule_of
+from teamformer.planning.problem.schedule import schedule_of
 
 SEEDS = range(12)
 

@@ -16,7 +16,7 @@ from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.graph.graph import COST, END_SUM, MAKESPAN, Graph
 from teamformer.planning.graph.meeting import TICKS
-from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
@@ -39,7 +39,7 @@ def drawn(seed: int, forming_steps: int = 1) -> tuple[Mission, Situation]:
     return mission, situation_in_hindsight(mission)._replace(crossings=no_crossings())
 
 
-def plan_of(arcs: TeamArcs, graph: Graph) -> TeamPlan:
+def plan_of(arcs: TeamArcs, graph: Graph) -> CoalitionPlan:
     """Return the plan that a graph holds."""
     arcs.search._best = graph
     return arcs.plan
@@ -100,9 +100,9 @@ def test_a_group_serves_what_it_passes_on_its_way() -> None:
     tasks = (Task("far", (10, 0), {"a": 1}), Task("passed", (5, 0), {"a": 1}, duration=3))
     mission = Mission("corridor", Grid(30, 1), ("a",), (ann, bob), tasks)
     arcs = TeamArcs(situation_in_hindsight(mission))
-    arcs.begin_at(plan_teams([0, 1], [[0], [1]]))
+    arcs.begin_at(plan_of_lists([0, 1], [[0], [1]]))
     assert ends_of(arcs)[0] == 13  # five cells, three steps of service, five cells
-    arcs.begin_at(plan_teams([1, 0], [[0], [0]]))
+    arcs.begin_at(plan_of_lists([1, 0], [[0], [0]]))
     assert ends_of(arcs) == [13, 8]
 
 
@@ -116,7 +116,7 @@ def test_large_coalitions_are_begun_without_robots_to_spare() -> None:
         (Task("t", (9, 0), {"a": 2}), Task("u", (1, 0), {"a": 1})),
     )
     arcs = TeamArcs(situation_in_hindsight(mission))
-    arcs.begin_at(plan_teams([0, 1], [list(range(8)), [7]]))
+    arcs.begin_at(plan_of_lists([0, 1], [list(range(8)), [7]]))
     assert arcs.plan.size.tolist() == [6, 1]  # two that are needed, and four riders
     assert arcs.search.graph.total[COST] > 0
 
@@ -142,7 +142,7 @@ def test_nobody_is_planned_for_what_ends_after_it_is_lost() -> None:
     mission = Mission("corridor", Grid(30, 1), ("a",), (lost, stays), tasks)
     situation = situation_in_hindsight(mission)
     arcs = TeamArcs(situation)
-    arcs.begin_at(plan_teams([0, 1], [[0], [0]]))
+    arcs.begin_at(plan_of_lists([0, 1], [[0], [0]]))
     assert arcs.search.graph.total[MAKESPAN] >= FAR * TICKS
     found = arcs.improve(arcs.best, rounds=200)
     assert found.plan.coalition[:, 0].tolist() == [0, 1]

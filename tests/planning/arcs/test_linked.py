@@ -14,6 +14,7 @@ from teamformer.planning.graph.graph import read_off
 from teamformer.planning.linked.judging import NOW
 from teamformer.planning.linked.search import LinkedSearch
 from teamformer.planning.linked.solve import plan_linked, solve_linked
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.links import (
     COMPLETION,
@@ -27,7 +28,6 @@ from teamformer.planning.problem.links import (
     LinkedProblem,
     link_problem,
 )
-from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan
 
 SEEDS = range(4)
 WEIGHTS = {MAKESPAN: 3, TRAVEL: 2, TARDINESS: 4, MAX_TARDINESS: 5, COMPLETION: 1}

@@ -21,9 +21,10 @@ from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.cp_sat import solve_exactly
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
 from teamformer.planning.continuous.solve import judge, plan_together
+from teamformer.planning.problem.coalition_plan import empty_plan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.planning.problem.schedule import COST, MAKESPAN, empty_plan, schedule_of
+from teamformer.planning.problem.schedule import COST, MAKESPAN, schedule_of
 from teamformer.planning.race import Race
 
 POLICIES = pytest.mark.parametrize("policy", PLANNERS)

@@ -9,6 +9,7 @@ from random_coalitions import is_able, plain_times, random_problem
 from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.solve import plan_together
 from teamformer.planning.dispatch.first_plan import draw_plan
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.schedule import (
     BACK_SUM,
@@ -16,9 +17,7 @@ from teamformer.planning.problem.schedule import (
     LATE,
     MAKESPAN,
     SPREAD,
-    CoalitionPlan,
     Schedule,
-    empty_plan,
     schedule_of,
 )
 

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.bench.peers.peer_plan import OutOfReachError, PeerPlan, makespan_of, plan_of
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
-from teamformer.planning.problem.schedule import CoalitionPlan
 
 Routes = list[list[int]]
 """The tasks of each robot, in its order."""

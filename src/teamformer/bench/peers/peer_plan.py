@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from teamformer.base.errors import TeamformerError
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.problem.links import LinkedProblem
-from teamformer.planning.problem.schedule import MAKESPAN, CoalitionPlan, empty_plan, schedule_of
+from teamformer.planning.problem.schedule import MAKESPAN, schedule_of
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ import numpy as np
 
 from teamformer.bench.peers.auction import auction
 from teamformer.bench.peers.peer_plan import OutOfReachError, PeerPlan, makespan_of, plan_of
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
-from teamformer.planning.problem.schedule import CoalitionPlan
 
 MOST_COPIES = 3000
 """More copies than this take longer to pose than anybody waits."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from teamformer.methods.central.players import Player, decision_of, stage_for
 from teamformer.mission.model import Mission
-from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NOBODY
 
@@ -30,14 +30,16 @@ class CoalitionLog:
                 self._order.append(task)
                 self._coalitions[task] = np.flatnonzero(team_of == tasks[task]["done_by"]).tolist()
 
-    def plan(self) -> TeamPlan | None:
+    def plan(self) -> CoalitionPlan | None:
         """Return what was done as a plan; None if not everything was."""
         if not all(self._coalitions):
             return None
-        return plan_teams(self._order, self._coalitions)
+        return plan_of_lists(self._order, self._coalitions)
 
 
-def plan_from_play(mission: Mission, player: Player, deadline: float = math.inf) -> TeamPlan | None:
+def plan_from_play(
+    mission: Mission, player: Player, deadline: float = math.inf
+) -> CoalitionPlan | None:
     """Return the plan of a player's play; None if that does not complete, or not in time.
 
     `deadline` is what `time.perf_counter` then shows.

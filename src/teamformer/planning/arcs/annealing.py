@@ -50,8 +50,8 @@ from teamformer.planning.graph.judging import (
     sum_up_trial,
     undo,
 )
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import CoalitionPlan, with_seats
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.world.rules.chance import SLACKS, STEPS, draw_below
 

@@ -15,8 +15,8 @@ from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.graph.graph import Graph
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan
 
 PRICES = (0, 100, 200, 350, 500, 800)
 """What a tick that a robot waits costs if its type has most to do, in thousandths of a tick."""

@@ -7,8 +7,8 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.mission.model import Mission
 from teamformer.planning.bounds.forming import raise_for_forming
+from teamformer.planning.problem.coalition_plan import keep_order
 from teamformer.planning.problem.relaxed_problem import Relaxed, in_blocks, steps_from_starts
-from teamformer.planning.problem.team_plan import keep_order
 from teamformer.world.rules.constants import FAR, NOBODY
 
 

@@ -23,6 +23,7 @@ from teamformer.mission.precedence import tasks_before
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.times import TaskClock
 from teamformer.planning.linked.solve import LinkedSolution
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     SPARES,
@@ -33,7 +34,6 @@ from teamformer.planning.problem.coalition_problem import (
 from teamformer.planning.problem.links import PART_OF, Link, LinkedProblem, link_problem
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan
 from teamformer.planning.problem.ways import ends_of
 from teamformer.world.rules.distances import UNREACHABLE, straight_ways, travel_matrix
 
@@ -161,7 +161,16 @@ def pose_mission(mission: Mission) -> ContinuousMission:
         site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
     )
     linked = _link(mission, problem, scale) if is_linked(mission) else problem
-    return ContinuousMission(mission, ways, home, origin, pace, carry, scale, linked)
+    return ContinuousMission(
+        source=mission,
+        ways=ways,
+        home=home,
+        origin=origin,
+        pace=pace,
+        carry=carry,
+        scale=scale,
+        problem=linked,
+    )
 
 
 def rounding_of(mission: Mission) -> int:

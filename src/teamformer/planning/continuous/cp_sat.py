@@ -11,8 +11,9 @@ import numpy as np
 
 from teamformer.base.array_types import Ints
 from teamformer.base.import_apart import import_apart
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import MAKESPAN, CoalitionPlan, empty_plan, schedule_of
+from teamformer.planning.problem.schedule import MAKESPAN, schedule_of
 from teamformer.planning.relaxation.cp_sat import make_solver
 
 if TYPE_CHECKING:

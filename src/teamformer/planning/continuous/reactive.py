@@ -16,22 +16,16 @@ from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.dispatch.coalition_choice import arrival, cover, empty_workspace, give_way
 from teamformer.planning.dispatch.first_plan import is_ready
+from teamformer.planning.problem.coalition_plan import copy_plan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import (
-    COST,
-    copy_plan,
-    empty_plan,
-    empty_schedule,
-    schedule_of,
-    sum_up,
-    time_one,
-)
+from teamformer.planning.problem.schedule import COST, empty_schedule, schedule_of, sum_up, time_one
 from teamformer.world.rules.chance import draw_below
 from teamformer.world.rules.coverage import helps
 
 if TYPE_CHECKING:
     from teamformer.planning.dispatch.coalition_choice import Workspace
-    from teamformer.planning.problem.schedule import CoalitionPlan, Schedule
+    from teamformer.planning.problem.coalition_plan import CoalitionPlan
+    from teamformer.planning.problem.schedule import Schedule
 
 FUTURES = 20
 """How often the rest is played out for each task that a robot may take."""

@@ -18,10 +18,11 @@ from teamformer.planning.continuous_bounds.makespan import improving_bounds
 from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.linked.search import LinkedSearch
 from teamformer.planning.linked.solve import LinkedSolution, plan_linked, solve_linked
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.links import MAKESPAN, LinkedProblem, link_problem
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.planning.problem.schedule import CoalitionPlan, schedule_of
+from teamformer.planning.problem.schedule import schedule_of
 
 Planner = Callable[[CoalitionProblem, float, CoalitionPlan | None], Solution | None]
 LinkedPlanner = Callable[[LinkedProblem, float, CoalitionPlan | None], LinkedSolution | None]

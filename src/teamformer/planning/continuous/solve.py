@@ -10,15 +10,9 @@ from functools import partial
 from teamformer.planning.arcs.annealing import ArcSearch, has_few_tasks, shared_annealings
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
-from teamformer.planning.problem.schedule import (
-    COST,
-    MAKESPAN,
-    CoalitionPlan,
-    Schedule,
-    schedule_of,
-    without_riders,
-)
+from teamformer.planning.problem.schedule import COST, MAKESPAN, Schedule, schedule_of
 from teamformer.planning.race import Judgement, Race
 
 SECONDS_EACH = 3.0

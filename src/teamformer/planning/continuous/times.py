@@ -11,8 +11,8 @@ from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end, release_of
 from teamformer.mission.model import Mission
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
-from teamformer.planning.problem.schedule import CoalitionPlan
 
 SAME = 1e-5
 """By such a share of all time starts may go on to change, as times are rounded."""

@@ -12,8 +12,9 @@ from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
     from teamformer.planning.dispatch.coalition_choice import Workspace
+    from teamformer.planning.problem.coalition_plan import CoalitionPlan
     from teamformer.planning.problem.coalition_problem import CoalitionProblem
-    from teamformer.planning.problem.schedule import CoalitionPlan, Schedule
+    from teamformer.planning.problem.schedule import Schedule
 
 
 def draw_plan(problem: CoalitionProblem, seed: int) -> CoalitionPlan | None:

@@ -29,8 +29,9 @@ from teamformer.planning.graph.arc_problem import (
     takes_with,
 )
 from teamformer.planning.graph.meeting import TICKS, find_way, plan_ways, start_in_steps
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import SPREAD, CoalitionPlan, empty_plan
+from teamformer.planning.problem.schedule import SPREAD
 from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:

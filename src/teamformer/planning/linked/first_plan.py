@@ -9,9 +9,9 @@ from random import Random
 
 import numpy as np
 
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NOBODY, without_spares
 from teamformer.planning.problem.links import FREE, LinkedProblem
-from teamformer.planning.problem.schedule import CoalitionPlan, empty_plan
 
 
 def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | None:

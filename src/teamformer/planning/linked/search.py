@@ -43,8 +43,8 @@ from teamformer.planning.linked.judging import (
     time_links,
 )
 from teamformer.planning.linked.moves import move, ride
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats
 from teamformer.planning.problem.links import MAX_TARDINESS, TARDINESS, TRAVEL, LinkedProblem
-from teamformer.planning.problem.schedule import CoalitionPlan, with_seats
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.world.rules.chance import SLACKS, STEPS, draw_below
 

@@ -9,14 +9,9 @@ from functools import partial
 
 from teamformer.planning.continuous_bounds.raising import raise_bound
 from teamformer.planning.linked.search import COOLER, COOLINGS, LinkedSearch
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.links import LinkedProblem, is_bounded
-from teamformer.planning.problem.schedule import (
-    LATE,
-    MAKESPAN,
-    CoalitionPlan,
-    schedule_of,
-    without_riders,
-)
+from teamformer.planning.problem.schedule import LATE, MAKESPAN, schedule_of
 from teamformer.planning.race import Judgement, Race
 
 ROUNDS_EACH, MOST_ROUNDS = 20_000, 600_000

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.mission.checks.costs import LATENESS
-from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem, without_spares
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, copy_plan, empty_plan
+from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
 
 if TYPE_CHECKING:
     from teamformer.base.array_types import Array
@@ -19,14 +19,6 @@ SPREAD = 20
 """The mean time at which robots are home weighs this many times less than the last one."""
 
 MAKESPAN, COST, BACK_SUM, LATE = range(4)
-
-
-class CoalitionPlan(NamedTuple):
-    """Which tasks are done in what order, by whom."""
-
-    order: Int32s  # (tasks,)
-    coalition: Int32s  # (tasks, robots) the first `size` of them
-    size: Int32s  # (tasks,)
 
 
 class Schedule(NamedTuple):
@@ -38,16 +30,6 @@ class Schedule(NamedTuple):
     start: Ints  # (tasks,)
     end: Ints  # (places,) 0 for the places where robots start
     total: Ints  # (4,) makespan, cost, sum of the times at home, lateness
-
-
-def empty_plan(problem: CoalitionProblem) -> CoalitionPlan:
-    """Return a plan in which nobody does anything."""
-    tasks, robots = len(problem.needs), len(problem.counts)
-    return CoalitionPlan(
-        np.arange(tasks, dtype=np.int32),
-        np.full((tasks, robots), NOBODY, np.int32),
-        np.zeros(tasks, np.int32),
-    )
 
 
 def empty_schedule(problem: CoalitionProblem) -> Schedule:
@@ -64,14 +46,6 @@ def empty_schedule(problem: CoalitionProblem) -> Schedule:
 
 
 @entry
-def copy_plan(plan: CoalitionPlan, into: CoalitionPlan) -> None:
-    """Overwrite a plan with another."""
-    into.order[:] = plan.order
-    into.coalition[:] = plan.coalition
-    into.size[:] = plan.size
-
-
-@entry
 def time_plan(problem: CoalitionProblem, schedule: Schedule) -> None:
     """Work out the times of the plan that stands, and what it costs."""
     for robot in range(len(problem.origin)):
@@ -79,37 +53,6 @@ def time_plan(problem: CoalitionProblem, schedule: Schedule) -> None:
     for position in range(len(schedule.rank)):
         time_one(problem, schedule, position)
     sum_up(problem, schedule)
-
-
-def with_seats(problem: CoalitionProblem, plan: CoalitionPlan, most: int) -> CoalitionPlan:
-    """Return a plan in which no task has more than so many robots, but for those that it needs."""
-    if (plan.size <= most).all():
-        return plan
-    seated = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
-    for task in np.flatnonzero(plan.size > most).tolist():
-        kept = without_spares(problem, task, plan.coalition[task, : plan.size[task]].tolist(), most)
-        seated.size[task], seated.coalition[task, : len(kept)] = len(kept), kept
-    return seated
-
-
-def without_riders(
-    problem: CoalitionProblem, plan: CoalitionPlan, cost_of: Callable[[CoalitionPlan], Any]
-) -> CoalitionPlan:
-    """Return a plan without the robots that a task can be done without, where it costs no more."""
-    if problem.spares == 0:
-        return plan
-    cost = cost_of(plan)
-    for task in plan.order.tolist():
-        for robot in plan.coalition[task, : plan.size[task]][::-1].tolist():
-            crew = plan.coalition[task, : plan.size[task]]
-            rest = crew[crew != robot]
-            if (problem.counts[rest].sum(axis=0) < problem.needs[task]).any():
-                continue
-            fewer = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
-            fewer.size[task], fewer.coalition[task, : len(rest)] = len(rest), rest
-            if cost_of(fewer) <= cost:
-                plan, cost = fewer, cost_of(fewer)
-    return plan
 
 
 def schedule_of(problem: CoalitionProblem, plan: CoalitionPlan) -> Schedule:

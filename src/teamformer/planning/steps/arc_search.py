@@ -9,10 +9,15 @@ from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.graph.arc_problem import StepRules
 from teamformer.planning.graph.graph import MAKESPAN
 from teamformer.planning.graph.meeting import TICKS
+from teamformer.planning.problem.coalition_plan import (
+    CoalitionPlan,
+    empty_plan,
+    keep_order,
+    pairs_before,
+    plan_of_lists,
+)
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.relaxed_problem import Relaxed
-from teamformer.planning.problem.schedule import empty_plan
-from teamformer.planning.problem.team_plan import TeamPlan, keep_order, pairs_before, plan_teams
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
@@ -92,7 +97,7 @@ class TeamArcs:
             self.search.anneal(hot // LESS_HOT, cold, 0, reheated, reheated)
         return self.best
 
-    def begin_at(self, plan: TeamPlan) -> None:
+    def begin_at(self, plan: CoalitionPlan) -> None:
         """Stand at a plan; robots that a task could do without are left out of large coalitions."""
         laid = empty_plan(self.search.problem)
         number = np.argsort(self._robots, kind="stable")
@@ -120,14 +125,14 @@ class TeamArcs:
         return time_team_plan(self.situation, self.plan)
 
     @property
-    def plan(self) -> TeamPlan:
+    def plan(self) -> CoalitionPlan:
         """Return the best plan as the graph has it: tasks are done by those who are led to them."""
         plan = self.search.best
         coalitions = [
             self._robots[row[:size]].tolist()
             for row, size in zip(plan.coalition, plan.size, strict=True)
         ]
-        return plan_teams(plan.order.tolist(), coalitions)
+        return plan_of_lists(plan.order.tolist(), coalitions)
 
 
 def rank_of(timed: TimedPlan) -> tuple[int, int]:

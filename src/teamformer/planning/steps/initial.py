@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.base.array_types import Array
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
 from teamformer.planning.problem.relaxed_problem import Relaxed, walked_cells
-from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
 from teamformer.world.rules.constants import FAR
 from teamformer.world.rules.tour import shortest_tour
 
 
-def crew_plans(problem: Relaxed) -> list[TeamPlan]:
+def crew_plans(problem: Relaxed) -> list[CoalitionPlan]:
     """Return a plan for the most complete crews, for half as many, and so on down to one."""
     tasks = len(problem.appears)
     cells = walked_cells(problem)
@@ -44,7 +44,7 @@ def _deal(problem: Relaxed) -> list[list[int]]:
     return crews
 
 
-def _share_out(problem: Relaxed, tour: Array, crews: list[list[int]]) -> TeamPlan:
+def _share_out(problem: Relaxed, tour: Array, crews: list[list[int]]) -> CoalitionPlan:
     """Give each crew a stretch of the tour; what it cannot do, everybody who can comes to."""
     parts = np.array_split(tour, len(crews))
     chosen: list[list[int]] = [[] for _ in tour]
@@ -53,7 +53,7 @@ def _share_out(problem: Relaxed, tour: Array, crews: list[list[int]]) -> TeamPla
         for position, task in enumerate(part.tolist()):
             turn[task] = position
             chosen[task] = _able_crew(problem, task, crew)
-    return plan_teams(np.argsort(turn, kind="stable").tolist(), chosen)
+    return plan_of_lists(np.argsort(turn, kind="stable").tolist(), chosen)
 
 
 def _able_crew(problem: Relaxed, task: int, crew: list[int]) -> list[int]:

@@ -9,8 +9,8 @@ from teamformer.planning.steps.timing import is_settled, time_plan
 from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
+    from teamformer.planning.problem.coalition_plan import CoalitionPlan
     from teamformer.planning.problem.relaxed_problem import Relaxed
-    from teamformer.planning.problem.team_plan import TeamPlan
     from teamformer.planning.steps.crossings import Crossings
     from teamformer.planning.steps.timing import Groups
 
@@ -20,7 +20,7 @@ ROUNDS = 20
 
 @entry
 def settle(
-    problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
+    problem: Relaxed, crossings: Crossings, plan: CoalitionPlan, groups: Groups
 ) -> tuple[Any, Any]:
     """Time a plan and give all tasks to those who do them; return what `time_plan` does."""
     cost, lead = time_plan(problem, crossings, plan, groups)
@@ -33,7 +33,7 @@ def settle(
 
 
 @kernel
-def _hand_over(plan: TeamPlan, groups: Groups) -> None:
+def _hand_over(plan: CoalitionPlan, groups: Groups) -> None:
     """Put every task that was passed before the one that its doers went to, or after if there.
 
     Groups are followed as they were when the plan was timed, whoever is handed a task.
@@ -68,13 +68,13 @@ def _hand_over(plan: TeamPlan, groups: Groups) -> None:
 
 
 @kernel
-def _follow(plan: TeamPlan, groups: Groups, task: int) -> None:
+def _follow(plan: CoalitionPlan, groups: Groups, task: int) -> None:
     for seat in range(plan.size[task]):
         groups.of[plan.coalition[task, seat]] = task
 
 
 @kernel
-def _sort_by_start(plan: TeamPlan, groups: Groups) -> None:
+def _sort_by_start(plan: CoalitionPlan, groups: Groups) -> None:
     """Order the tasks in `groups.moved` by their starts, of equals as they are."""
     for position in range(len(plan.order)):
         task, gap = groups.moved[position], position
@@ -85,7 +85,7 @@ def _sort_by_start(plan: TeamPlan, groups: Groups) -> None:
 
 
 @kernel
-def _list_spares(plan: TeamPlan, groups: Groups, task: int) -> int:
+def _list_spares(plan: CoalitionPlan, groups: Groups, task: int) -> int:
     """List in `groups.spares` the robots that a group can spare; return how many."""
     count = 0
     if task == groups.spare[0]:
@@ -97,7 +97,7 @@ def _list_spares(plan: TeamPlan, groups: Groups, task: int) -> int:
 
 
 @kernel
-def _leave_out(plan: TeamPlan, groups: Groups, task: int, spares: int) -> None:
+def _leave_out(plan: CoalitionPlan, groups: Groups, task: int, spares: int) -> None:
     """Take the robots in `groups.spares` out of a coalition."""
     kept = 0
     for seat in range(plan.size[task]):
@@ -111,7 +111,9 @@ def _leave_out(plan: TeamPlan, groups: Groups, task: int, spares: int) -> None:
 
 
 @kernel
-def _place_passed(plan: TeamPlan, groups: Groups, task: int, filled: int, is_there: bool) -> int:
+def _place_passed(
+    plan: CoalitionPlan, groups: Groups, task: int, filled: int, is_there: bool
+) -> int:
     """Place what was passed on the way to a task, or what is where it is; return the next place."""
     begin = filled
     for other in range(len(plan.order)):

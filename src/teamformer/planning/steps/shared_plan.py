@@ -14,8 +14,8 @@ import numpy as np
 
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Mission
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Relaxed, has_prices, most_in_coalitions
-from teamformer.planning.problem.team_plan import TeamPlan
 from teamformer.planning.steps.arc_search import LARGE, TeamArcs
 from teamformer.planning.steps.situation import Situation, plan_of, situation_of
 from teamformer.planning.steps.starts import complete_plan, plan_from_coalitions, plan_from_crews
@@ -219,7 +219,7 @@ def _lead_of(named: Named) -> int:
     return named[1].lead
 
 
-def kept_plan(situation: Situation, old: Plan) -> TeamPlan:
+def kept_plan(situation: Situation, old: Plan) -> CoalitionPlan:
     """Return what is left of an old plan, with new tasks at its end."""
     return complete_plan(situation.problem, *plan_in_numbers(situation, old))
 

@@ -11,8 +11,8 @@ from teamformer.mission.checks.windows import opening_step
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.grid import Grid, Place
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Future, Relaxed, future_of, relax_ways
-from teamformer.planning.problem.team_plan import TeamPlan
 from teamformer.planning.problem.ways import are_ways_straight, ends_of
 from teamformer.planning.steps.crossings import Crossings, find_crossings, without_loads
 from teamformer.world.rules.constants import FAR
@@ -95,7 +95,7 @@ def situation_in_hindsight(mission: Mission) -> Situation:
     return situation._replace(problem=problem)
 
 
-def plan_of(situation: Situation, found: TeamPlan) -> Plan:
+def plan_of(situation: Situation, found: CoalitionPlan) -> Plan:
     """Return what was planned for a situation in the numbers of the mission."""
     order = found.order.tolist()
     return Plan(

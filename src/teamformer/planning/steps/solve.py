@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Relaxed
-from teamformer.planning.problem.team_plan import TeamPlan
 from teamformer.planning.race import Judgement, Race
 from teamformer.planning.steps.arc_search import COLD, COOL, LARGE, LESS_HOT, TeamArcs, rank_of
 from teamformer.planning.steps.initial import crew_plans
@@ -15,7 +15,7 @@ from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.starts import plan_from_coalitions
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
-Starts = Iterator[TeamPlan]
+Starts = Iterator[CoalitionPlan]
 """Plans to search from, one after another."""
 
 LONGER = 4
@@ -43,7 +43,7 @@ def first_plan(situation: Situation) -> TimedPlan | None:
     return min((time_team_plan(situation, start) for start in starts), key=rank_of, default=None)
 
 
-def is_able(problem: Relaxed, plan: TeamPlan) -> bool:
+def is_able(problem: Relaxed, plan: CoalitionPlan) -> bool:
     """Say whether every coalition has what its task needs."""
     coalitions = zip(plan.coalition, plan.size, strict=True)
     has = [problem.counts[coalition[:size]].sum(axis=0) for coalition, size in coalitions]

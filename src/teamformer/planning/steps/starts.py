@@ -9,13 +9,13 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.planning.crews.deal import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
 from teamformer.planning.problem.relaxed_problem import Relaxed, steps_from_starts, walked_cells
-from teamformer.planning.problem.team_plan import TeamPlan, plan_teams
 from teamformer.planning.relaxation.threshold import ThresholdSearch
 from teamformer.world.rules.constants import FAR, NOBODY
 
 
-def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> TeamPlan:
+def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> CoalitionPlan:
     """Return what crews do, who meet at their tasks and go on together.
 
     `company` (robots,) is the lowest robot of the team that each is in; `rounds` is how many
@@ -41,7 +41,7 @@ def plan_from_crews(problem: Relaxed, company: Array, rounds: int) -> TeamPlan:
         coalitions[task] = sorted(united)
     if len(problem.lengths) > 1:  # crews know nothing of who flies
         return complete_plan(problem, sequence.tolist(), coalitions)
-    return plan_teams(sequence.tolist(), coalitions)
+    return plan_of_lists(sequence.tolist(), coalitions)
 
 
 def _shared(problem: Relaxed, company: Array) -> Shared:
@@ -84,19 +84,19 @@ def _regions(is_way: Array) -> tuple[Array, Array]:
     return task_region.astype(np.int64), robot_region
 
 
-def plan_from_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> TeamPlan | None:
+def plan_from_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> CoalitionPlan | None:
     """Return coalitions that are good where joining is free, as teams."""
     search = ThresholdSearch(problem, seed)
     search.run(rounds)
     schedule = search.best
     if schedule is None:
         return None
-    return plan_teams(schedule.order, [list(robots) for robots in schedule.coalitions])
+    return plan_of_lists(schedule.order, [list(robots) for robots in schedule.coalitions])
 
 
 def complete_plan(
     problem: Relaxed, order: Sequence[int], coalitions: Sequence[Sequence[int]]
-) -> TeamPlan:
+) -> CoalitionPlan:
     """Return a plan in which each coalition that lacks something gets the nearest who bring it.
 
     `order` holds all tasks; `coalitions` has robots for each, by number.
@@ -104,7 +104,7 @@ def complete_plan(
     chosen = [
         _complete(problem, task, list(coalition)) for task, coalition in enumerate(coalitions)
     ]
-    return plan_teams(order, chosen)
+    return plan_of_lists(order, chosen)
 
 
 def _complete(problem: Relaxed, task: int, coalition: list[int]) -> list[int]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from teamformer.base.array_types import Array
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, keep_order
 from teamformer.planning.problem.relaxed_problem import has_prices
-from teamformer.planning.problem.team_plan import TeamPlan, keep_order
 from teamformer.planning.steps.passing import settle
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.timing import empty_groups
@@ -20,7 +20,7 @@ class TimedPlan:
     (tasks,) are steps, and `has_prices` says that more than the makespan counts.
     """
 
-    plan: TeamPlan
+    plan: CoalitionPlan
     cost: int
     lead: int
     ends: Array
@@ -53,20 +53,20 @@ def without_riders(situation: Situation, timed: TimedPlan) -> TimedPlan:
                 continue
             coalition, size = timed.plan.coalition.copy(), timed.plan.size.copy()
             coalition[task, : len(rest)], size[task] = rest, len(rest)
-            fewer = time_team_plan(situation, TeamPlan(timed.plan.order, coalition, size))
+            fewer = time_team_plan(situation, CoalitionPlan(timed.plan.order, coalition, size))
             if fewer.rank < timed.rank:
                 timed, seat = fewer, min(seat, int(fewer.plan.size[task]) - 1)
     return timed
 
 
-def time_team_plan(situation: Situation, plan: TeamPlan) -> TimedPlan:
+def time_team_plan(situation: Situation, plan: CoalitionPlan) -> TimedPlan:
     """Return a plan with its times, its tasks in an order that keeps precedence.
 
     The given plan is not changed.
     """
     problem = situation.problem
     groups = empty_groups(problem, situation.company, situation.forming_steps)
-    own = TeamPlan(*(array.copy() for array in plan))
+    own = CoalitionPlan(*(array.copy() for array in plan))
     own.order[:] = keep_order(problem.before, own.order.tolist())
     cost, lead = settle(problem, situation.crossings, own, groups)
     ends = groups.end[: len(problem.appears)].copy()

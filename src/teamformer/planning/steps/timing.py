@@ -16,9 +16,9 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.prices import SHARES, SMOOTH
 from teamformer.planning.problem.relaxed_problem import Relaxed, pace_together, way_number
-from teamformer.planning.problem.team_plan import TeamPlan
 from teamformer.planning.steps.crossings import Crossings
 from teamformer.world.rules.constants import FAR, NOBODY, ROUNDING
 from teamformer.world.rules.pairing import pair_off
@@ -94,7 +94,7 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
 
 @entry
 def time_plan(
-    problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups
+    problem: Relaxed, crossings: Crossings, plan: CoalitionPlan, groups: Groups
 ) -> tuple[Any, Any]:
     """Return what a plan costs, and the same with what leads a search; both are whole numbers.
 
@@ -132,7 +132,7 @@ def _price_of_ends(problem: Relaxed, groups: Groups) -> int:
 
 
 @kernel
-def _count_late(problem: Relaxed, plan: TeamPlan, groups: Groups) -> int:
+def _count_late(problem: Relaxed, plan: CoalitionPlan, groups: Groups) -> int:
     """Return how many robots are lost before the end of a task that they are planned for."""
     late = 0
     for task in range(len(plan.order)):
@@ -160,7 +160,9 @@ def _gather_at_start(problem: Relaxed, groups: Groups) -> None:
 
 
 @kernel
-def _meet(problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups, task: int) -> Any:
+def _meet(
+    problem: Relaxed, crossings: Crossings, plan: CoalitionPlan, groups: Groups, task: int
+) -> Any:
     """Bring a task's coalition together and let it do it; return the steps that robots walk."""
     count, walked = 0, np.int64(0)
     for seat in range(plan.size[task]):
@@ -226,7 +228,7 @@ def _opens(problem: Relaxed, groups: Groups, task: int) -> Any:
 
 @kernel
 def _note_spare_group(
-    problem: Relaxed, plan: TeamPlan, groups: Groups, task: int, count: int
+    problem: Relaxed, plan: CoalitionPlan, groups: Groups, task: int, count: int
 ) -> None:
     """Note the last to come of those groups without which a task can be done: it would be."""
     for place in range(count - 1, -1, -1):
@@ -238,7 +240,7 @@ def _note_spare_group(
 @kernel
 def _can_do(
     problem: Relaxed,
-    plan: TeamPlan,
+    plan: CoalitionPlan,
     groups: Groups,
     group: int,
     task: int,
@@ -272,7 +274,7 @@ def is_settled(groups: Groups) -> bool:
 def _walk(
     problem: Relaxed,
     crossings: Crossings,
-    plan: TeamPlan,
+    plan: CoalitionPlan,
     groups: Groups,
     group: int,
     task: int,
@@ -355,7 +357,7 @@ def _note_too_early(groups: Groups, group: int, task: int, other: int, step: int
 
 @kernel
 def _do_what_is_here(
-    problem: Relaxed, crossings: Crossings, plan: TeamPlan, groups: Groups, task: int
+    problem: Relaxed, crossings: Crossings, plan: CoalitionPlan, groups: Groups, task: int
 ) -> None:
     """Let the team that does a task do all else that it can do there, at the same time."""
     start = groups.start[task]
@@ -377,7 +379,7 @@ def _do_what_is_here(
 
 
 @kernel
-def _is_crew(plan: TeamPlan, groups: Groups, group: int, task: int, other: int) -> bool:
+def _is_crew(plan: CoalitionPlan, groups: Groups, group: int, task: int, other: int) -> bool:
     """Say whether another task is planned for those who do one, all of them from one group."""
     if plan.size[task] != plan.size[other]:
         return False

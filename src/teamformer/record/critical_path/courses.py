@@ -93,7 +93,7 @@ class Courses:
         self.set_down_in: dict[int, list[tuple[int, Robots]]] = {}  # step -> loads and carriers
         self._up: dict[int, tuple[int, Robots]] = {}  # load -> step, carriers
         self._goal = [Changing(at) for at in believed_places(record)]  # where teams head for
-        teams = Teams(record)
+        teams = Teams(record.mission.robots, record.start)
         self._of = [
             _Course(
                 Changing(teams.place(robot)),

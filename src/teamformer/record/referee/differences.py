@@ -9,11 +9,11 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.grid import Place
 from teamformer.record.record import TeamAt
-from teamformer.record.referee.told import KINDS, Before, Told
+from teamformer.record.referee.told import KINDS, Before, Rows
 from teamformer.world.reference.state import PlainWorld
 
 
-def first_difference(world: PlainWorld, before: Before, rules: Told, told: Told) -> str | None:
+def first_difference(world: PlainWorld, before: Before, rules: Rows, told: Rows) -> str | None:
     """Return the first difference between what rules and record tell of a step; None if none is.
 
     What leads to something else comes first, as splits do before places.
@@ -119,6 +119,8 @@ class Wording:
             "shown": lambda number: f"it becomes known what task {task(number)} needs",
             "taken": lambda row: f"{self.led_by(row[1])} takes up the load of {task(row[0])}",
             "left": lambda row: f"the load of {task(row[0])} is set down at {self.place(row[1:])}",
+            "served": lambda row: self.served(*row),
+            "unloads": lambda number: f"unloading of {task(number)} begins",
             "done": lambda row: f"task {task(row[0])} is done by {self.doer(row[1])}",
             "pursued": lambda row: f"{self.led_by(row[0])} pursued task {task(row[1])}",
             "took": lambda row: f"{self.robots(row)} exchange their parts of the plan",
@@ -144,6 +146,12 @@ class Wording:
     def doer(self, slot: int | None) -> str:
         """Name who did a task."""
         return "nobody" if slot is None else self.led_by(slot)
+
+    def served(self, task: int, robots: tuple[int, ...]) -> str:
+        """Say who serves a task from a step on, or that nobody does any more."""
+        if not robots:
+            return f"the service of task {self.task(task)} breaks off"
+        return f"task {self.task(task)} is served by {self.robots(robots)}"
 
     def robots(self, numbers: Iterable[int]) -> str:
         """Return robots by name, in brackets."""

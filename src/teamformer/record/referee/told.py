@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from teamformer.mission.parts.grid import Place
 from teamformer.record.record import Record, TaskAt, TeamAt
-from teamformer.world.reference.state import PlainTeam, PlainWorld
+from teamformer.world.reference.state import PlainTeam, PlainWorld, Robots
 
-Told = Mapping[str, tuple[Any, ...]]
+Rows = Mapping[str, tuple[Any, ...]]
 """Rows by their kind, which are the keys of a step of a record."""
 
 KINDS = (
     *("splits", "joins", "named", "lost", "back", "teams", "found", "moved", "shown"),
-    *("taken", "left", "done", "pursued", "took", "heard"),
+    *("taken", "left", "served", "unloads", "done", "pursued", "took", "heard"),
 )
 """All kinds of rows, what leads to something else first."""
 
 
-def told_of(record: Record, number: int) -> Told:
+def told_of(record: Record, number: int) -> Rows:
     """Return what a record tells of a step."""
     step = record.steps[number - 1]
     return {kind: getattr(step, kind) for kind in KINDS}
@@ -30,8 +30,9 @@ class Before:
 
     def __init__(self, world: PlainWorld) -> None:
         self.teams = {slot: _row(slot, team) for slot, team in world.teams.items()}
+        self._served = _who_serves(world)
 
-    def told_by_rules(self, world: PlainWorld, took: list[tuple[int, int]]) -> Told:
+    def told_by_rules(self, world: PlainWorld, took: list[tuple[int, int]]) -> Rows:
         """Return what there is to tell of the step that a world has made since.
 
         `took` has the like robots that have exchanged their parts of a plan after it.
@@ -50,6 +51,8 @@ class Before:
             "shown": tuple(happened.shown),
             "taken": tuple(sorted(happened.taken.items())),
             "left": _placed(happened.left),
+            "served": tuple(self._changed_services(world)),
+            "unloads": tuple(sorted(_unloads(world))),
             "done": tuple(happened.done.items()),
             "pursued": tuple(self._pursued(world)),
             "took": tuple(took),
@@ -64,6 +67,29 @@ class Before:
             if team.pursued is not None and team.task is None
             if slot not in self.teams or self.teams[slot].task != team.pursued
         ]
+
+    def _changed_services(self, world: PlainWorld) -> Iterator[tuple[int, Robots]]:
+        """Yield tasks that are no longer served, though not done, and by whom others are now."""
+        begun = set(world.happened.begun) - world.carried
+        now_serve = _who_serves(world)
+        for task in sorted(self._served.keys() | now_serve.keys()):
+            was, now = self._served.get(task, ()), now_serve.get(task, ())
+            if was and task not in world.happened.done and (not now or task in begun):
+                yield task, ()
+            if now and (was != now or task in begun):
+                yield task, now
+
+
+def _who_serves(world: PlainWorld) -> dict[int, Robots]:
+    return {task: team.robots for team in world.teams.values() for task in team.serving}
+
+
+def _unloads(world: PlainWorld) -> Iterator[int]:
+    """Yield the loads that have got to where they go in the latest step, and are not done."""
+    for team in world.teams.values():
+        for task, left in team.serving.items():
+            if task in world.carried and left == world.mission.tasks[task].unload:
+                yield task
 
 
 def _row(slot: int, team: PlainTeam) -> TeamAt:

@@ -73,6 +73,7 @@ def _begin(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
     duration, is_load = int(world.truth.tasks[task].duration), world.mission.tasks[task].to
     if duration or is_load is not None:
         world.served.add(task)
+        world.happened.begun.append(task)
         team.serving[task] = duration
         team.credit = 0.0
         world.due[task] = max(1, int(world.mission.tasks[task].duration))

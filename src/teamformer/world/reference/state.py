@@ -65,6 +65,7 @@ class Happenings:
     found: list[int] = field(default_factory=list)
     moved: dict[int, Place] = field(default_factory=dict)  # where tasks are believed to be now
     shown: list[int] = field(default_factory=list)
+    begun: list[int] = field(default_factory=list)  # services
     taken: dict[int, int] = field(default_factory=dict)  # loads taken up, by which slot
     left: dict[int, Place] = field(default_factory=dict)  # loads set down, and where they lie
     done: dict[int, int] = field(default_factory=dict)  # tasks, by which slot

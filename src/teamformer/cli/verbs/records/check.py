@@ -14,7 +14,7 @@ from teamformer.mission.model import Mission
 from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 from teamformer.record.record import FLEET, Record
 from teamformer.record.referee import judge
 

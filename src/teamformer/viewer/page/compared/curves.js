@@ -1,9 +1,14 @@
 // Tasks done over time, a line for each record, and where each one's makespan is.
 
+import { describeAmount } from "../record/lengths.js";
+import { doneAfterSteps } from "../record/over_time.js";
+import { TimeCanvas, traceSteps } from "../views/time_canvas.js";
+import { recordColour } from "./titles.js";
+
 const CURVES_BELOW = 16; // pixels, for the time
 
-class Curves extends TimeCanvas {
-  constructor(app, canvas) {
+export class Curves extends TimeCanvas {
+  constructor(/** @type {App} */ app, /** @type {HTMLCanvasElement} */ canvas) {
     super(app, canvas, 30, 10);
   }
 
@@ -21,7 +26,7 @@ class Curves extends TimeCanvas {
     this.drawNow(ctx, 2, this.y(0));
   }
 
-  drawAxes(ctx) {
+  drawAxes(/** @type {Canvas2D} */ ctx) {
     const { map, player, history } = this.app;
     const { theme } = map;
     const { world } = history.mission;
@@ -41,7 +46,7 @@ class Curves extends TimeCanvas {
   }
 
   // The line of what was done, and a dot at the makespan.
-  drawLine(ctx, trial) {
+  drawLine(/** @type {Canvas2D} */ ctx, /** @type {Trial} */ trial) {
     const { history } = trial;
     const [x, y] = [(step) => this.x(step), (count) => this.y(count / history.doneAt.length)];
     ctx.strokeStyle = ctx.fillStyle = recordColour(this.app, trial);

@@ -1,9 +1,17 @@
 // What can be switched on: lines to assignments, trails, the task order; and the selection.
 
+import { isFlying } from "../record/mission.js";
+import { orderAt, robotsWith, tasksNeeding } from "../record/scene.js";
+import { NOBODY, placeOf } from "../record/state.js";
+import { wayTo } from "../record/ways.js";
+import { ringColour } from "./palette.js";
+import { outlineDisc, robotSpot, shorten, teamSpot, tracedSquare } from "./shapes.js";
+import { taskBox } from "./tasks.js";
+
 const TRAIL_STEPS = 12;
 
 // Only the selected team's line when the lines are off.
-function drawAssignments(view) {
+export function drawAssignments(/** @type {View} */ view) {
   const { ctx, scene, options, selectedTeam, selection } = view;
   ctx.lineWidth = 1.5;
   ctx.setLineDash([5, 4]);
@@ -18,7 +26,7 @@ function drawAssignments(view) {
   ctx.globalAlpha = 1;
 }
 
-function drawAssignment(view, team) {
+function drawAssignment(/** @type {View} */ view, /** @type {Team} */ team) {
   const { ctx } = view;
   const from = teamSpot(view, team);
   const { at, isUp } = view.sites[team.assigned];
@@ -37,22 +45,7 @@ function drawAssignment(view, team) {
   ctx.stroke();
 }
 
-// The point so far from one towards another, at most halfway.
-function shorten(one, other, length) {
-  const apart = Math.hypot(other.x - one.x, other.y - one.y);
-  const part = apart ? Math.min(0.5, length / apart) : 0;
-  return { x: between(one.x, other.x, part), y: between(one.y, other.y, part) };
-}
-
-// A team's circle on the screen: the middle of its robots, and how far they reach.
-function teamSpot(view, team) {
-  const spots = team.robots.map((robot) => robotSpot(view, robot));
-  const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
-  const y = spots.reduce((sum, spot) => sum + spot.y, 0) / spots.length;
-  return { x, y, r: Math.max(...spots.map((s) => Math.hypot(s.x - x, s.y - y) + s.r)) };
-}
-
-function drawTrails(view) {
+export function drawTrails(/** @type {View} */ view) {
   const { ctx, history, scene, camera, blended } = view;
   ctx.lineWidth = Math.max(1.5, Math.min(4, camera.cell * 0.09));
   ctx.lineJoin = "round";
@@ -72,7 +65,7 @@ function drawTrails(view) {
 }
 
 // The order in which everybody would visit the open tasks.
-function drawOrder(view) {
+export function drawOrder(/** @type {View} */ view) {
   const { ctx, camera, sites, theme } = view;
   const tasks = orderAt(view.history, view.scene.step);
   ctx.beginPath();
@@ -93,7 +86,7 @@ function drawOrder(view) {
 
 // Who heard whom: each message is the half of the way that is its sender's, so that a link which
 // works one way only looks like half a line. Heartbeats are faint, plans and facts are not.
-function drawMessages(view) {
+export function drawMessages(/** @type {View} */ view) {
   const { ctx, history, scene, theme } = view;
   for (const [sender, receiver, what] of history.record.steps[scene.step - 1]?.heard ?? []) {
     const [from, to] = [robotSpot(view, sender), robotSpot(view, receiver)];
@@ -108,7 +101,7 @@ function drawMessages(view) {
   ctx.globalAlpha = 1;
 }
 
-function drawSelection(view) {
+export function drawSelection(/** @type {View} */ view) {
   const { ctx, theme, selection, selectedTeam, mission } = view;
   ctx.strokeStyle = theme.accent;
   ctx.lineWidth = 2;
@@ -121,28 +114,22 @@ function drawSelection(view) {
   if (mission.sensingRadius < Infinity) drawSensing(view, x, y);
 }
 
-function outlineTask(view, task) {
+function outlineTask(/** @type {View} */ view, task) {
   const { x, y, half } = taskBox(view, task);
   tracedSquare(view.ctx, x, y, half + 5);
   view.ctx.stroke();
 }
 
 // A place where something may be added.
-function outlinePlace({ ctx, camera }, [x, y]) {
+function outlinePlace(/** @type {View} */ { ctx, camera }, [x, y]) {
   const half = Math.max(6, 0.44 * camera.cell);
   ctx.setLineDash([4, 3]);
   ctx.strokeRect(camera.x(x) - half, camera.y(y) - half, 2 * half, 2 * half);
   ctx.setLineDash([]);
 }
 
-function outlineDisc(ctx, x, y, r) {
-  ctx.beginPath();
-  ctx.arc(x, y, r, 0, 2 * Math.PI);
-  ctx.stroke();
-}
-
 // Who brings a capability and what still needs it.
-function outlineCapability(view, cap) {
+function outlineCapability(/** @type {View} */ view, cap) {
   const { history, scene } = view;
   for (const robot of robotsWith(history, cap, scene.step)) {
     const { x, y, r } = robotSpot(view, robot);
@@ -151,7 +138,7 @@ function outlineCapability(view, cap) {
   for (const task of tasksNeeding(history, cap, scene.step)) outlineTask(view, task);
 }
 
-function drawSensing({ ctx, mission, camera }, x, y) {
+function drawSensing(/** @type {View} */ { ctx, mission, camera }, x, y) {
   ctx.globalAlpha = 0.4;
   ctx.lineWidth = 1;
   ctx.setLineDash([3, 3]);

@@ -1,6 +1,8 @@
 // The ground: grid lines, obstacles and the numbers along two sides.
 
-function drawWorld(view) {
+import { penOf } from "./shapes.js";
+
+export function drawWorld(/** @type {View} */ view) {
   const { ctx, camera, theme, mission } = view;
   const { world } = mission;
   const [width, height] = [camera.cell * world.width, camera.cell * world.height];
@@ -19,7 +21,7 @@ function drawWorld(view) {
 }
 
 // On a plane from its lower left corner.
-function drawGridLines({ ctx, camera, theme, mission }, width, height) {
+function drawGridLines(/** @type {View} */ { ctx, camera, theme, mission }, width, height) {
   ctx.beginPath();
   for (let column = 1; column < mission.world.width; column++) {
     const x = Math.round(camera.left + column * camera.cell) + 0.5;
@@ -38,12 +40,12 @@ function drawGridLines({ ctx, camera, theme, mission }, width, height) {
 }
 
 // One pixel for each cell, drawn once for each colour and scaled up.
-function wallsImage(world, colour) {
-  if (world.image?.colour === colour) return world.image.canvas;
+function wallsImage(/** @type {World} */ world, colour) {
+  if (world.image && world.image.colour === colour) return world.image.canvas;
   const canvas = document.createElement("canvas");
   canvas.width = world.width;
   canvas.height = world.height;
-  const ctx = canvas.getContext("2d");
+  const ctx = penOf(canvas);
   ctx.fillStyle = colour;
   world.rows.forEach((row, y) => {
     const top = world.yIsUp ? world.height - 1 - y : y;
@@ -53,15 +55,15 @@ function wallsImage(world, colour) {
   return canvas;
 }
 
-const SPACINGS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
+export const SPACINGS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 
 // x along the bottom and y along the left, at a spacing that leaves room for the digits: the
 // numbers of cells, or metres on a plane.
-function drawNumbers({ ctx, camera, theme, mission }) {
+function drawNumbers(/** @type {View} */ { ctx, camera, theme, mission }) {
   const { world } = mission;
-  const { isPlane, square = 1 } = world;
+  const { isPlane, square } = world;
   const spacings = isPlane ? SPACINGS : SPACINGS.filter(Number.isInteger);
-  const every = spacings.find((step) => (step / square) * camera.cell >= 34) ?? SPACINGS.at(-1);
+  const every = spacings.find((step) => (step / square) * camera.cell >= 34) ?? spacings[spacings.length - 1];
   const marks = (side) => {
     const last = isPlane ? side * square : side - 1;
     return Array.from({ length: Math.floor(last / every + 1e-9) + 1 }, (_, mark) => mark * every);

@@ -1,9 +1,13 @@
 // The strip over the slider: tasks done over time, where teams form, the lower bound.
 
+import { doneAfterSteps } from "../record/over_time.js";
+import { TimeCanvas, traceSteps } from "../views/time_canvas.js";
+import { eventColour } from "./lists.js";
+
 const THUMB = 16; // pixels; the slider's ends are half of it inside the strip
 
-class Timeline extends TimeCanvas {
-  constructor(app, canvas) {
+export class Timeline extends TimeCanvas {
+  constructor(/** @type {App} */ app, /** @type {HTMLCanvasElement} */ canvas) {
     super(app, canvas, THUMB / 2, THUMB / 2);
   }
 
@@ -16,7 +20,7 @@ class Timeline extends TimeCanvas {
     this.drawBound(ctx, 0, height);
   }
 
-  drawDone(ctx, height) {
+  drawDone(/** @type {Canvas2D} */ ctx, height) {
     const { history, map } = this.app;
     const [x, y] = [(step) => this.x(step), (count) => height - (count / history.doneAt.length) * (height - 2)];
     ctx.beginPath();
@@ -32,7 +36,7 @@ class Timeline extends TimeCanvas {
   }
 
   // Joins, splits, losses and returns, one tick each; those in the same pixel cover each other.
-  drawMarks(ctx, top) {
+  drawMarks(/** @type {Canvas2D} */ ctx, top) {
     const drawn = new Set();
     for (const event of this.app.events) {
       if (!["join", "split", "lost", "back"].includes(event.kind)) continue;

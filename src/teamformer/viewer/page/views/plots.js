@@ -1,5 +1,9 @@
 // Plots over time: open tasks, idle robots, and the way that the fleet has made.
 
+import { capitalised, describeMoment, describeWay } from "../record/lengths.js";
+import { curvesOf } from "../record/over_time.js";
+import { TimeCanvas, timeMarks, traceSteps } from "./time_canvas.js";
+
 const PLOTS = [
   { key: "open", title: "Open tasks", colour: "accent", say: sayCount, mark: sayCount },
   { key: "idle", title: "Idle robots", colour: "muted", say: sayCount, mark: sayCount },
@@ -11,15 +15,15 @@ function sayCount(_, value) {
 }
 
 // A way where the title says what it is: in cells or metres.
-function shortWay(world, length) {
+function shortWay(/** @type {World} */ world, length) {
   return String(Math.round(length * (world.square ?? 1)));
 }
 
 const PLOT_HEAD = 30; // pixels
 const PLOT_FOOT = 22;
 
-class Plots extends TimeCanvas {
-  constructor(app, canvas) {
+export class Plots extends TimeCanvas {
+  constructor(/** @type {App} */ app, /** @type {HTMLCanvasElement} */ canvas) {
     super(app, canvas, 52, 18);
   }
 
@@ -48,7 +52,7 @@ class Plots extends TimeCanvas {
     return `${capitalised(describeMoment(world, step))}: ${values.join(", ")}`;
   }
 
-  drawPlot(ctx, { title, colour, say, mark }, values, top, high) {
+  drawPlot(/** @type {Canvas2D} */ ctx, { title, colour, say, mark }, values, top, high) {
     const { map, history, player } = this.app;
     const { theme } = map;
     const [ceiling, floor] = [top + PLOT_HEAD, top + high - 8];
@@ -80,7 +84,7 @@ class Plots extends TimeCanvas {
     ctx.globalAlpha = 1;
   }
 
-  drawTimes(ctx) {
+  drawTimes(/** @type {Canvas2D} */ ctx) {
     const { history, map, player } = this.app;
     ctx.fillStyle = map.theme.muted;
     ctx.font = `11px ${map.theme.font}`;

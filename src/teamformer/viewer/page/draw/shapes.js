@@ -1,0 +1,83 @@
+// What several drawings need: views, spots on the screen, plain shapes.
+
+import { between } from "./placing.js";
+
+export function penOf(/** @type {HTMLCanvasElement} */ canvas) {
+  return /** @type {Canvas2D} */ (canvas.getContext("2d"));
+}
+
+// A property that is worked out once, when it is asked for first.
+export function lazily(object, key, make) {
+  const get = () => {
+    const value = make();
+    Object.defineProperty(object, key, { value });
+    return value;
+  };
+  Object.defineProperty(object, key, { get, configurable: true });
+}
+
+// The same view, drawn on another canvas.
+export function onto(/** @type {View} */ view, /** @type {Canvas2D} */ ctx) {
+  return Object.create(view, { ctx: { value: ctx } });
+}
+
+export function isOnScreen({ width, height }, x, y, reach) {
+  return x > -reach && y > -reach && x < width + reach && y < height + reach;
+}
+
+export function cornerOf(half) {
+  return Math.min(half * 0.35, 9);
+}
+
+export function tracedSquare(/** @type {Canvas2D} */ ctx, x, y, half) {
+  ctx.beginPath();
+  ctx.roundRect(x - half, y - half, 2 * half, 2 * half, cornerOf(half));
+}
+
+export function drawCross(/** @type {View} */ { ctx }, { x, y }, reach, colour) {
+  ctx.beginPath();
+  ctx.moveTo(x - reach, y - reach);
+  ctx.lineTo(x + reach, y + reach);
+  ctx.moveTo(x + reach, y - reach);
+  ctx.lineTo(x - reach, y + reach);
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = Math.max(1.5, reach * 0.28);
+  ctx.stroke();
+}
+
+// Where a robot is on the screen, in pixels.
+export function robotSpot(/** @type {View} */ { camera, blended }, robot) {
+  return {
+    x: camera.x(blended.x[robot]),
+    y: camera.y(blended.y[robot]),
+    r: blended.r[robot] * camera.cell,
+  };
+}
+
+export function drawDisc(/** @type {Canvas2D} */ ctx, x, y, r, colour) {
+  ctx.beginPath();
+  ctx.arc(x, y, r, 0, 2 * Math.PI);
+  ctx.fillStyle = colour;
+  ctx.fill();
+}
+
+// A team's circle on the screen: the middle of its robots, and how far they reach.
+export function teamSpot(/** @type {View} */ view, /** @type {{robots: number[]}} */ team) {
+  const spots = team.robots.map((robot) => robotSpot(view, robot));
+  const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
+  const y = spots.reduce((sum, spot) => sum + spot.y, 0) / spots.length;
+  return { x, y, r: Math.max(...spots.map((s) => Math.hypot(s.x - x, s.y - y) + s.r)) };
+}
+
+// The point so far from one towards another, at most halfway.
+export function shorten(one, other, length) {
+  const apart = Math.hypot(other.x - one.x, other.y - one.y);
+  const part = apart ? Math.min(0.5, length / apart) : 0;
+  return { x: between(one.x, other.x, part), y: between(one.y, other.y, part) };
+}
+
+export function outlineDisc(/** @type {Canvas2D} */ ctx, x, y, r) {
+  ctx.beginPath();
+  ctx.arc(x, y, r, 0, 2 * Math.PI);
+  ctx.stroke();
+}

@@ -114,6 +114,7 @@ ARRIVES = Step(teams=(at(0, 2),), done=((0, 0),))
 R_WANTS_S: Decisions = ((1, (Wants(0, (1, 1)),)),)
 BOTH_APPEAR, U_APPEARS = ((0, (0,)), (1, (0, 1))), ((0, (0,)), (1, (1,)))
 DOES_T = Step(teams=(at(0, 1),), done=((0, 0),), pursued=((0, 0),))
+BEGINS = Step(teams=(at(0, 0, 0),), served=((0, (0,)),))
 JOINED = Step(joins=((0, 1),), teams=(at(0, 1),), done=((0, 0),), pursued=((0, 0),))
 
 
@@ -125,9 +126,7 @@ JOINED = Step(joins=((0, 1),), teams=(at(0, 1),), done=((0, 0),), pursued=((0, 0
         record_of(FAST, Step(teams=(at(0, 1, 0, y=1),)), ARRIVES),
         record_of(OPEN, SETS_OUT, Step(teams=(at(0, 2, 0),))),
         record_of(MEETING, JOINED, decisions=R_WANTS_S),
-        record_of(
-            SERVICE, Step(teams=(at(0, 0, 0),)), Step(), Step(teams=(at(0, 0),), done=((0, 0),))
-        ),
+        record_of(SERVICE, BEGINS, Step(), Step(teams=(at(0, 0),), done=((0, 0),))),
         record_of(ALONE, SETS_OUT, illegal_decisions=1, decisions=((1, (Wants(0, (2,)),)),)),
         record_of(LOST, Step(lost=(0,)), status="infeasible", blocked_tasks=("t",)),
         record_of(

@@ -55,10 +55,14 @@ LEGAL = Record(
         Step(teams=(TeamAt(0, 1, 0, 0), TeamAt(2, 5, 0, 1))),
         Step(teams=(TeamAt(0, 2, 0, None),), done=((0, 0),)),
         # cat needs two steps for the next cell; there the service of `long` begins
-        Step(splits=(((0,), (1,)),), teams=(TeamAt(1, 2, 0, None), TeamAt(2, 4, 0, 1))),
+        Step(
+            splits=(((0,), (1,)),),
+            teams=(TeamAt(1, 2, 0, None), TeamAt(2, 4, 0, 1)),
+            served=((1, (2,)),),
+        ),
         Step(teams=(TeamAt(0, 3, 0, 1),)),
         # cat is lost in its second step of service, so that ann begins anew
-        Step(lost=(2,), teams=(TeamAt(0, 4, 0, 1),)),
+        Step(lost=(2,), teams=(TeamAt(0, 4, 0, 1),), served=((1, ()), (1, (0,)))),
         Step(),
         Step(teams=(TeamAt(0, 4, 0, None), TeamAt(1, 1, 0, 2)), done=((1, 0),)),
         Step(teams=(TeamAt(1, 0, 0, 2),)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -73,6 +74,9 @@ def test_robots_do_one_thing_at_a_time_from_the_first_step_to_the_last(method: s
             [run for end, run in told.runs_of(r) for _ in range(run.begun, end)]
             for r in range(len(record.mission.robots))
         ]
+        for number in range(len(by_robot)):
+            deeds = [run[1:] for _, run in told.runs_of(number)]
+            assert all(one != other for one, other in pairwise(deeds))
         for moment in list(moments(record))[1:]:
             runs = [row[moment.step - 1] for row in by_robot]
             assert [run.phase for run in runs] == list(moment.phase)

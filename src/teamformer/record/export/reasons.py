@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from teamformer.record.phases import LOST
 from teamformer.record.record import Record
@@ -23,13 +23,21 @@ class StoryPart:
 
 
 def explain(record: Record, robot: int) -> list[StoryPart]:
-    """Return the story of a robot, a part for each thing that it did."""
-    told, story = told_of(record), list[StoryPart]()
+    """Return the story of a robot, a part for each thing that it did.
+
+    A plan that has it go on with what it does, as the plan before, begins none.
+    """
+    told, story, reasons = told_of(record), list[StoryPart](), list[tuple[int, ...]]()
     mates = _mates(record, robot)
     for end, chapter in told.chapters_of(robot):
         assert chapter.what is not None, "chapters of a team are told by its lowest robot"
         what, why = told.texts[chapter.what], "; ".join(told.texts[it] for it in chapter.why)
-        story.append(StoryPart(chapter.begun, end, _together(what, mates[chapter.begun]), why))
+        what = _together(what, mates[chapter.begun])
+        if story and (story[-1].what, reasons[-1][:1]) == (what, chapter.why[:1]):
+            story[-1] = replace(story[-1], ended=end)
+            continue
+        story.append(StoryPart(chapter.begun, end, what, why))
+        reasons.append(chapter.why)
     return story
 
 

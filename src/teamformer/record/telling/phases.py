@@ -15,7 +15,7 @@ Deed = tuple[str, int]
 """What somebody did in a step, one of PHASES, and the task that it was about, or NOBODY."""
 
 
-class Before:
+class TeamsBefore:
     """How the teams stood that a step is about to change; `slot` has the robots of some of them."""
 
     def __init__(self, teams: Teams, step: Step) -> None:
@@ -58,7 +58,7 @@ class Phases:
         teams: Teams,
         step: Step,
         slots: Iterable[int],
-        before: Before,
+        before: TeamsBefore,
         formed: set[int],
         work: Mapping[int, str],
         goals: Sequence[Place],
@@ -92,7 +92,7 @@ class Phases:
                 self.apart |= {r: (phase, own) for r, own in came_for.items() if own != task}
         return others
 
-    def _walks_on(self, teams: Teams, slot: int, before: Before) -> bool:
+    def _walks_on(self, teams: Teams, slot: int, before: TeamsBefore) -> bool:
         """Say whether a team has got on towards the task that it walked to before."""
         stood = before.stood.get(slot)
         has_moved = stood is not None and stood[0] != teams.at[slot]

@@ -64,7 +64,21 @@ class ToldRecord:
     path: tuple[Stretch, ...] = ()
 
     def runs_of(self, robot: int) -> Iterator[tuple[int, Run]]:
-        """Yield the ends of a robot's runs and the runs, its team's among them."""
+        """Yield the ends of a robot's runs and the runs, its team's among them.
+
+        What it goes on with as it comes into a team, or leaves one, is one run.
+        """
+        latest: tuple[int, Run] | None = None
+        for end, run in self._runs(robot):
+            if latest is not None and latest[1][1:] == run[1:]:
+                run = latest[1]
+            elif latest is not None:
+                yield latest
+            latest = end, run
+        if latest is not None:
+            yield latest
+
+    def _runs(self, robot: int) -> Iterator[tuple[int, Run]]:
         for begun, end, run in _parts(self.runs[robot], 0, self.steps):
             if run.phase is not None:
                 yield end, run

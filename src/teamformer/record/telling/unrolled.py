@@ -12,7 +12,7 @@ from teamformer.mission.precedence import tasks_before
 from teamformer.record.record import Record, Step
 from teamformer.record.task_times import appears_after
 from teamformer.record.teams import Teams
-from teamformer.record.telling.phases import Before, Phases
+from teamformer.record.telling.phases import Phases, TeamsBefore
 from teamformer.record.telling.plans_in_force import PlansInForce
 from teamformer.record.telling.services import Services
 from teamformer.world.rules.constants import NOBODY
@@ -81,7 +81,7 @@ class Unrolled:
         self.latest = step = record.steps[self.steps]
         self.steps += 1
         self._heading = None
-        before = Before(self.teams, step)
+        before = TeamsBefore(self.teams, step)
         formed = self._slots_of(self.teams.follow(step))
         self.formed = formed | self._slots_of(r for r in before.slot if r not in step.lost)
         changed = self.formed | self._slots_of(step.back) | set(self._who_heads_elsewhere(step))

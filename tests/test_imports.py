@@ -38,7 +38,7 @@ ROOMS = (
 
 NARROW = {
     "planning": ("base", "mission", "world.rules"),
-    "record.referee": ("base", "mission", "files", "record"),
+    "record.referee": ("base", "mission", "files", "record", "world.reference"),
     "record.export": ("base", "mission", "files", "record", "world.rules.constants"),
     "viewer": ("base", "mission.keys"),
     "learning.nets": (),

@@ -418,8 +418,8 @@ def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(
 @pytest.mark.parametrize(
     ("pursued", "told"),
     [
-        (((0, 7),), "pursues task t7, which is not open"),
-        (((0, 0), (0, 0)), "has a team pursue two tasks"),
+        (((0, 7),), "in the record the team of robot r0 pursued task t7"),
+        (((0, 0), (0, 0)), "the rows of pursued are not in order, each of them once"),
     ],
 )
 def test_what_cannot_have_been_pursued_is_found(

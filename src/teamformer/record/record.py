@@ -43,6 +43,17 @@ class SharedPlanMade(NamedTuple):
     coalitions: tuple[tuple[int, ...], ...]
 
 
+class Wants(NamedTuple):
+    """What a team decides in a step: the counts to have, by capability, and the task that it names.
+
+    Counts of None are its own: it stays as it is. The number of a task may be none that there is.
+    """
+
+    slot: int
+    counts: tuple[float, ...] | None = None
+    task: int | None = None
+
+
 @dataclass(frozen=True)
 class Step:
     """What one step changed; robots, tasks and slots are numbers."""
@@ -100,6 +111,8 @@ class Record:
     """Steps made, and robots by the plan made then that look first what a task needs."""
     foresight: str = "scouting"  # how needs were treated that nobody knew
     heeds: tuple[str, ...] = ()  # the news after which the coordinator is asked, if there is one
+    decisions: tuple[tuple[int, tuple[Wants, ...]], ...] = ()
+    """Steps by number, and what teams want from each on that do not want it already."""
 
     memo: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
     """What has been worked out of the rest, which `telling` keeps here."""

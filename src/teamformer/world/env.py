@@ -130,6 +130,7 @@ class TeamFormation:
         self._chunks = list(itertools.pairwise(edges))
         self.rewards = np.zeros((count, robots))
         self._is_viewed = self._is_forked = False
+        self._decided = np.zeros((0, caps), np.int32), np.zeros(0, np.int32)
         rules = self.worlds.rules
         moves = (rules["hides_places"] | rules["has_loads"]) & rules["has_walls"]
         self._are_ways_fixed = not moves.any()  # to a task elsewhere, or with a load, lead others
@@ -277,6 +278,13 @@ class TeamFormation:
         done_at = self.worlds.tasks["done_at"][w]
         return {task: int(done_at[task]) for task in np.flatnonzero(done_at != NOBODY).tolist()}
 
+    def decided(self) -> tuple[Array, Array]:
+        """Return what the teams wanted in the latest step, (teams, caps), and named, (teams,).
+
+        There is a row for each team that there was before it, in world and slot order.
+        """
+        return self._decided
+
     def exchanges(self) -> Array:
         """Return the robot whose part of the first world's plan each has just taken, (robots,)."""
         if self._guide is None:
@@ -310,7 +318,7 @@ class TeamFormation:
         if not self._is_viewed:
             raise ValueError("the state has changed since the latest view: call view() first")
         read = read_decision(decision, int(self._first_row[-1]), self.worlds.has.shape[2])
-        self._is_viewed = False
+        self._is_viewed, self._decided = False, read
         return read
 
     @property

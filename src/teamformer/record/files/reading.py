@@ -45,6 +45,7 @@ from teamformer.record.record import (
     Step,
     TaskAt,
     TeamAt,
+    Wants,
 )
 from teamformer.record.telling.trees import told_to_tree
 from teamformer.record.telling.whole import told_of
@@ -61,7 +62,7 @@ RECORD_BEFORE = "teamformer_replay"
 """The key of a record's version in formats 1 and 2."""
 
 RECORD_KEYS = (RECORD, *(field.name for field in fields(Record) if field.init), "told")
-OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight", "heeds", "told")
+OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight", "heeds", "decisions", "told")
 NEEDED_KEYS = tuple(key for key in RECORD_KEYS if key not in OPTIONAL_KEYS)
 
 
@@ -179,6 +180,12 @@ def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
             (number_below(slot, robots), numbers_below(members, robots), along(x), along(y))
             for slot, members, x, y in rows_of(tree["start"], 4)
         )
+    with inside("decisions"):
+        caps = len(mission.capabilities)
+        decisions = tuple(
+            (count_of(step), tuple(_wants(row, robots, caps) for row in rows_of(rows, 3)))
+            for step, rows in rows_of(tree.get("decisions", []), 2)
+        )
     with inside("end"):
         end = _ending(tree["end"])
     method, steps = text_of(tree["method"]), tuple(_steps(tree["steps"], robots, tasks, along))
@@ -198,6 +205,7 @@ def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
         scouts=scouts,
         foresight=_foresight(tree),
         heeds=_heeds(tree),
+        decisions=decisions,
     )
     with inside("told"):
         if "told" in tree:
@@ -237,6 +245,14 @@ def _plan(row: Any, robots: int) -> SharedPlanMade:
     return SharedPlanMade(
         tuple(reasons), tuple(numbers_below(coalition, robots) for coalition in list_of(coalitions))
     )
+
+
+def _wants(row: Sequence[Any], robots: int, caps: int) -> Wants:
+    slot, counts, task = row
+    if counts is not None:
+        [counts] = rows_of([counts], caps)
+        counts = tuple(metres(one) if isinstance(one, float) else number_of(one) for one in counts)
+    return Wants(number_below(slot, robots), counts, None if task is None else number_of(task))
 
 
 def _pairs(rows: Any, firsts: int, seconds: int) -> tuple[tuple[int, int], ...]:

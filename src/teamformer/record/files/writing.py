@@ -1,4 +1,4 @@
-"""Records as files of JSON, one step a line."""
+"""Records as files of JSON, a line for each step and what teams decide in it."""
 
 from __future__ import annotations
 
@@ -37,6 +37,8 @@ def record_to_tree(record: Record) -> dict[str, Any]:
         tree["scouts"] = _lists(record.scouts)
     if record.heeds:
         tree["heeds"] = list(record.heeds)
+    if record.decisions:
+        tree["decisions"] = _lists(record.decisions)
     if record.foresight != "scouting":
         tree["foresight"] = record.foresight
     tree["told"] = told_to_tree(told_of(record))
@@ -66,9 +68,9 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
     last = list(tree)[-1]
     for key, value in tree.items():
         comma = "\n" if key == last else ",\n"
-        if key == "steps":
-            steps = ",\n".join(_compact(step) for step in value)
-            yield f'"steps": [\n{steps}\n]{comma}'
+        if key in ("steps", "decisions"):
+            rows = ",\n".join(_compact(row) for row in value)
+            yield f'"{key}": [\n{rows}\n]{comma}'
         elif key == "told":
             parts = ",\n".join(f"{_compact(part)}: {_compact(it)}" for part, it in value.items())
             yield f'"told": {{\n{parts}\n}}{comma}'

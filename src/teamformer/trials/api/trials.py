@@ -20,8 +20,8 @@ from teamformer.record.files.reading import read_record
 from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
-from teamformer.record.referee.rules.truth import wrong_truths
-from teamformer.record.referee.rules.verdict import Verdict
+from teamformer.record.referee.truth import wrong_truths
+from teamformer.record.referee.verdict import Verdict
 from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.api.arguments import (
     PathOrName,

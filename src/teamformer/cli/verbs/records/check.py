@@ -18,7 +18,7 @@ from teamformer.record.record import FLEET, Record
 from teamformer.record.referee import judge
 from teamformer.record.telling.whole import path_of_record
 
-GUARANTEE = "by the rules: every robot's way, every team that formed, every task that was done"
+GUARANTEE = "by playing every decision again: all places, teams, tasks and totals"
 
 
 def check(path: Path, mission: Path | None, as_json: bool) -> int:
@@ -88,7 +88,6 @@ def _claims(record: Record) -> dict[str, Any]:
     return {
         "method": record.method,
         "seed": record.seed,
-        "illegal_decisions": record.end.illegal_decisions,
         "lower_bound": record.lower_bound,
     }
 

@@ -33,14 +33,14 @@ export function hearTold(/** @type {Told} */ told, /** @type {any} */ { services
   }
   for (const [robot, row] of listIn(phases)) told.phases[robot]?.push(listIn(row));
   for (const [robot, row] of listIn(reasons?.robots)) told.chapters[robot]?.push(listIn(row));
-  told.texts.push(...listIn(reasons?.texts));
+  for (const text of listIn(reasons?.texts)) told.texts.push(text);
   for (const [from, to, doing, robot, task] of listIn(path).map(listIn)) told.path.push({ from, to, doing, robot: robot ?? NOBODY, task: task ?? NOBODY });
 }
 
 // Rows of a robot from one step to another, each `{from, to, row}`. Where a robot's story is another's,
 // these are the rows of that.
 function partsOf(/** @type {any[][]} */ rows, robot, from, to) {
-  return rows[robot].flatMap((row, at, all) => {
+  return (rows[robot] ?? []).flatMap((row, at, all) => {
     const [begin, end] = [Math.max(from, row[0]), Math.min(to, all[at + 1]?.[0] ?? to)];
     if (begin >= end) return [];
     if (row[1] !== null) return [{ from: begin, to: end, row }];

@@ -29,7 +29,7 @@ def judge(record: Record) -> Verdict:
     _judge_rows(record, notes)
     play = Play(record, notes)
     judge_start(record, play.world, notes)
-    goes_on = not notes.findings and play.begin()
+    goes_on = play.begin()
     for number in range(1, len(record.steps) + 1):
         if goes_on and play.status != "running":
             notes.step = number

@@ -45,10 +45,11 @@ class Play:
         world, before = self.world, Before(self.world)
         make_step(world, self._decide(number))
         self.status = status_of(world)
-        took = self._go_on()
         told = told_of(self._record, number)
-        rules = before.told_by_rules(world, took or [])
-        difference = first_difference(world, before, rules, told)
+        difference = first_difference(world, before, before.told_by_rules(world), told)
+        took = None if difference else self._go_on()
+        if took is not None:
+            difference = first_difference(world, before, {"took": tuple(took)}, told)
         if difference:
             self._notes.note(difference)
         return took is not None and difference is None

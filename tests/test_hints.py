@@ -46,7 +46,7 @@ TEXTS = list(texts())
 OWN = {text for _, text in TEXTS if re.fullmatch("--[a-z-]+", text)}
 """Those that modules have which are called by themselves."""
 
-FLAGS = FOREIGN.union(OWN, *VERBS.values())
+FLAGS = FOREIGN.union({"--help"}, OWN, *VERBS.values())
 
 
 def test_texts_are_found() -> None:

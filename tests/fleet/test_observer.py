@@ -110,6 +110,19 @@ def test_who_is_never_heard_is_not_waited_for_long() -> None:
     assert told == [f"t{k} done by then, nobody heard by whom" for k in (1, 0)]
 
 
+def test_a_record_ends_with_the_step_in_which_all_is_done() -> None:
+    """Whoever goes on watching, a mission has taken no longer by that."""
+    watch = Watch(MISSION)
+    watch.hear(message(Beat(Word(0, 1, 7, 0.0, 0, 1, phase=SERVE), news=(1, 0))))
+    for _ in range(3):
+        watch.step()
+    assert watch.is_over
+    ended = watch.record()
+    assert (ended.end.status, ended.end.makespan, ended.end.steps) == ("completed", 3, 3)
+    watch.step()
+    assert watch.record() == ended
+
+
 def test_facts_tell_what_was_done_before_and_what_operators_added() -> None:
     watch = Watch(MISSION)
     assert not watch.is_told

@@ -353,27 +353,33 @@ def test_what_cannot_be_exported_is_refused(name: str, told: str, tmp_path: Path
 
 
 def test_a_gif_shows_every_step(tmp_path: Path) -> None:
-    """Cells are 40 pixels; robots 0 and 1 are grey, then walk to the beam in its colour."""
+    """Cells are 48 pixels; two robots of one colour walk to the beam, three frames a step."""
     image = pytest.importorskip("PIL.Image", reason="the extra `gif` is not installed")
     record, path = tmp_path / "record.json", tmp_path / "mission.gif"
     save_record(two_lifters(), record)
     assert export(record, [path]) == 0
+    shown, begin = {}, 0
     with image.open(path) as film:
-        assert film.size == (280, 2 * 40 + 20 + 26)  # wide enough for what the caption says
-        assert film.n_frames == 7
-        shown = []
+        assert film.size == (
+            360,
+            2 * 48 + 2 * 12 + 30 + 28,
+        )  # wide enough for what the caption says
         for frame in range(film.n_frames):
             film.seek(frame)
-            shown.append(film.convert("RGB"))
-    middle = [(10 + 40 * x + 20, 10 + 40 + 20) for x in range(5)]  # of the lower cells
-    grey, beam = shown[0].getpixel(middle[0]), shown[1].getpixel(middle[1])
-    assert grey == (0x9A, 0xA3, 0xAF)
-    assert beam[0] > beam[1] + 60
-    assert shown[1].getpixel(middle[2]) == beam
-    assert shown[1].getpixel(middle[0]) == (255, 255, 255)
-    assert shown[0].getpixel((30, 30)) == shown[6].getpixel((190, 30))  # the wall
-    assert shown[0].getpixel((middle[4][0] - 18, middle[4][1])) == (255, 255, 255)  # not there yet
-    assert shown[6].getpixel((middle[4][0] - 18, middle[4][1])) != (255, 255, 255)
+            shown[begin] = film.convert("RGB")
+            begin += film.info["duration"]
+    assert begin == 6 * 150 + 2500
+    middle = [(12 + 48 * x + 24, 12 + 48 + 24) for x in range(5)]  # of the lower cells
+    disc = [(x - 12, y) for x, y in middle]  # of the first of two robots in one place
+    orange = shown[0].getpixel(disc[0])
+    assert orange[0] > orange[2] + 150
+    assert shown[150].getpixel(disc[1]) == orange
+    assert shown[50].getpixel((disc[0][0] + 16, disc[0][1])) == orange  # a third of the way
+    assert min(shown[150].getpixel(disc[0])) > 240
+    assert shown[0].getpixel((30, 30)) == shown[900].getpixel((220, 30))  # the wall
+    beam = (middle[4][0] - 20, middle[4][1])
+    assert min(shown[0].getpixel(beam)) > 240  # not there yet
+    assert min(shown[900].getpixel(beam)) < 200
 
 
 def test_a_long_mission_has_no_more_frames_than_can_be_watched(tmp_path: Path) -> None:
@@ -383,7 +389,7 @@ def test_a_long_mission_has_no_more_frames_than_can_be_watched(tmp_path: Path) -
     )
     gif.write_gif(quiet, tmp_path / "long.gif")
     with pytest.importorskip("PIL.Image").open(tmp_path / "long.gif") as long:
-        assert long.n_frames == 401  # every third moment and the last
+        assert long.n_frames == 401  # every third moment and the last; none between two
 
 
 def news_each_step(coordination: str = "paper") -> Record:

@@ -25,11 +25,11 @@ from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import cancelled_steps, done_steps, opening_steps
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from twins import Twin

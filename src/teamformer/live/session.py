@@ -80,10 +80,8 @@ class Session:
         self._saved: Moment | None = None  # when that was done last
         self._changes = 0
         self.watchers: set[Watcher] = set()
-        self.lock = asyncio.Lock()
-        self._wake = asyncio.Event()
-        self._errands = Errands()
-        self._told = LatestTold()
+        self.lock, self._wake = asyncio.Lock(), asyncio.Event()
+        self._errands, self._told = Errands(), LatestTold()
         self._outlook: Tree | None = None  # what the latest forecast said
         self._is_outdated = False  # since more was shown
         self._planning = ""  # after what a plan is being made, for as long as it is
@@ -148,9 +146,7 @@ class Session:
                 self._planning_is_over()
             self._autosave.step(self.mission)
             self._alarm.look(self.mission)
-            record = self.mission.record()
-            told = await asyncio.to_thread(self._told.of, record)
-            self._tell_all("step", news_of_step(record, told, self.mission.is_running))
+            self._tell_all("step", await asyncio.to_thread(news_of_step, self.mission, self._told))
         if not self.mission.is_running:
             self._pause()
         elif self.mission.has_shown_more:

@@ -229,23 +229,26 @@ class Watch:
         return replace(made, taken=tuple(taken.items()))
 
     def record(self) -> Record:
-        """Return what has been seen so far."""
+        """Return what has been seen so far; it ends with the step in which all tasks are done."""
         tasks, steps = self.source.tasks, len(self.steps)
-        done = sum(len(step.done) for step in self.steps)
+        ends = [number for number, step in enumerate(self.steps, 1) for _ in step.done]
+        is_complete = len(ends) == len(tasks)
+        if is_complete:
+            steps = max(ends, default=0)
         return Record(
             mission=replace(self.source, teams=()),
             method=FLEET,
             seed=0,
             orders=((0, tuple(k for k, task in enumerate(tasks) if task.appears == 0)),),
             start=tuple((r, (r,), *at.at) for r, at in enumerate(self.source.robots)),
-            steps=tuple(self.steps),
+            steps=tuple(self.steps[:steps]),
             end=Ending(
-                status="completed" if done == len(tasks) else "interrupted",
-                makespan=steps if done == len(tasks) else None,
+                status="completed" if is_complete else "interrupted",
+                makespan=steps if is_complete else None,
                 steps=steps,
-                tasks_done=done,
-                joins=sum(len(step.joins) for step in self.steps),
-                splits=sum(len(step.splits) for step in self.steps),
+                tasks_done=len(ends),
+                joins=sum(len(step.joins) for step in self.steps[:steps]),
+                splits=sum(len(step.splits) for step in self.steps[:steps]),
                 illegal_decisions=0,
             ),
         )

@@ -43,6 +43,9 @@ from teamformer.world.rules.constants import FAR
 SEARCHES = 5
 """How many plans are searched for and played, each from another seed, while there is time."""
 
+VARYING = 0.5
+"""Share of the time that is left to changes of the best plan if a search ends early."""
+
 RELAXING = 0.3
 """Share of the time for the relaxed schedule and its proof, on one thread."""
 
@@ -155,7 +158,7 @@ def _search(
     plays.add_plan("search", race.plan.plan)
     bound, curve = race.bound, race.curve
     for number in range(1, SEARCHES):
-        if plays.is_proven(bound) or plays.seconds_left == 0.0:
+        if plays.is_proven(bound) or plays.seconds_left <= VARYING * plays.limit:
             break
         _, race = _improve(mission, situation, first, plays, seed + number, workers)
         plays.add_plan("search", race.plan.plan)

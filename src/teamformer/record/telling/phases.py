@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
-from teamformer.record.phases import IDLE, LOST, is_same_place, phase_of
+from teamformer.record.phases import IDLE, LOST, WALKING, is_same_place, phase_of
 from teamformer.record.record import Step
 from teamformer.record.teams import Teams
 from teamformer.world.rules.constants import NOBODY
@@ -20,21 +20,21 @@ class Before:
 
     def __init__(self, teams: Teams, step: Step) -> None:
         self.slot: dict[int, int] = {}
-        self._stood: dict[int, tuple[Place, int]] = {}
+        self.stood: dict[int, tuple[Place, int]] = {}
         parted = (robot for parts in step.splits for part in parts for robot in part)
         slots = {teams.slot[robot] for robot in (*parted, *step.lost)}
         for slot in slots | {slot for pair in step.joins for slot in pair}:
             self.slot |= dict.fromkeys(teams.robots.get(slot, ()), slot)
         for slot in {*self.slot.values(), *(row.slot for row in step.teams)}:
             if slot in teams.robots:
-                self._stood[slot] = teams.at[slot], teams.task[slot]
+                self.stood[slot] = teams.at[slot], teams.task[slot]
         for robot in step.back:
-            self._stood[robot] = teams.place(robot), NOBODY
+            self.stood[robot] = teams.place(robot), NOBODY
 
     def of(self, teams: Teams, robot: int) -> tuple[Place, int]:
         """Return where a robot was, and what it headed for; `teams` are those after the step."""
         slot = teams.slot[robot]
-        found = self._stood.get(self.slot.get(robot, slot))
+        found = self.stood.get(self.slot.get(robot, slot))
         return found or (teams.at[slot], teams.task[slot])
 
 
@@ -69,7 +69,10 @@ class Phases:
         `goals` where each task is believed to be, or is brought to.
         """
         told, others, self.apart = dict(step.pursued), [], {}
+        special = formed | work.keys() | told.keys() | set(step.back)
         for slot in sorted(slots):
+            if slot not in special and self._walks_on(teams, slot, before):
+                continue
             was_at, was_for = before.of(teams, slot)
             place, heads_for = teams.at[slot], teams.task[slot]
             task = told.get(slot, was_for if heads_for == NOBODY else heads_for)
@@ -88,3 +91,9 @@ class Phases:
                 came_for = {robot: before.of(teams, robot)[1] for robot in teams.robots[slot]}
                 self.apart |= {r: (phase, own) for r, own in came_for.items() if own != task}
         return others
+
+    def _walks_on(self, teams: Teams, slot: int, before: Before) -> bool:
+        """Say whether a team has got on towards the task that it walked to before."""
+        stood = before.stood.get(slot)
+        has_moved = stood is not None and stood[0] != teams.at[slot]
+        return has_moved and self.deeds.get(slot) == (WALKING, teams.task[slot])

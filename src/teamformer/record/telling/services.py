@@ -48,11 +48,21 @@ class Services:
         return self._with.get(task, ())
 
     def go_on(
-        self, mission: Mission, teams: Teams, step: Step, number: int, called_off: Iterable[int]
+        self,
+        mission: Mission,
+        teams: Teams,
+        step: Step,
+        number: int,
+        ended: Iterable[int],
+        taken: Iterable[tuple[int, int]],
     ) -> None:
-        """Go on to the end of a step; `teams` are those of its end."""
+        """Go on to the end of a step; `teams` are those of its end.
+
+        `ended` are tasks that were called off and loads that were set down, `taken` loads that were
+        taken up, by which team.
+        """
         self.changed, self.touched = [], set()
-        for task in (*called_off, *(row.task for row in step.left)):
+        for task in sorted(ended):
             self._end(task, number)
         for task, robots in step.served:
             if not robots:
@@ -62,7 +72,7 @@ class Services:
             else:
                 is_load = mission.tasks[task].to is not None
                 self._begin(task, LOADING if is_load else SERVING, number, robots)
-        for task, slot in step.taken:
+        for task, slot in taken:
             robots = teams.robots[slot]
             if task not in self._open:
                 self._begin(task, LOADING, number, robots)

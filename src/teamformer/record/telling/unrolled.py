@@ -43,12 +43,8 @@ class Unrolled:
         self.goals: list[Place] = []  # where each task is believed to be, or is brought to
         self.lies: list[Place] = []  # where each is; a load that is up, where it was taken up
         self.known: list[int] = []  # after how many steps each becomes known
-        self._changed = set(
-            self.teams.robots
-        )  # the teams for which the step before changed something
-        self.formed: set[int] = (
-            set()
-        )  # the teams that have other robots than before the latest step
+        self.formed: set[int] = set()  # teams with other robots than before the latest step
+        self._changed = set(self.teams.robots)  # teams for which the step before changed something
         self._heading: dict[int, list[int]] | None = None
         self._read(record)
 
@@ -124,10 +120,11 @@ class Unrolled:
             self.goals[task] = (at[0], at[1])
         for task, *at in step.left:
             self.lies[task] = self.goals[task] = (at[0], at[1])
-        for task, _ in step.taken:
-            if task not in done:
-                self.goals[task] = self.mission.tasks[task].to or self.lies[task]
-        self.services.go_on(self.mission, self.teams, step, self.steps, self.called_off)
+        taken = [(task, slot) for task, slot in step.taken if task not in self.over]
+        for task in (k for k, _ in taken if k not in done):
+            self.goals[task] = self.mission.tasks[task].to or self.lies[task]
+        ended = {*self.called_off, *(row.task for row in step.left)}
+        self.services.go_on(self.mission, self.teams, step, self.steps, ended, taken)
         self.over |= done | {*self.called_off}
         self.opened = [
             task

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from teamformer.record.critical_path.of_record import path_of_record
+from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.record import Record
+from teamformer.record.telling.path import find_path
 from teamformer.record.telling.teller import Teller
 from teamformer.record.telling.told import ToldRecord
 
@@ -23,6 +24,11 @@ def told_of(record: Record) -> ToldRecord:
     return told
 
 
+def path_of_record(record: Record) -> tuple[Stretch, ...]:
+    """Return the critical path of a record; see `find_path`."""
+    return told_of(record).path
+
+
 def _tell(record: Record) -> ToldRecord:
     nothing = tuple(() for _ in record.mission.robots)
     try:
@@ -32,6 +38,6 @@ def _tell(record: Record) -> ToldRecord:
     try:
         for _ in record.steps:
             teller.go_on(record)
-        return teller.told(path_of_record(record))
+        return teller.told(find_path(record, teller.told()))
     except NONSENSE:
         return teller.told()

@@ -14,7 +14,6 @@ from teamformer.mission.checks.rules import rules_not_played
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.files.reading import read_record
@@ -23,6 +22,7 @@ from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.referee.truth import wrong_truths
 from teamformer.record.referee.verdict import Verdict
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.api.arguments import (
     PathOrName,
     known_seconds,

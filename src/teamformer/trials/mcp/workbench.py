@@ -16,13 +16,13 @@ from teamformer.files.yaml import writer
 from teamformer.methods.listings import method_names
 from teamformer.mission.checks.rules import rules_not_planned, rules_not_played
 from teamformer.mission.model import Mission
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.reasons import story_lines
 from teamformer.record.files.reading import read_record
 from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.advice.advise import advise_on
 from teamformer.trials.advice.changes import changes_of
 from teamformer.trials.api import trials

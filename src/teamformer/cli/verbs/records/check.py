@@ -11,12 +11,12 @@ from teamformer.cli.terminal.console import out, print_json
 from teamformer.files.mission_files import read_mission
 from teamformer.mission.arrivals import without_arrivals
 from teamformer.mission.model import Mission
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.files.reading import read_record
 from teamformer.record.record import FLEET, Record
 from teamformer.record.referee import judge
+from teamformer.record.telling.whole import path_of_record
 
 GUARANTEE = "by playing every decision again: all places, teams, tasks and totals"
 

@@ -5,28 +5,22 @@ import { orderAt, robotsWith, tasksNeeding } from "../record/scene.js";
 import { NOBODY, placeOf } from "../record/state.js";
 import { wayTo } from "../record/ways.js";
 import { ringColour } from "./palette.js";
-import { outlineDisc, robotSpot, shorten, teamSpot, tracedSquare } from "./shapes.js";
+import { outlineDisc, robotSpot, shorten, strokeAs, teamSpot, traceLine, tracedSquare } from "./shapes.js";
 import { taskBox } from "./tasks.js";
 
 const TRAIL_STEPS = 12;
 
 // Only the selected team's line when the lines are off.
 export function drawAssignments(/** @type {View} */ view) {
-  const { ctx, scene, options, selectedTeam, selection } = view;
-  ctx.lineWidth = 1.5;
-  ctx.setLineDash([5, 4]);
+  const { scene, options, selectedTeam, selection } = view;
   for (const team of scene.teams.values()) {
     if (team.assigned === NOBODY) continue;
     const isChosen = team === selectedTeam || team.assigned === selection.task;
-    if (!options.lines && !isChosen) continue;
-    ctx.globalAlpha = isChosen ? 1 : 0.55;
-    drawAssignment(view, team);
+    if (options.lines || isChosen) drawAssignment(view, team, isChosen ? 1 : 0.55);
   }
-  ctx.setLineDash([]);
-  ctx.globalAlpha = 1;
 }
 
-function drawAssignment(/** @type {View} */ view, /** @type {Team} */ team) {
+function drawAssignment(/** @type {View} */ view, /** @type {Team} */ team, alpha) {
   const { ctx } = view;
   const from = teamSpot(view, team);
   const { at, isUp } = view.sites[team.assigned];
@@ -39,49 +33,29 @@ function drawAssignment(/** @type {View} */ view, /** @type {Team} */ team) {
   const points = [from, ...corners, to];
   points[points.length - 1] = shorten(to, points.at(-2), to.half + 2);
   points[0] = shorten(from, points[1], from.r);
-  ctx.strokeStyle = ringColour(team, view.isDark, view.options.rings);
-  ctx.beginPath();
-  for (const { x, y } of points) ctx.lineTo(x, y);
-  ctx.stroke();
+  traceLine(ctx, points);
+  strokeAs(ctx, ringColour(team, view.isDark, view.options.rings), 1.5, { dash: [5, 4], alpha });
 }
 
 export function drawTrails(/** @type {View} */ view) {
   const { ctx, history, scene, camera, blended } = view;
-  ctx.lineWidth = Math.max(1.5, Math.min(4, camera.cell * 0.09));
+  const width = Math.max(1.5, Math.min(4, camera.cell * 0.09));
   ctx.lineJoin = "round";
-  ctx.globalAlpha = 0.35;
   for (const team of scene.teams.values()) {
     const robot = team.slot;
-    ctx.beginPath();
-    ctx.moveTo(camera.x(blended.x[robot]), camera.y(blended.y[robot]));
-    for (let back = 0; back <= Math.min(TRAIL_STEPS, scene.step); back++) {
-      const { x, y } = placeOf(history.at(scene.step - back), robot);
-      ctx.lineTo(camera.x(x), camera.y(y));
-    }
-    ctx.strokeStyle = ringColour(team, view.isDark, view.options.rings);
-    ctx.stroke();
+    const places = [{ x: blended.x[robot], y: blended.y[robot] }];
+    for (let back = 0; back <= Math.min(TRAIL_STEPS, scene.step); back++) places.push(placeOf(history.at(scene.step - back), robot));
+    traceLine(ctx, places.map(({ x, y }) => ({ x: camera.x(x), y: camera.y(y) })));
+    strokeAs(ctx, ringColour(team, view.isDark, view.options.rings), width, { alpha: 0.35 });
   }
-  ctx.globalAlpha = 1;
 }
 
 // The order in which everybody would visit the open tasks.
 export function drawOrder(/** @type {View} */ view) {
   const { ctx, camera, sites, theme } = view;
-  const tasks = orderAt(view.history, view.scene.step);
-  ctx.beginPath();
-  for (const task of tasks) {
-    const [x, y] = sites[task].at;
-    ctx.lineTo(camera.x(x), camera.y(y));
-  }
-  ctx.strokeStyle = theme.muted;
-  ctx.globalAlpha = 0.6;
-  ctx.lineWidth = 1.5;
-  ctx.setLineDash([1.5, 4]);
-  ctx.lineCap = "round";
-  ctx.stroke();
-  ctx.lineCap = "butt";
-  ctx.setLineDash([]);
-  ctx.globalAlpha = 1;
+  const places = orderAt(view.history, view.scene.step).map((task) => sites[task].at);
+  traceLine(ctx, places.map(([x, y]) => ({ x: camera.x(x), y: camera.y(y) })));
+  strokeAs(ctx, theme.muted, 1.5, { alpha: 0.6, dash: [1.5, 4], cap: "round" });
 }
 
 // Who heard whom: each message is the half of the way that is its sender's, so that a link which
@@ -90,15 +64,10 @@ export function drawMessages(/** @type {View} */ view) {
   const { ctx, history, scene, theme } = view;
   for (const [sender, receiver, what] of history.record.steps[scene.step - 1]?.heard ?? []) {
     const [from, to] = [robotSpot(view, sender), robotSpot(view, receiver)];
-    ctx.globalAlpha = what === "beat" ? 0.25 : 0.9;
-    ctx.strokeStyle = what === "beat" ? theme.muted : theme.accent;
-    ctx.lineWidth = what === "beat" ? 1 : 2;
-    ctx.beginPath();
-    ctx.moveTo(from.x, from.y);
-    ctx.lineTo((from.x + to.x) / 2, (from.y + to.y) / 2);
-    ctx.stroke();
+    traceLine(ctx, [from, { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 }]);
+    if (what === "beat") strokeAs(ctx, theme.muted, 1, { alpha: 0.25 });
+    else strokeAs(ctx, theme.accent, 2, { alpha: 0.9 });
   }
-  ctx.globalAlpha = 1;
 }
 
 export function drawSelection(/** @type {View} */ view) {
@@ -138,11 +107,8 @@ function outlineCapability(/** @type {View} */ view, cap) {
   for (const task of tasksNeeding(history, cap, scene.step)) outlineTask(view, task);
 }
 
-function drawSensing(/** @type {View} */ { ctx, mission, camera }, x, y) {
-  ctx.globalAlpha = 0.4;
-  ctx.lineWidth = 1;
-  ctx.setLineDash([3, 3]);
-  outlineDisc(ctx, x, y, mission.sensingRadius * camera.cell);
-  ctx.setLineDash([]);
-  ctx.globalAlpha = 1;
+function drawSensing(/** @type {View} */ { ctx, mission, camera, theme }, x, y) {
+  ctx.beginPath();
+  ctx.arc(x, y, mission.sensingRadius * camera.cell, 0, 2 * Math.PI);
+  strokeAs(ctx, theme.accent, 1, { alpha: 0.4, dash: [3, 3] });
 }

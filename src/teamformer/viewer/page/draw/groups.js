@@ -5,7 +5,7 @@ import { plural } from "../record/lengths.js";
 import { cellKey } from "../record/mission.js";
 import { NOBODY, placeOf } from "../record/state.js";
 import { between } from "./placing.js";
-import { drawDisc, isOnScreen, lazily } from "./shapes.js";
+import { drawDisc, isOnScreen, lazily, strokeAs, write } from "./shapes.js";
 import { drawLostRobots, drawTeam } from "./teams.js";
 
 const GROUPS_FROM = 40; // robots; fewer are always drawn one by one
@@ -70,16 +70,10 @@ function drawGroup(/** @type {View} */ { ctx, theme }, /** @type {Group} */ { x,
     const end = start + (2 * Math.PI * robots) / count;
     ctx.beginPath();
     ctx.arc(x, y, r - 2, start, end);
-    ctx.strokeStyle = theme[ACTIVITY_COLOURS[activity]];
-    ctx.lineWidth = 4;
-    ctx.stroke();
+    strokeAs(ctx, theme[ACTIVITY_COLOURS[activity]], 4);
     start = end;
   }
-  ctx.font = `600 ${Math.min(13, r * 0.9)}px ${theme.font}`;
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  ctx.fillStyle = theme.ink;
-  ctx.fillText(String(count), x, y + 0.5);
+  write(ctx, String(count), x, y + 0.5, theme.ink, `600 ${Math.min(13, r * 0.9)}px ${theme.font}`);
 }
 
 export const ACTIVITY_COLOURS = {

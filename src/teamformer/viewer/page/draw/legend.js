@@ -3,6 +3,7 @@
 import { ACTIVITIES } from "../panel/inspector.js";
 import { plural } from "../record/lengths.js";
 import { ACTIVITY_COLOURS, DENSE_SIDE, densityStrength } from "./groups.js";
+import { strokeAs, write } from "./shapes.js";
 import { drawTaskDot } from "./tasks.js";
 
 const LEGEND_ROW = 18; // pixels
@@ -24,10 +25,7 @@ export function drawCrowdLegend(/** @type {View} */ view) {
   for (const { text, draw, x, y } of items) {
     draw(x, y);
     ctx.globalAlpha = 1;
-    ctx.fillStyle = theme.ink;
-    ctx.textAlign = "left";
-    ctx.textBaseline = "middle";
-    ctx.fillText(text, x + LEGEND_MARK - 6, y + 0.5);
+    write(ctx, text, x + LEGEND_MARK - 6, y + 0.5, theme.ink, ctx.font, "left");
   }
   view.legend = items;
   return Math.max(0, height - LEGEND_ROW);
@@ -67,11 +65,9 @@ function groupItems(/** @type {View} */ { ctx, theme }) {
   return ["walks", "waits", "serves", "idle"].map((activity) => ({
     text: `robots ${ACTIVITIES[activity]}`,
     draw: (x, y) => {
-      ctx.strokeStyle = theme[ACTIVITY_COLOURS[activity]];
-      ctx.lineWidth = 4;
       ctx.beginPath();
       ctx.arc(x, y, 5, 0, 2 * Math.PI);
-      ctx.stroke();
+      strokeAs(ctx, theme[ACTIVITY_COLOURS[activity]], 4);
     },
   }));
 }

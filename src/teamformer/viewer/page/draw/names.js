@@ -5,7 +5,7 @@ import { cellKey } from "../record/mission.js";
 import { isOver, standingOf } from "../record/scene.js";
 import { MANY, robotName, taskName } from "../record/words.js";
 import { ringColour } from "./palette.js";
-import { isOnScreen, robotSpot, teamSpot } from "./shapes.js";
+import { fillAs, isOnScreen, robotSpot, strokeAs, teamSpot, write } from "./shapes.js";
 import { taskBox } from "./tasks.js";
 
 const NAMES_FROM = 20; // pixels a cell
@@ -132,11 +132,8 @@ function drawBadge(/** @type {View} */ view, /** @type {Team} */ team) {
   const half = ctx.measureText(text).width / 2 + 5;
   ctx.beginPath();
   ctx.roundRect(x - half, y - 8, 2 * half, 16, 8);
-  ctx.fillStyle = theme.surface;
-  ctx.fill();
-  ctx.strokeStyle = ringColour(team, view.isDark, view.options.rings);
-  ctx.lineWidth = 2;
-  ctx.stroke();
+  fillAs(ctx, theme.surface);
+  strokeAs(ctx, ringColour(team, view.isDark, view.options.rings), 2);
   ctx.fillStyle = theme.ink;
   ctx.fillText(text, x, y + 0.5);
 }
@@ -149,10 +146,5 @@ function drawName(/** @type {View} */ view, taken, name, { x, y }, colour) {
   const covers = (box) => Math.abs(box.x - x) < box.half + half && Math.abs(box.y - y) < 13;
   if (taken.some(covers)) return;
   taken.push({ text, x, y, half });
-  ctx.lineWidth = 3;
-  ctx.lineJoin = "round";
-  ctx.strokeStyle = theme.ground;
-  ctx.strokeText(text, x, y);
-  ctx.fillStyle = colour;
-  ctx.fillText(text, x, y);
+  write(ctx, text, x, y, colour, ctx.font, "center", "middle", theme.ground);
 }

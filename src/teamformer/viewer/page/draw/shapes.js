@@ -34,15 +34,44 @@ export function tracedSquare(/** @type {Canvas2D} */ ctx, x, y, half) {
   ctx.roundRect(x - half, y - half, 2 * half, 2 * half, cornerOf(half));
 }
 
+// Stroke what is traced; dashes, ends and strength hold for this stroke only.
+export function strokeAs(/** @type {Canvas2D} */ ctx, colour, width, { alpha = 1, dash = /** @type {number[]} */ ([]), offset = 0, cap = "butt" } = {}) {
+  const { globalAlpha } = ctx;
+  Object.assign(ctx, { strokeStyle: colour, lineWidth: width, globalAlpha: globalAlpha * alpha, lineDashOffset: -offset, lineCap: cap });
+  ctx.setLineDash(dash);
+  ctx.stroke();
+  ctx.setLineDash([]);
+  Object.assign(ctx, { globalAlpha, lineDashOffset: 0, lineCap: "butt" });
+}
+
+// Fill what is traced, so strongly.
+export function fillAs(/** @type {Canvas2D} */ ctx, colour, alpha = 1) {
+  const { globalAlpha } = ctx;
+  Object.assign(ctx, { fillStyle: colour, globalAlpha: globalAlpha * alpha });
+  ctx.fill();
+  ctx.globalAlpha = globalAlpha;
+}
+
+// Trace a line through points of the screen.
+export function traceLine(/** @type {Canvas2D} */ ctx, /** @type {{x: number, y: number}[]} */ points) {
+  ctx.beginPath();
+  for (const { x, y } of points) ctx.lineTo(x, y);
+}
+
+// Write a text at a pixel, by default with that in its middle; `halo` is the colour of what parts it from its ground.
+export function write(/** @type {Canvas2D} */ ctx, text, x, y, colour, font, align = "center", baseline = "middle", halo = "") {
+  Object.assign(ctx, { fillStyle: colour, font, textAlign: align, textBaseline: baseline });
+  if (halo) Object.assign(ctx, { lineWidth: 3, lineJoin: "round", strokeStyle: halo }).strokeText(text, x, y);
+  ctx.fillText(text, x, y);
+}
+
 export function drawCross(/** @type {View} */ { ctx }, { x, y }, reach, colour) {
   ctx.beginPath();
   ctx.moveTo(x - reach, y - reach);
   ctx.lineTo(x + reach, y + reach);
   ctx.moveTo(x + reach, y - reach);
   ctx.lineTo(x - reach, y + reach);
-  ctx.strokeStyle = colour;
-  ctx.lineWidth = Math.max(1.5, reach * 0.28);
-  ctx.stroke();
+  strokeAs(ctx, colour, Math.max(1.5, reach * 0.28));
 }
 
 // Where a robot is on the screen, in pixels.
@@ -57,8 +86,7 @@ export function robotSpot(/** @type {View} */ { camera, blended }, robot) {
 export function drawDisc(/** @type {Canvas2D} */ ctx, x, y, r, colour) {
   ctx.beginPath();
   ctx.arc(x, y, r, 0, 2 * Math.PI);
-  ctx.fillStyle = colour;
-  ctx.fill();
+  fillAs(ctx, colour);
 }
 
 // A team's circle on the screen: the middle of its robots, and how far they reach.

@@ -8,7 +8,7 @@ import { standingOf } from "../record/scene.js";
 import { serviceAfter } from "../record/told.js";
 import { taskColour } from "./palette.js";
 import { TASK_HALF, between, taskSquare } from "./placing.js";
-import { cornerOf, drawCross, isOnScreen, onto, penOf, shorten, teamSpot, tracedSquare } from "./shapes.js";
+import { cornerOf, drawCross, fillAs, isOnScreen, onto, penOf, shorten, strokeAs, teamSpot, traceLine, tracedSquare, write } from "./shapes.js";
 
 export function drawTasks(/** @type {View} */ view, tasks) {
   for (const task of tasks) attemptOn(view.ctx, "the tasks", () => drawTaskAsItStands(view, task));
@@ -108,22 +108,12 @@ export function drawDestinations(/** @type {View} */ view) {
     if (!to || ["hidden", "done", "cancelled"].includes(standing)) return;
     const goal = { x: camera.x(to[0]), y: camera.y(to[1]), half: 0.3 * camera.cell };
     const from = taskBox(view, task);
-    ctx.strokeStyle = taskColour(task, view.isDark);
-    ctx.lineWidth = 1.5;
-    ctx.globalAlpha = 0.6;
-    ctx.setLineDash([4, 3]);
+    const colour = taskColour(task, view.isDark);
     tracedSquare(ctx, goal.x, goal.y, goal.half);
-    ctx.stroke();
-    if (Math.hypot(from.x - goal.x, from.y - goal.y) > from.half + goal.half) {
-      const [start, end] = [shorten(from, goal, from.half), shorten(goal, from, goal.half)];
-      ctx.globalAlpha = 0.3;
-      ctx.beginPath();
-      ctx.moveTo(start.x, start.y);
-      ctx.lineTo(end.x, end.y);
-      ctx.stroke();
-    }
-    ctx.setLineDash([]);
-    ctx.globalAlpha = 1;
+    strokeAs(ctx, colour, 1.5, { alpha: 0.6, dash: [4, 3] });
+    if (Math.hypot(from.x - goal.x, from.y - goal.y) <= from.half + goal.half) return;
+    traceLine(ctx, [shorten(from, goal, from.half), shorten(goal, from, goal.half)]);
+    strokeAs(ctx, colour, 1.5, { alpha: 0.3, dash: [4, 3] });
   });
 }
 
@@ -142,26 +132,15 @@ export function drawRegions(/** @type {View} */ view) {
     if (isHidden || history.foundAt[task] <= scene.step) return;
     ctx.beginPath();
     ctx.arc(camera.x(around[0]), camera.y(around[1]), (within + 0.5) * camera.cell, 0, 2 * Math.PI);
-    ctx.fillStyle = ctx.strokeStyle = taskColour(task, view.isDark);
-    ctx.globalAlpha = 0.06;
-    ctx.fill();
-    ctx.globalAlpha = 0.5;
-    ctx.lineWidth = 1;
-    ctx.setLineDash([2, 4]);
-    ctx.stroke();
-    ctx.setLineDash([]);
-    ctx.globalAlpha = 1;
+    fillAs(ctx, taskColour(task, view.isDark), 0.06);
+    strokeAs(ctx, taskColour(task, view.isDark), 1, { alpha: 0.5, dash: [2, 4] });
   });
 }
 
 function drawOpenTask(/** @type {View} */ view, task, /** @type {Box} */ box, standing) {
   const { ctx } = view;
-  const colour = taskColour(task, view.isDark);
   tracedSquare(ctx, box.x, box.y, box.half);
-  ctx.globalAlpha = view.isDark ? 0.24 : 0.15;
-  ctx.fillStyle = colour;
-  ctx.fill();
-  ctx.globalAlpha = 1;
+  fillAs(ctx, taskColour(task, view.isDark), view.isDark ? 0.24 : 0.15);
   drawRequirements(view, task, box);
   drawOwnOutline(view, task, box);
   if (standing === "served") drawProgress(view, task, box);
@@ -190,28 +169,16 @@ function drawRequirements(/** @type {View} */ view, task, { x, y, half }) {
   const pieces = needs.map(([cap, count]) => [cap, piecesOf(count)]);
   const piece = length / (sumCounts(pieces) + open.length);
   const gap = Math.min(2, piece * 0.2);
-  ctx.lineWidth = width;
+  const dash = [piece - gap, length - piece + gap];
   tracedSquare(ctx, x, y, inner);
-  let start = 0;
+  let offset = 0;
   for (const [cap, count] of pieces) {
-    ctx.strokeStyle = view.colours[cap].fill;
-    for (let n = 0; n < count; n++, start += piece) {
-      ctx.setLineDash([piece - gap, length - piece + gap]);
-      ctx.lineDashOffset = -start;
-      ctx.stroke();
-    }
+    for (let n = 0; n < count; n++, offset += piece) strokeAs(ctx, view.colours[cap].fill, width, { dash, offset });
   }
-  ctx.globalAlpha *= UNSURE;
   for (const [cap] of open) {
-    ctx.strokeStyle = view.colours[cap].fill;
-    ctx.setLineDash([piece - gap, length - piece + gap]);
-    ctx.lineDashOffset = -start;
-    ctx.stroke();
-    start += piece;
+    strokeAs(ctx, view.colours[cap].fill, width, { dash, offset, alpha: UNSURE });
+    offset += piece;
   }
-  ctx.globalAlpha /= UNSURE;
-  ctx.lineDashOffset = 0;
-  ctx.setLineDash([]);
 }
 
 const UNSURE = 0.35; // how strong is drawn what may be needed
@@ -226,9 +193,7 @@ function hiddenNeeds(/** @type {View} */ view, task) {
 function drawOwnOutline(/** @type {View} */ view, task, { x, y, half }) {
   const { ctx } = view;
   tracedSquare(ctx, x, y, half + 1);
-  ctx.strokeStyle = taskColour(task, view.isDark);
-  ctx.lineWidth = half > 10 ? 2 : 1;
-  ctx.stroke();
+  strokeAs(ctx, taskColour(task, view.isDark), half > 10 ? 2 : 1);
 }
 
 // How much of a service is made, as a thick line around the outline.
@@ -242,11 +207,7 @@ function drawProgress(/** @type {View} */ view, task, { x, y, half }) {
   const outer = half + 4;
   const length = squareLength(outer);
   tracedSquare(ctx, x, y, outer);
-  ctx.strokeStyle = taskColour(task, view.isDark);
-  ctx.lineWidth = 5;
-  ctx.setLineDash([(length * made) / duration, length]);
-  ctx.stroke();
-  ctx.setLineDash([]);
+  strokeAs(ctx, taskColour(task, view.isDark), 5, { dash: [(length * made) / duration, length] });
 }
 
 const SMALLEST_TEXT = 7; // pixels
@@ -259,12 +220,8 @@ function drawNeeds(/** @type {View} */ view, task, { x, y, half }) {
   const fit = needsThatFit(view, task, half);
   if (!fit) return;
   const { lines, size } = fit;
-  ctx.font = `600 ${size}px ${theme.font}`;
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  ctx.fillStyle = theme.ink;
   lines.forEach((line, index) => {
-    ctx.fillText(line, x, y + (index - (lines.length - 1) / 2) * size * 1.15 + size * 0.05);
+    write(ctx, line, x, y + (index - (lines.length - 1) / 2) * size * 1.15 + size * 0.05, theme.ink, `600 ${size}px ${theme.font}`);
   });
 }
 
@@ -315,42 +272,25 @@ function drawDoneTask(/** @type {View} */ view, task, /** @type {Box} */ box) {
   const since = view.scene.step + view.part - view.history.doneAt[task];
   const strength = between(1, 0.34, Math.min(1, since / FADE_STEPS));
   const colour = taskColour(task, view.isDark);
-  ctx.globalAlpha = strength;
   tracedSquare(ctx, box.x, box.y, box.half);
-  ctx.strokeStyle = ctx.fillStyle = colour;
-  ctx.lineWidth = box.half > 10 ? 2 : 1;
-  ctx.stroke();
-  ctx.globalAlpha = strength * 0.2;
-  ctx.fill();
-  ctx.globalAlpha = Math.min(1, strength + 0.25);
-  if (!isCovered(view, task)) drawTick(view, box, colour);
-  ctx.globalAlpha = 1;
+  strokeAs(ctx, colour, box.half > 10 ? 2 : 1, { alpha: strength });
+  fillAs(ctx, colour, strength * 0.2);
+  if (!isCovered(view, task)) drawTick(view, box, colour, Math.min(1, strength + 0.25));
 }
 
 // A task that was called off: an empty square, struck through.
 function drawCancelledTask(/** @type {View} */ { ctx, theme }, { x, y, half }) {
-  ctx.globalAlpha = 0.7;
   tracedSquare(ctx, x, y, half);
-  ctx.strokeStyle = theme.lost;
-  ctx.lineWidth = half > 10 ? 2 : 1;
-  ctx.stroke();
-  ctx.beginPath();
   ctx.moveTo(x - half * 0.7, y + half * 0.7);
   ctx.lineTo(x + half * 0.7, y - half * 0.7);
-  ctx.stroke();
-  ctx.globalAlpha = 1;
+  strokeAs(ctx, theme.lost, half > 10 ? 2 : 1, { alpha: 0.7 });
 }
 
-function drawTick(/** @type {View} */ { ctx }, { x, y, half }, colour) {
-  ctx.beginPath();
-  ctx.moveTo(x - half * 0.42, y + half * 0.02);
-  ctx.lineTo(x - half * 0.1, y + half * 0.34);
-  ctx.lineTo(x + half * 0.44, y - half * 0.32);
-  ctx.strokeStyle = colour;
-  ctx.lineWidth = Math.max(1.5, half * 0.15);
-  ctx.lineCap = ctx.lineJoin = "round";
-  ctx.stroke();
-  ctx.lineCap = "butt";
+function drawTick(/** @type {View} */ { ctx }, { x, y, half }, colour, alpha) {
+  const corners = [[-0.42, 0.02], [-0.1, 0.34], [0.44, -0.32]];
+  traceLine(ctx, corners.map(([right, down]) => ({ x: x + half * right, y: y + half * down })));
+  ctx.lineJoin = "round";
+  strokeAs(ctx, colour, Math.max(1.5, half * 0.15), { alpha, cap: "round" });
   ctx.lineJoin = "miter";
 }
 

@@ -3,7 +3,7 @@
 import { piecesOf, sumCounts } from "../record/counts.js";
 import { robotsLostAt } from "../record/history.js";
 import { ringColour } from "./palette.js";
-import { drawCross, drawDisc, isOnScreen, robotSpot } from "./shapes.js";
+import { drawCross, drawDisc, fillAs, isOnScreen, robotSpot, strokeAs, write } from "./shapes.js";
 
 export function drawTeam(/** @type {View} */ view, /** @type {Team} */ team) {
   const ring = ringColour(team, view.isDark, view.options.rings);
@@ -20,10 +20,7 @@ function drawUnion(/** @type {View} */ view, /** @type {Team} */ team, colour) {
     ctx.moveTo(x + r * 1.35, y);
     ctx.arc(x, y, r * 1.35, 0, 2 * Math.PI);
   }
-  ctx.fillStyle = colour;
-  ctx.globalAlpha = team.isMet ? 0.45 : 0.28;
-  ctx.fill();
-  ctx.globalAlpha = 1;
+  fillAs(ctx, colour, team.isMet ? 0.45 : 0.28);
 }
 
 function drawRobot(/** @type {View} */ view, robot, ring, isMet) {
@@ -39,23 +36,13 @@ function drawRobot(/** @type {View} */ view, robot, ring, isMet) {
 
 // Four rotors around a robot that flies, on arms that cross under it.
 function drawRotors(/** @type {View} */ { ctx, theme }, x, y, r, colour) {
-  ctx.save();
-  ctx.lineWidth = Math.max(1, r * 0.16);
-  for (const [right, up] of [
-    [1, 1],
-    [1, -1],
-    [-1, 1],
-    [-1, -1],
-  ]) {
-    const [toX, toY] = [x + right * r * 0.95, y + up * r * 0.95];
+  const width = Math.max(1, r * 0.16);
+  for (const [right, up] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
     ctx.beginPath();
-    ctx.arc(toX, toY, Math.max(1.5, r * 0.42), 0, 2 * Math.PI);
-    ctx.fillStyle = theme.ground;
-    ctx.strokeStyle = colour;
-    ctx.fill();
-    ctx.stroke();
+    ctx.arc(x + right * r * 0.95, y + up * r * 0.95, Math.max(1.5, r * 0.42), 0, 2 * Math.PI);
+    fillAs(ctx, theme.ground);
+    strokeAs(ctx, colour, width);
   }
-  ctx.restore();
 }
 
 // One sector for each capability, as wide as its count, if that is none of what is measured.
@@ -74,8 +61,7 @@ function drawCapabilities(/** @type {View} */ view, robot, x, y, r) {
     ctx.beginPath();
     ctx.moveTo(x, y);
     ctx.arc(x, y, r, start, end);
-    ctx.fillStyle = colours[cap].fill;
-    ctx.fill();
+    fillAs(ctx, colours[cap].fill);
     const middle = (start + end) / 2;
     drawLabel(view, cap, x + Math.cos(middle) * r * 0.55, y + Math.sin(middle) * r * 0.55, r * 0.55);
     start = end;
@@ -86,11 +72,7 @@ function drawLabel(/** @type {View} */ { ctx, labels, colours, theme }, cap, x, 
   const label = labels[cap];
   const size = Math.min(15, r * (label.length > 2 ? 0.85 : label.length > 1 ? 1.05 : 1.3));
   if (size < 6.5) return;
-  ctx.font = `600 ${size}px ${theme.font}`;
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  ctx.fillStyle = colours[cap].ink;
-  ctx.fillText(label, x, y + size * 0.06);
+  write(ctx, label, x, y + size * 0.06, colours[cap].ink, `600 ${size}px ${theme.font}`);
 }
 
 export function drawLostRobots(/** @type {View} */ view) {

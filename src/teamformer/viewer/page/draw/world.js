@@ -1,6 +1,6 @@
 // The ground: grid lines, obstacles and the numbers along two sides.
 
-import { penOf } from "./shapes.js";
+import { penOf, strokeAs, write } from "./shapes.js";
 
 export function drawWorld(/** @type {View} */ view) {
   const { ctx, camera, theme, mission } = view;
@@ -34,9 +34,7 @@ function drawGridLines(/** @type {View} */ { ctx, camera, theme, mission }, widt
     ctx.moveTo(camera.left, y);
     ctx.lineTo(camera.left + width, y);
   }
-  ctx.strokeStyle = theme.grid;
-  ctx.lineWidth = 1;
-  ctx.stroke();
+  strokeAs(ctx, theme.grid, 1);
 }
 
 // One pixel for each cell, drawn once for each colour and scaled up.
@@ -69,15 +67,10 @@ function drawNumbers(/** @type {View} */ { ctx, camera, theme, mission }) {
     return Array.from({ length: Math.floor(last / every + 1e-9) + 1 }, (_, mark) => mark * every);
   };
   const unit = isPlane ? " m" : "";
-  ctx.fillStyle = theme.faint;
-  ctx.font = `10px ${theme.font}`;
-  ctx.textBaseline = "top";
-  ctx.textAlign = "center";
+  const font = `10px ${theme.font}`;
   const below = camera.top + world.height * camera.cell + 18; // names of tasks come first
-  for (const x of marks(world.width)) ctx.fillText(short(x) + unit, camera.x(x / square), below);
-  ctx.textBaseline = "middle";
-  ctx.textAlign = "right";
-  for (const y of marks(world.height)) ctx.fillText(short(y), camera.left - 7, camera.y(y / square));
+  for (const x of marks(world.width)) write(ctx, short(x) + unit, camera.x(x / square), below, theme.faint, font, "center", "top");
+  for (const y of marks(world.height)) write(ctx, short(y), camera.left - 7, camera.y(y / square), theme.faint, font, "right");
 }
 
 function short(number) {

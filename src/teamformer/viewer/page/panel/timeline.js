@@ -1,5 +1,6 @@
 // The strip over the slider: tasks done over time, where teams form, the lower bound.
 
+import { fillAs, strokeAs } from "../draw/shapes.js";
 import { doneAfterSteps } from "../record/over_time.js";
 import { TimeCanvas, traceSteps } from "../views/time_canvas.js";
 import { eventColour } from "./lists.js";
@@ -25,14 +26,10 @@ export class Timeline extends TimeCanvas {
     const [x, y] = [(step) => this.x(step), (count) => height - (count / history.doneAt.length) * (height - 2)];
     ctx.beginPath();
     traceSteps(ctx, doneAfterSteps(history), x, y);
-    ctx.strokeStyle = ctx.fillStyle = map.theme.accent;
-    ctx.lineWidth = 1.5;
-    ctx.stroke();
+    strokeAs(ctx, map.theme.accent, 1.5);
     ctx.lineTo(this.x(history.last), height);
     ctx.lineTo(this.x(0), height);
-    ctx.globalAlpha = 0.16;
-    ctx.fill();
-    ctx.globalAlpha = 1;
+    fillAs(ctx, map.theme.accent, 0.16);
   }
 
   // Joins, splits, losses and returns, one tick each; those in the same pixel cover each other.

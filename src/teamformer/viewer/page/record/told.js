@@ -53,8 +53,12 @@ function partsOf(/** @type {any[][]} */ rows, robot, from, to) {
 export function runsOf(/** @type {TrialHistory} */ { told, last }, robot) {
   const known = told.runs.get(robot);
   if (known?.last === last) return known.runs;
-  const parts = partsOf(told.phases, robot, 0, last);
-  const runs = parts.map(({ from, to, row }) => ({ from, to, phase: PHASES[row[1]], task: row[2] ?? NOBODY }));
+  /** @type {Run[]} */ const runs = [];
+  for (const { from, to, row } of partsOf(told.phases, robot, 0, last)) {
+    const [run, phase, task] = [runs.at(-1), PHASES[row[1]], row[2] ?? NOBODY];
+    if (run?.phase === phase && run.task === task) run.to = to; // alone, then with others
+    else runs.push({ from, to, phase, task });
+  }
   told.runs.set(robot, { last, runs });
   return runs;
 }

@@ -1,6 +1,7 @@
 // A row of the Gantt view: a robot's name, its bars, a mark for each task that it did, its idle share.
 
 import { taskColour } from "../draw/palette.js";
+import { fillAs, strokeAs, traceLine, write } from "../draw/shapes.js";
 import { describeMoment, percent } from "../record/lengths.js";
 import { NOBODY } from "../record/state.js";
 import { IDLE, LOST, WAITING } from "../record/told.js";
@@ -77,11 +78,8 @@ function nameBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, /** @t
   const room = Math.min(end, ...marks.filter((mark) => mark.left > begin).map((mark) => mark.left)) - left;
   if (room <= NAMED_FROM) return;
   ctx.font = `11px ${gantt.app.map.theme.font}`;
-  ctx.textAlign = "left";
-  ctx.textBaseline = "middle";
-  ctx.fillStyle = ink;
   const text = clipped(ctx, taskName(gantt.app.history.mission, task), room - 12);
-  ctx.fillText(text, left + 7, middle + 0.5);
+  write(ctx, text, left + 7, middle + 0.5, ink, ctx.font, "left");
 }
 
 // Where the robot had done tasks: [{task, x, left, right}]; marks of one step stand side by side.
@@ -104,18 +102,11 @@ function halfOfMark(row) {
 function drawMarks(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, marks, top, row) {
   const { theme, isDark } = gantt.app.map;
   const [half, y] = [halfOfMark(row), top + row / 2];
-  ctx.lineWidth = row > 16 ? 1.5 : 0.75;
   for (const { task, x } of marks) {
-    ctx.beginPath();
-    ctx.moveTo(x, y - half);
-    ctx.lineTo(x + half, y);
-    ctx.lineTo(x, y + half);
-    ctx.lineTo(x - half, y);
+    traceLine(ctx, [{ x, y: y - half }, { x: x + half, y }, { x, y: y + half }, { x: x - half, y }]);
     ctx.closePath();
-    ctx.fillStyle = taskColour(task, isDark);
-    ctx.strokeStyle = theme.surface;
-    ctx.stroke();
-    ctx.fill();
+    strokeAs(ctx, theme.surface, row > 16 ? 1.5 : 0.75);
+    fillAs(ctx, taskColour(task, isDark));
   }
 }
 
@@ -127,13 +118,9 @@ export function drawEndsOfRow(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ 
   ctx.fillRect(0, top, NAME_WIDTH - 4, row);
   ctx.fillRect(gantt.width - SHARE_WIDTH, top, SHARE_WIDTH, row);
   ctx.font = `${Math.min(12, row - 1)}px ${theme.font}`;
-  ctx.textBaseline = "middle";
-  ctx.textAlign = "right";
-  ctx.fillStyle = theme.ink;
   const name = clipped(ctx, robotName(history.mission, robot), NAME_WIDTH - 14);
-  ctx.fillText(name, NAME_WIDTH - 8, top + row / 2);
-  ctx.fillStyle = theme.muted;
-  ctx.fillText(percent(gantt.shareOf(robot, IDLE)), gantt.width - 10, top + row / 2);
+  write(ctx, name, NAME_WIDTH - 8, top + row / 2, theme.ink, ctx.font, "right");
+  write(ctx, percent(gantt.shareOf(robot, IDLE)), gantt.width - 10, top + row / 2, theme.muted, ctx.font, "right");
 }
 
 // What a robot did in a step, in words.

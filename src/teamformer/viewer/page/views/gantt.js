@@ -1,6 +1,6 @@
 // The Gantt view: robots down, time across, what each does, and which share of it is idle.
 
-import { penOf } from "../draw/shapes.js";
+import { penOf, write } from "../draw/shapes.js";
 import { element } from "../panel/dom.js";
 import { percent } from "../record/lengths.js";
 import { CARRYING, IDLE, LOADING, LOST, PHASES, UNLOADING, deedsOfRobots, runsOf, stepsInPhases } from "../record/told.js";
@@ -236,17 +236,13 @@ export class Gantt {
     const { theme } = map;
     ctx.fillStyle = theme.surface;
     ctx.fillRect(0, 0, this.width, AXIS_HEIGHT - 2);
-    ctx.fillStyle = theme.muted;
-    ctx.font = `11px ${theme.font}`;
-    ctx.textBaseline = "middle";
-    ctx.textAlign = "center";
+    const say = (text, x, align) => write(ctx, text, x, AXIS_HEIGHT / 2, theme.muted, `11px ${theme.font}`, align);
     for (const { step, text } of timeMarks(history.mission.world, player.last, this.timeWidth())) {
       const x = this.x(step);
-      if (x >= NAME_WIDTH - 1 && x <= this.width - SHARE_WIDTH) ctx.fillText(text, x, AXIS_HEIGHT / 2);
+      if (x >= NAME_WIDTH - 1 && x <= this.width - SHARE_WIDTH) say(text, x, "center");
     }
-    ctx.textAlign = "right";
-    ctx.fillText("idle", this.width - 10, AXIS_HEIGHT / 2);
-    ctx.fillText("robot", NAME_WIDTH - 20, AXIS_HEIGHT / 2);
+    say("idle", this.width - 10, "right");
+    say("robot", NAME_WIDTH - 20, "right");
   }
 
   drawNow(/** @type {Canvas2D} */ ctx) {

@@ -1,6 +1,6 @@
 // A canvas with time from left to right, from the start to the page's last step.
 
-import { penOf } from "../draw/shapes.js";
+import { penOf, strokeAs, traceLine, write } from "../draw/shapes.js";
 import { SPACINGS } from "../draw/world.js";
 
 const MARKS_APART = 46; // pixels between two numbers of an axis, at least
@@ -58,21 +58,10 @@ export class TimeCanvas {
     if (history.lowerBound === null || history.lowerBound > player.last) return;
     const x = this.x(history.lowerBound);
     const isRight = x > this.left + 50;
-    ctx.strokeStyle = ctx.fillStyle = map.theme.muted;
-    ctx.lineWidth = 1;
-    ctx.setLineDash([3, 2]);
-    ctx.beginPath();
-    ctx.moveTo(x, top);
-    ctx.lineTo(x, bottom);
-    ctx.stroke();
-    ctx.setLineDash([]);
-    ctx.font = `10px ${map.theme.font}`;
-    ctx.textBaseline = "top";
-    ctx.textAlign = isRight ? "right" : "left";
-    ctx.lineWidth = 3;
-    ctx.strokeStyle = map.theme.surface;
-    ctx.strokeText("bound", x + (isRight ? -4 : 4), top + 1);
-    ctx.fillText("bound", x + (isRight ? -4 : 4), top + 1);
+    traceLine(ctx, [{ x, y: top }, { x, y: bottom }]);
+    strokeAs(ctx, map.theme.muted, 1, { dash: [3, 2] });
+    const [at, side] = isRight ? [x - 4, "right"] : [x + 4, "left"];
+    write(ctx, "bound", at, top + 1, map.theme.muted, `10px ${map.theme.font}`, side, "top", map.theme.surface);
   }
 }
 

@@ -9,11 +9,11 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.grid import Place
 from teamformer.record.record import TeamAt
-from teamformer.record.referee.told import KINDS, Before, Rows
+from teamformer.record.referee.told import KINDS, Earlier, Rows
 from teamformer.world.reference.state import PlainWorld
 
 
-def first_difference(world: PlainWorld, before: Before, rules: Rows, told: Rows) -> str | None:
+def first_difference(world: PlainWorld, before: Earlier, rules: Rows, told: Rows) -> str | None:
     """Return the first difference between what rules and record tell of a step; None if none is.
 
     What leads to something else comes first: splits before places, these before what is done, and
@@ -29,7 +29,7 @@ def first_difference(world: PlainWorld, before: Before, rules: Rows, told: Rows)
     return _difference_of_rows(world, kind, rules[kind], told[kind])
 
 
-def _are_elsewhere(world: PlainWorld, before: Before, rules: Rows, told: Rows) -> bool:
+def _are_elsewhere(world: PlainWorld, before: Earlier, rules: Rows, told: Rows) -> bool:
     """Say whether the record has a team elsewhere than the rules."""
     by_rules, said = (
         before.teams | {row.slot: row for row in rows.get("teams", ())} for rows in (rules, told)
@@ -88,7 +88,7 @@ def _about(row: Any) -> Any:
 
 def _difference_of_teams(
     world: PlainWorld,
-    before: Before,
+    before: Earlier,
     rules: tuple[TeamAt, ...],
     told: tuple[TeamAt, ...],
 ) -> str:

@@ -8,7 +8,7 @@ from teamformer.record.record import Record, SharedPlanMade, Wants
 from teamformer.record.referee.differences import Wording, first_difference
 from teamformer.record.referee.plans import faults_of_plan
 from teamformer.record.referee.reasons import is_order_due, why_plan
-from teamformer.record.referee.told import Before, told_of
+from teamformer.record.referee.told import Earlier, told_of
 from teamformer.record.referee.verdict import Notes
 from teamformer.world.reference.completion import status_of
 from teamformer.world.reference.following import PlainPlan, follow_plan
@@ -42,7 +42,7 @@ class Play:
     def step(self, number: int) -> bool:
         """Play a step; say whether all is as the record tells, so that it can be played on."""
         self._notes.step = number
-        world, before = self.world, Before(self.world)
+        world, before = self.world, Earlier(self.world)
         make_step(world, self._decide(number))
         self.status = status_of(world)
         told = told_of(self._record, number)

@@ -25,7 +25,7 @@ def told_of(record: Record, number: int) -> Rows:
     return {kind: getattr(step, kind) for kind in KINDS}
 
 
-class Before:
+class Earlier:
     """Where teams were before a step, and what they headed for."""
 
     def __init__(self, world: PlainWorld) -> None:

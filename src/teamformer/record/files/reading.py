@@ -189,7 +189,7 @@ def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
     method, steps = text_of(tree["method"]), tuple(_steps(tree["steps"], robots, tasks, along))
     if method != FLEET and any(slot is None for step in steps for _, slot in step.done):
         raise DamageError("a task is done by nobody, which only the record of a fleet may say")
-    record = Record(
+    return Record(
         mission=mission,
         method=method,
         seed=whole_number(tree["seed"]),
@@ -206,7 +206,6 @@ def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
         decisions=decisions,
         told=tree.get("told"),
     )
-    return record
 
 
 def _foresight(tree: Mapping[str, Any]) -> str:

@@ -55,8 +55,9 @@ def judge(record: Record) -> Verdict:
 
 def _judge_told(record: Record, notes: Notes) -> None:
     """Check that what the record's file says that all comes to is what it comes to."""
-    due = told_to_tree(told_of(record))
-    said = due if record.told is None else record.told
+    if record.told is None:
+        return
+    said, due = record.told, told_to_tree(told_of(record))
     keys = due.keys() | said.keys() if isinstance(said, dict) else due.keys()
     for key in sorted(keys):
         if not isinstance(said, dict) or said.get(key) != due.get(key):

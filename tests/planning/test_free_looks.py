@@ -82,7 +82,10 @@ def test_the_referee_says_who_scouts_in_vain() -> None:
     for scouts, complaint in (
         ([[0, [[2, 0], [2, 0]]]], "scout twice"),
         ([[0, [[2, 0]]], [later, [[2, 0]]]], "of which all is known"),
-        ([[0, [[2, 0]]], [later + 1, [[2, 0]]]], "when no plan was made"),
+        (
+            [[0, [[2, 0]]], [later + 1, [[2, 0]]]],
+            f"there are scouts of no plan made after {later + 1} steps",
+        ),
     ):
         tree = record_to_tree(record) | {"scouts": scouts}
         found = judge(record_from_tree(tree, "forged")).findings

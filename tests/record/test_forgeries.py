@@ -190,7 +190,7 @@ def test_what_the_rules_make_of_decisions_is_legal(record: Record) -> None:
         (
             record_of(
                 TWINS,
-                Step(splits=(((0,), (1,)),)),
+                Step(splits=(((0,), (1,)),), pursued=((0, 0), (1, 0))),
                 decisions=((1, (Wants(0, (1, 0)),)),),
                 orders=BOTH_APPEAR,
             ),
@@ -235,7 +235,7 @@ def test_what_the_rules_make_of_decisions_is_legal(record: Record) -> None:
         ),
         (
             record_of(SERVICE, *(Step(),) * 3, decisions=((1, (Wants(0, (0, 0)),)),)),
-            "step 1: team [r] heads for task t by the rules and for nothing in the record",
+            "step 1: by the rules task t is served by [r], and the record does not say so",
         ),
         (
             record_of(ALONE, SETS_OUT, ARRIVES, decisions=((3, (Wants(0, (0,)),)),)),

@@ -196,13 +196,22 @@ def test_the_referee_finds_what_is_found_or_believed_wrongly() -> None:
     other = next(k for k in range(20) if k not in found)
     away = TaskAt(moved[0].task, moved[0].x + 1, moved[0].y)
     x, y = record.mission.tasks[0].at
+    names = [task.name for task in record.true_mission.tasks]
     far = ((x + 5) % 10, y)
     forged = {
-        "does not find it": with_step(record, finds, found=found[1:]),
-        "where nobody can know that": with_step(record, finds, found=(*found, other)),
-        "does not believe": with_step(record, moves, moved=moved[1:]),
-        "without reason": with_step(record, moves, moved=(*moved[1:], away)),
-        "moves a task twice": with_step(record, moves, moved=(*moved, moved[0])),
+        f"by the rules task {names[found[0]]} is found, and": with_step(
+            record, finds, found=found[1:]
+        ),
+        f"says that task {names[other]} is found, but": with_step(
+            record, finds, found=(*found, other)
+        ),
+        f"by the rules task {names[away.task]} is believed to be at": with_step(
+            record, moves, moved=moved[1:]
+        ),
+        f"in the record task {names[away.task]} is believed to be at": with_step(
+            record, moves, moved=(*moved[1:], away)
+        ),
+        "the rows of moved are not in order": with_step(record, moves, moved=(*moved, moved[0])),
         "cannot really have been": with_true_task(record, 0, at=far),
     }
     for words, forgery in forged.items():

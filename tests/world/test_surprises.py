@@ -373,13 +373,13 @@ def test_the_referee_finds_truths_that_cannot_be_and_what_is_shown_wrongly() -> 
             with_true_task(record, hidden, needs={**tasks[hidden].needs, other: 1}),
             with_true_task(record, hidden, needs={other: 1}),
         ],
-        "has not served it": [with_true_task(record, unsure, duration=10)],
-        "does not show its needs": [with_step(record, shows, shown=shown[1:])],
-        "where nobody can know it": [
+        "has not been at work on it for long enough": [with_true_task(record, unsure, duration=10)],
+        "and the record does not say so": [with_step(record, shows, shown=shown[1:])],
+        "but by the rules it is not so": [
             with_step(record, shows, shown=(*shown, sure)),
             with_step(record, shows - 1, shown=shown),
         ],
-        "needs twice": [with_step(record, shows, shown=(*shown, *shown))],
+        "the rows of shown are not in order": [with_step(record, shows, shown=(*shown, *shown))],
         "there is no plan": [replace(record, plans=record.plans[:1])],
     }
     for words, records in forged.items():

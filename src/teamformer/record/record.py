@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from teamformer.mission.model import Mission
 
@@ -113,6 +113,9 @@ class Record:
     heeds: tuple[str, ...] = ()  # the news after which the coordinator is asked, if there is one
     decisions: tuple[tuple[int, tuple[Wants, ...]], ...] = ()
     """Steps by number, and what teams want from each on that do not want it already."""
+
+    told: Any = field(default=None, repr=False, compare=False)
+    """What its file says that all this comes to, for the referee to compare; None: no file does."""
 
     memo: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
     """What has been worked out of the rest, which `telling` keeps here."""

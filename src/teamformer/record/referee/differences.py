@@ -9,21 +9,33 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.grid import Place
 from teamformer.record.record import TeamAt
-from teamformer.record.referee.told import KINDS, Before, Rows
+from teamformer.record.referee.told import KINDS, Earlier, Rows
 from teamformer.world.reference.state import PlainWorld
 
 
-def first_difference(world: PlainWorld, before: Before, rules: Rows, told: Rows) -> str | None:
+def first_difference(world: PlainWorld, before: Earlier, rules: Rows, told: Rows) -> str | None:
     """Return the first difference between what rules and record tell of a step; None if none is.
 
-    What leads to something else comes first, as splits do before places.
+    What leads to something else comes first: splits before places, these before what is done, and
+    that before what teams head for afterwards.
     """
-    kind = next((kind for kind in KINDS if rules[kind] != told[kind]), None)
-    if kind is None:
+    kinds = [kind for kind in KINDS if kind in rules and rules[kind] != told[kind]]
+    if not kinds:
         return None
+    is_first = kinds == ["teams"] or _are_elsewhere(world, before, rules, told)
+    kind = kinds[0] if is_first or kinds[0] != "teams" else kinds[1]
     if kind == "teams":
         return _difference_of_teams(world, before, rules[kind], told[kind])
     return _difference_of_rows(world, kind, rules[kind], told[kind])
+
+
+def _are_elsewhere(world: PlainWorld, before: Earlier, rules: Rows, told: Rows) -> bool:
+    """Say whether the record has a team elsewhere than the rules."""
+    by_rules, said = (
+        before.teams | {row.slot: row for row in rows.get("teams", ())} for rows in (rules, told)
+    )
+    both = by_rules.keys() & said.keys() & world.teams.keys()
+    return any(by_rules[slot][1:3] != said[slot][1:3] for slot in both)
 
 
 def _difference_of_rows(
@@ -76,7 +88,7 @@ def _about(row: Any) -> Any:
 
 def _difference_of_teams(
     world: PlainWorld,
-    before: Before,
+    before: Earlier,
     rules: tuple[TeamAt, ...],
     told: tuple[TeamAt, ...],
 ) -> str:

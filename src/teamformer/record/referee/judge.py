@@ -14,6 +14,8 @@ from teamformer.record.referee.playing import Play
 from teamformer.record.referee.truth import judge_truth
 from teamformer.record.referee.verdict import Notes, Verdict
 from teamformer.record.task_times import cost_of_record, lateness
+from teamformer.record.telling.trees import told_to_tree
+from teamformer.record.telling.whole import told_of
 
 WHY_OVER = {
     "completed": "everything was done before",
@@ -29,7 +31,7 @@ def judge(record: Record) -> Verdict:
     _judge_rows(record, notes)
     play = Play(record, notes)
     judge_start(record, play.world, notes)
-    goes_on = not notes.findings and play.begin()
+    goes_on = play.begin()
     for number in range(1, len(record.steps) + 1):
         if goes_on and play.status != "running":
             notes.step = number
@@ -39,6 +41,8 @@ def judge(record: Record) -> Verdict:
     notes.step = 0
     if goes_on:
         judge_ending(record, play.world, play.status, notes)
+        if not notes.findings:
+            _judge_told(record, notes)
     is_legal = not notes.findings
     return Verdict(
         findings=tuple(notes.findings),
@@ -47,6 +51,17 @@ def judge(record: Record) -> Verdict:
         cost=cost_of_record(record) if is_legal else None,
         late=lateness(record) if is_legal else {},
     )
+
+
+def _judge_told(record: Record, notes: Notes) -> None:
+    """Check that what the record's file says that all comes to is what it comes to."""
+    if record.told is None:
+        return
+    said, due = record.told, told_to_tree(told_of(record))
+    keys = due.keys() | said.keys() if isinstance(said, dict) else due.keys()
+    for key in sorted(keys):
+        if not isinstance(said, dict) or said.get(key) != due.get(key):
+            notes.note(f"what is told of {key} is not what happened")
 
 
 def _judge_rows(record: Record, notes: Notes) -> None:

@@ -8,7 +8,7 @@ from teamformer.record.record import Record, SharedPlanMade, Wants
 from teamformer.record.referee.differences import Wording, first_difference
 from teamformer.record.referee.plans import faults_of_plan
 from teamformer.record.referee.reasons import is_order_due, why_plan
-from teamformer.record.referee.told import Before, told_of
+from teamformer.record.referee.told import Earlier, told_of
 from teamformer.record.referee.verdict import Notes
 from teamformer.world.reference.completion import status_of
 from teamformer.world.reference.following import PlainPlan, follow_plan
@@ -42,13 +42,14 @@ class Play:
     def step(self, number: int) -> bool:
         """Play a step; say whether all is as the record tells, so that it can be played on."""
         self._notes.step = number
-        world, before = self.world, Before(self.world)
+        world, before = self.world, Earlier(self.world)
         make_step(world, self._decide(number))
         self.status = status_of(world)
-        took = self._go_on()
         told = told_of(self._record, number)
-        rules = before.told_by_rules(world, took or [])
-        difference = first_difference(world, before, rules, told)
+        difference = first_difference(world, before, before.told_by_rules(world), told)
+        took = None if difference else self._go_on()
+        if took is not None:
+            difference = first_difference(world, before, {"took": tuple(took)}, told)
         if difference:
             self._notes.note(difference)
         return took is not None and difference is None

@@ -13,8 +13,8 @@ Rows = Mapping[str, tuple[Any, ...]]
 """Rows by their kind, which are the keys of a step of a record."""
 
 KINDS = (
-    *("splits", "joins", "named", "lost", "back", "teams", "found", "moved", "shown"),
-    *("taken", "left", "served", "unloads", "done", "pursued", "took", "heard"),
+    *("splits", "joins", "named", "lost", "back", "teams", "found", "moved"),
+    *("shown", "taken", "left", "served", "unloads", "done", "pursued", "took", "heard"),
 )
 """All kinds of rows, what leads to something else first."""
 
@@ -25,17 +25,17 @@ def told_of(record: Record, number: int) -> Rows:
     return {kind: getattr(step, kind) for kind in KINDS}
 
 
-class Before:
+class Earlier:
     """Where teams were before a step, and what they headed for."""
 
     def __init__(self, world: PlainWorld) -> None:
         self.teams = {slot: _row(slot, team) for slot, team in world.teams.items()}
         self._served = _who_serves(world)
 
-    def told_by_rules(self, world: PlainWorld, took: list[tuple[int, int]]) -> Rows:
+    def told_by_rules(self, world: PlainWorld) -> Rows:
         """Return what there is to tell of the step that a world has made since.
 
-        `took` has the like robots that have exchanged their parts of a plan after it.
+        What robots took over of the plans of others comes after it.
         """
         happened = world.happened
         now = [_row(slot, team) for slot, team in world.in_slot_order()]
@@ -55,7 +55,6 @@ class Before:
             "unloads": tuple(sorted(_unloads(world))),
             "done": tuple(happened.done.items()),
             "pursued": tuple(self._pursued(world)),
-            "took": tuple(took),
             "heard": (),
         }
 

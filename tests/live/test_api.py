@@ -130,7 +130,8 @@ def heard_of(server: Served, *asked: tuple[dict[str, Any], str]) -> list[dict[st
             while kind != answer:
                 heard.append(json.loads(page.recv(timeout=20)))
                 kind = heard[-1]["kind"]
-                assert kind != "here", (message, heard[-3:])  # for 5 s there was no other answer
+                quiet = sum(it["kind"] == "here" for it in heard)  # each for 5 s; it may compile
+                assert quiet < 24, (message, heard[-3:])
     return heard
 
 

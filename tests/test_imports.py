@@ -98,7 +98,12 @@ HOMES = {
         "record/export/foxglove_server.py",
         "record/export/mcap_file.py",
     ),
-    "PIL": ("record/export/gif_file.py", "robotarium/draw.py", "files/maps/images.py"),
+    "PIL": (
+        "record/export/gif_file.py",
+        "record/export/picture.py",
+        "robotarium/draw.py",
+        "files/maps/images.py",
+    ),
 }
 NOWHERE = ("pandas", "networkx")
 

@@ -14,8 +14,8 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.planning.continuous.solve import plan_together
-from teamformer.planning.graph.meeting import TICKS
 from teamformer.planning.problem.coalition_plan import plan_of_lists
+from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.situation import situation_of
 from teamformer.trials.trial import run_trial

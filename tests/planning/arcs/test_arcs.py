@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from random_coalitions import is_able, least_coalitions, plain_times, random_problem
-from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.graph.arc_problem import different_needs, pose_arcs
 from teamformer.planning.graph.graph import AIM, BACK_SUM, COST, MAKESPAN, read_off
@@ -24,6 +23,7 @@ from teamformer.planning.problem.coalition_problem import (
     pose_problem,
 )
 from teamformer.planning.problem.schedule import schedule_of
+from teamformer.planning.search.arc_search import ArcSearch
 
 SEEDS = range(12)
 
@@ -170,7 +170,7 @@ def test_robots_that_are_all_different_are_chosen_one_after_the_other() -> None:
 def test_covers_are_all_coalitions_with_nobody_to_spare(seed: int) -> None:
     problem = random_problem(seed, robots=7)
     problem = problem._replace(needs=problem.needs + (problem.needs > 0) * (seed % 2))
-    arcs = pose_arcs(problem, 3)
+    arcs = pose_arcs(problem)
     type_of = arcs.kinds.type[problem.kind]
     number = [np.flatnonzero(type_of == which) for which in range(len(arcs.counts))]
     _, need_of = different_needs(problem)
@@ -187,13 +187,15 @@ def test_covers_are_all_coalitions_with_nobody_to_spare(seed: int) -> None:
 UNDOING = """
 import numpy as np
 from test_arcs import any_plan, assert_consistent, lasting
-from teamformer.planning.arcs.annealing import ArcSearch
-from teamformer.planning.arcs.draws import draw_task
 from teamformer.planning.graph.arc_problem import most_seats
 from teamformer.planning.graph.graph import COST
-from teamformer.planning.graph.judging import accept, sum_up_trial, undo
-from teamformer.planning.arcs.swaps import swap_heads
-from teamformer.planning.arcs.task_moves import move_task, take_back
+from teamformer.planning.graph.judging import propagate, undo
+from teamformer.planning.graph.ledger import accept_change, begin_change, sum_up_change
+from teamformer.planning.operators.draws import draw_task
+from teamformer.planning.operators.moved import take_back
+from teamformer.planning.operators.swaps import swap_heads
+from teamformer.planning.operators.task_moves import move_task
+from teamformer.planning.search.arc_search import ArcSearch
 
 changed = {"swap": 0, "move": 0}
 for seed in range(6):
@@ -201,25 +203,26 @@ for seed in range(6):
     search = ArcSearch(problem, seed)
     search.begin_at(any_plan(problem, seed))
     arcs, graph, trial, random = search.arcs, search.graph, search._trial, search.random
+    ledger, room = search._ledger, search._room
     for turn in range(200):
         before = [array.copy() for array in graph]
         limit = graph.total[COST] // (1 + turn % 3 // 2) + 100 * (turn % 3)
-        task = draw_task(arcs, graph, trial, random)
+        task = draw_task(arcs, graph, trial, ledger, random)
         what = "swap" if turn % 2 else "move"
-        if what == "swap":
-            is_short = swap_heads(arcs, graph, trial, random, task, limit)
-        else:
-            parts = (arcs, graph, trial, search._choice, search._moved, random)
-            is_short = move_task(*parts, task, 40, limit)
-        cost = sum_up_trial(arcs, graph, trial) if is_short else 0
+        begin_change(trial, ledger)
+        room.moved.number[0] = 0
+        change = swap_heads if what == "swap" else move_task
+        is_short = change(arcs, graph, trial, ledger, room, random, task, 40, limit)
+        is_short = is_short and propagate(arcs, graph, trial, limit)
+        if is_short:
+            sum_up_change(arcs, graph, trial, ledger)
         if is_short and turn % 5 == 0:
-            accept(arcs, graph, trial, cost)
+            accept_change(arcs, graph, trial, ledger)
             assert_consistent(problem, search)
             continue
         changed[what] += trial.number[0] > 0
         undo(graph, trial)
-        if what == "move":
-            take_back(graph, search._moved)
+        take_back(graph, room.moved)
         most = most_seats(problem)
         taken = [at * most + np.arange(n) for at, n in enumerate(before[0].taken[:12])]
         depots_and_homes = np.arange(12 * most, len(before[1]))
@@ -233,7 +236,7 @@ assert changed["move"] > 100, changed
 
 SEARCHING = """
 from random_coalitions import random_problem
-from teamformer.planning.arcs.annealing import ArcSearch
+from teamformer.planning.search.arc_search import ArcSearch
 from teamformer.planning.dispatch.first_plan import draw_plan
 for seed in range(3):
     problem = random_problem(seed, 20)

@@ -15,8 +15,8 @@ from teamformer.files.drawn.generate import Spec, generate
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.graph.graph import COST, END_SUM, MAKESPAN, Graph
-from teamformer.planning.graph.meeting import TICKS
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
+from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
@@ -152,7 +152,7 @@ def test_nobody_is_planned_for_what_ends_after_it_is_lost() -> None:
 UNDOING = """
 import numpy as np
 from test_in_steps import drawn
-from teamformer.planning.arcs import annealing
+from teamformer.planning.search import annealing
 from teamformer.planning.steps.arc_search import TeamArcs
 
 tried = {}

@@ -5,15 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from random_coalitions import all_plans, is_able, random_problem
+from teamformer.planning.continuous.solve import plan_together, solve
 from teamformer.planning.graph.graph import read_off
-from teamformer.planning.linked.judging import NOW
-from teamformer.planning.linked.search import LinkedSearch
-from teamformer.planning.linked.solve import plan_linked, solve_linked
+from teamformer.planning.graph.ledger import NOW
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.links import (
@@ -25,9 +26,9 @@ from teamformer.planning.problem.links import (
     TARDINESS,
     TRAVEL,
     Link,
-    LinkedProblem,
-    link_problem,
+    link_tasks,
 )
+from teamformer.planning.search.arc_search import ArcSearch
 
 SEEDS = range(4)
 WEIGHTS = {MAKESPAN: 3, TRAVEL: 2, TARDINESS: 4, MAX_TARDINESS: 5, COMPLETION: 1}
@@ -39,7 +40,17 @@ def lasting(seed: int, tasks: int, **sizes: int) -> CoalitionProblem:
     return base._replace(duration=np.maximum(base.duration, 1))
 
 
-def random_linked(seed: int, tasks: int = 8, **sizes: int) -> LinkedProblem:
+def link_problem(
+    base: CoalitionProblem,
+    links: Sequence[Link],
+    weight: Mapping[int, float],
+    task_weight: npt.ArrayLike | None = None,
+) -> CoalitionProblem:
+    sizes = (len(base.needs), len(base.counts))
+    return base._replace(links=link_tasks(*sizes, links, weight, task_weight))
+
+
+def random_linked(seed: int, tasks: int = 8, **sizes: int) -> CoalitionProblem:
     """Draw a problem in which the last two tasks are linked, and the two before, too.
 
     For odd seeds all four are, in a row.
@@ -58,13 +69,13 @@ def random_linked(seed: int, tasks: int = 8, **sizes: int) -> LinkedProblem:
 
 
 def plain_cost(
-    problem: LinkedProblem, plan: CoalitionPlan
+    problem: CoalitionProblem, plan: CoalitionPlan
 ) -> tuple[int | None, dict[int, int], list[int]]:
     """Return what a plan costs, when tasks start, and its parts; no cost if some wait for ever.
 
     Whatever has to wait for something waits longer, again and again, until nothing changes.
     """
-    base, tasks = problem.base, len(plan.order)
+    base, tasks = problem, len(plan.order)
     at = [int(origin) for origin in base.origin]
     start = {task: int(base.release[task]) for task in range(tasks)}
     lags: list[tuple[int, int, int]] = []  # (one, two, lag): two starts so long after one does
@@ -81,8 +92,8 @@ def plain_cost(
                 start[task] = max(start[task], wait)
             travel, at[robot] = travel + way, task
         lags += [(o, task, int(base.duration[o])) for o in base.before[task].tolist() if o >= 0]
-    for one, two in np.argwhere(problem.gap > FREE).tolist():
-        lags.append((one, two, int(problem.gap[one, two])))
+    for one, two in np.argwhere(problem.links.gap > FREE).tolist():
+        lags.append((one, two, int(problem.links.gap[one, two])))
     for _ in range(tasks + 1):
         was = dict(start)
         for one, two, lag in lags:
@@ -101,35 +112,35 @@ def plain_cost(
         MAKESPAN: max(back),
         HOME: sum(back),
         TRAVEL: travel + sum(home),
-        TARDINESS: sum(int(w) * by for w, by in zip(problem.task_weight, late, strict=True)),
+        TARDINESS: sum(int(w) * by for w, by in zip(problem.links.task_weight, late, strict=True)),
         MAX_TARDINESS: max(late),
-        COMPLETION: sum(int(problem.task_weight[task]) * end[task] for task in range(tasks)),
+        COMPLETION: sum(int(problem.links.task_weight[task]) * end[task] for task in range(tasks)),
     }
     told = [parts[part] for part in range(len(parts))]
-    cost = sum(int(problem.weight[part]) * by for part, by in parts.items() if part != HOME)
+    cost = sum(int(problem.links.weight[part]) * by for part, by in parts.items() if part != HOME)
     return cost, start, told
 
 
-def are_apart(problem: LinkedProblem, plan: CoalitionPlan) -> bool:
+def are_apart(problem: CoalitionProblem, plan: CoalitionPlan) -> bool:
     """Say whether no robot does two tasks that are linked directly."""
     crews = [set(row[:size].tolist()) for row, size in zip(plan.coalition, plan.size, strict=True)]
-    return not any(crews[one] & crews[two] for one, two in np.argwhere(problem.gap > FREE))
+    return not any(crews[one] & crews[two] for one, two in np.argwhere(problem.links.gap > FREE))
 
 
-def plan_at(search: LinkedSearch) -> CoalitionPlan:
+def plan_at(search: ArcSearch) -> CoalitionPlan:
     """Return the plan that a search stands at."""
-    plan = empty_plan(search.problem.base)
+    plan = empty_plan(search.problem)
     read_off(search.arcs, search.graph, plan)
     plan.order[:] = np.argsort(search.graph.nodes.key[: len(plan.order)], kind="stable")
     return plan
 
 
-def assert_consistent(search: LinkedSearch) -> None:
+def assert_consistent(search: ArcSearch) -> None:
     """Compare what is known of a graph with what its twin makes of the plan."""
-    problem, plan, tasks = search.problem, plan_at(search), len(search.problem.group)
+    problem, plan, tasks = search.problem, plan_at(search), len(search.problem.links.group)
     cost, start, parts = plain_cost(problem, plan)
     nodes = search.graph.nodes[:tasks]
-    assert is_able(problem.base, plan)
+    assert is_able(problem, plan)
     assert are_apart(problem, plan)
     assert (nodes.end - nodes.duration).tolist() == [start[task] for task in range(tasks)]
     assert nodes.key.tolist() == [2 * start[task] + 1 for task in range(tasks)]
@@ -137,7 +148,7 @@ def assert_consistent(search: LinkedSearch) -> None:
     assert search._ledger.cost[NOW] == cost
 
 
-def corridor(links: list[Link]) -> CoalitionProblem | LinkedProblem:
+def corridor(links: list[Link]) -> CoalitionProblem:
     """Pose two robots at 0 on a line with tasks at 4 and 10, for the one and for the other."""
     at = np.array([4, 10, 0])
     base = pose_problem(
@@ -168,35 +179,34 @@ def test_times_are_those_worked_out_by_hand(
     links: list[Link], starts: list[int], late: int
 ) -> None:
     problem = corridor(links)
-    assert isinstance(problem, LinkedProblem)
-    search = LinkedSearch(problem, 0)
+    search = ArcSearch(problem, 0)
     assert search.begin_anew()
     assert (search.graph.nodes.end - search.graph.nodes.duration)[:2].tolist() == starts
-    assert search.cost == 2 * 4 + 2 * 10 + 2 * late  # ways, tardiness and the largest
+    assert search.rank[0] == 2 * 4 + 2 * 10 + 2 * late  # ways, tardiness and the largest
 
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_search_stands_at_a_plan_that_is_timed_as_its_twin_times_it(seed: int) -> None:
-    search = LinkedSearch(random_linked(seed, tasks=8 + seed), seed)
+    search = ArcSearch(random_linked(seed, tasks=8 + seed), seed)
     assert search.begin_anew()
     assert_consistent(search)
     for turn in range(60):
-        search.anneal(4000 - 60 * turn, 5)
+        search.anneal(4000 - 60 * turn, 4000 - 60 * turn, 0, 5, 5)
         assert_consistent(search)
     search.begin_at(search.best)
     assert_consistent(search)
-    assert search._ledger.cost[NOW] == search.cost
+    assert search._ledger.cost[NOW] == search.rank[0]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_precedence_holds(seed: int) -> None:
     base = lasting(seed, 10)
-    search = LinkedSearch(link_problem(base, [], WEIGHTS), seed)
+    search = ArcSearch(link_problem(base, [], WEIGHTS), seed)
     assert search.begin_anew()
-    search.anneal(2000, 3000)
+    search.anneal(2000, 2000, 0, 3000, 3000)
     assert_consistent(search)
     cost, start, _ = plain_cost(search.problem, search.best)
-    assert cost == search.cost
+    assert cost == search.rank[0]
     for task, others in enumerate(base.before.tolist()):
         assert all(start[task] >= start[o] + base.duration[o] for o in others if o >= 0)
 
@@ -206,15 +216,15 @@ def test_small_problems_are_solved(seed: int) -> None:
     problem = random_linked(seed, tasks=4, robots=4, caps=2)
     costs = [
         cost
-        for plan in all_plans(problem.base)
+        for plan in all_plans(problem)
         if are_apart(problem, plan) and (cost := plain_cost(problem, plan)[0]) is not None
     ]
-    found = plan_linked(problem)
+    found = plan_together(problem)
     if not costs:
         assert found is None
     else:
         assert found is not None
-        assert found.cost == min(costs)
+        assert found.worth == min(costs)
 
 
 def test_a_task_may_be_done_between_two_that_are_linked_on_the_way_of_their_robots() -> None:
@@ -228,18 +238,18 @@ def test_a_task_may_be_done_between_two_that_are_linked_on_the_way_of_their_robo
         needs=[[1, 0], [0, 1], [1, 1]],
         duration=[4, 4, 5],
     )
-    found = plan_linked(link_problem(base, [Link(1, 0, 20, 30)], {MAKESPAN: 1}))
+    found = plan_together(link_problem(base, [Link(1, 0, 20, 30)], {MAKESPAN: 1}))
     assert found is not None
-    assert found.cost == 1 + 20 + 4 + 1
+    assert found.worth == 1 + 20 + 4 + 1
 
 
 def test_the_best_in_a_given_time_is_never_worse_than_it_was() -> None:
     problem = random_linked(3)
-    found = solve_linked(problem, 0.3)
+    found = solve(problem, 0.3)
     assert found is not None
     costs = [cost for _, cost in found.curve]
     assert costs == sorted(costs, reverse=True)
-    assert costs[-1] == found.cost == plain_cost(problem, found.plan)[0]
+    assert costs[-1] == found.worth == plain_cost(problem, found.plan)[0]
 
 
 def test_linked_tasks_are_not_done_by_one_robot() -> None:
@@ -247,38 +257,39 @@ def test_linked_tasks_are_not_done_by_one_robot() -> None:
         [[[0, 1], [1, 0], [1, 1]]], [[1, 1, 0]], [0], [2], [[1]], [[1], [1]], [1, 1]
     )
     problem = link_problem(base, [Link(1, 0, 5, 9)], WEIGHTS)
-    assert plan_linked(problem) is None
-    assert solve_linked(problem, 0.1) is None
+    assert plan_together(problem) is None
+    assert solve(problem, 0.1) is None
 
 
 UNDOING = """
 import numpy as np
 from test_linked import assert_consistent, random_linked
 from teamformer.planning.graph.judging import undo
-from teamformer.planning.linked.exchanges import exchange_rests
-from teamformer.planning.linked.judging import (
-    accept_change, begin_change, propagate, sum_up_change
+from teamformer.planning.graph.ledger import (
+    accept_change, begin_change, sum_up_change, time_change
 )
-from teamformer.planning.linked.moves import move
-from teamformer.planning.linked.search import LinkedSearch
+from teamformer.planning.operators.exchanges import exchange_rests
+from teamformer.planning.operators.group_moves import move_group
+from teamformer.planning.problem.coalition_problem import NEVER
+from teamformer.planning.search.arc_search import ArcSearch
 
 undone = {"exchange": 0, "move": 0}
 for seed in range(4):
-    search = LinkedSearch(random_linked(seed, 12, robots=14), seed)
+    search = ArcSearch(random_linked(seed, 12, robots=14), seed)
     assert search.begin_anew()
-    arcs, links, graph, trial = search.arcs, search._links, search.graph, search._trial
+    arcs, graph, trial = search.arcs, search.graph, search._trial
     ledger, room, random = search._ledger, search._room, search.random
     for turn in range(50):
         before = [array.copy() for array in graph]
         begin_change(trial, ledger)
-        parts = (arcs, links, graph, trial, ledger, room, random, turn % 12)
+        parts = (arcs, graph, trial, ledger, room, random, turn % 12, 40, NEVER)
         what = "exchange" if turn % 2 else "move"
-        is_able = exchange_rests(*parts) if turn % 2 else move(*parts, 40)
+        is_able = exchange_rests(*parts) if turn % 2 else move_group(*parts)
         if is_able and turn % 3 < 2:
-            is_able = propagate(arcs, links, graph, trial, ledger, 200)
-            sum_up_change(arcs, links, graph, trial, ledger)
+            is_able = time_change(arcs, graph, trial, ledger, NEVER, 1e18)
+            sum_up_change(arcs, graph, trial, ledger)
             if is_able and turn % 3 == 1:
-                accept_change(graph, trial, ledger)
+                accept_change(arcs, graph, trial, ledger)
                 assert_consistent(search)
                 continue
         undone[what] += trial.number[0] > 0
@@ -294,11 +305,11 @@ assert undone["exchange"] > 2 and undone["move"] > 30, undone
 
 SCRIPT = """
 from test_linked import random_linked
-from teamformer.planning.linked.search import LinkedSearch
-search = LinkedSearch(random_linked(1), 1)
+from teamformer.planning.search.arc_search import ArcSearch
+search = ArcSearch(random_linked(1), 1)
 search.begin_anew()
-search.anneal(4000, 200)
-print(search.cost, search.best.order.tolist(), search.best.size.tolist())
+search.anneal(4000, 4000, 0, 200, 200)
+print(search.rank[0], search.best.order.tolist(), search.best.size.tolist())
 """
 
 

@@ -11,12 +11,12 @@ from teamformer.planning.continuous.solve import plan_together
 from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.constants import SPREAD
 from teamformer.planning.problem.schedule import (
     BACK_SUM,
     COST,
     LATE,
     MAKESPAN,
-    SPREAD,
     Schedule,
     schedule_of,
 )
@@ -98,8 +98,8 @@ def test_the_reactive_rule_makes_able_plans(seed: int) -> None:
     problem = random_problem(seed)
     solution = react(problem)
     assert solution is not None
-    assert is_able(problem, solution.schedule.plan)
-    assert_consistent(problem, solution.schedule)
+    assert is_able(problem, solution.plan)
+    assert_consistent(problem, schedule_of(problem, solution.plan))
 
 
 def test_what_nobody_can_do_has_no_plan() -> None:
@@ -122,4 +122,4 @@ def test_the_only_task_is_done_by_who_is_home_first() -> None:
     )
     solution = plan_together(problem)
     assert solution is not None
-    assert solution.makespan == 8 + 5 + 9
+    assert solution.worth == 8 + 5 + 9

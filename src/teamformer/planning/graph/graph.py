@@ -28,10 +28,10 @@ from teamformer.planning.graph.arc_problem import (
     most_seats,
     takes_with,
 )
-from teamformer.planning.graph.meeting import TICKS, find_way, plan_ways, start_in_steps
+from teamformer.planning.graph.meeting import find_way, plan_ways, start_in_steps
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import SPREAD
+from teamformer.planning.problem.constants import SPREAD, TICKS
 from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 NODE = np.dtype(
     [
-        ("end", np.int64),  # when the task ends; 0 for depots
+        ("end", np.int64),  # when the task ends; for depots when robots there are free
         ("key", np.int64),
         ("tail", np.int64),  # the longest chain of work and ways from its start to the end of all
         ("duration", np.int64),  # with the coalition that it has
@@ -107,8 +107,8 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     nodes.has_links[:tasks] = linked
     most = most_seats(problem)
     nodes.first[:tasks] = np.arange(tasks) * most
+    nodes.end[tasks:places] = problem.ready
     if steps is not None:
-        nodes.end[tasks:places] = steps.ready
         nodes.taken[tasks:places] = np.bincount(problem.origin - tasks)
         nodes.first[tasks:places] = tasks * most + np.searchsorted(
             problem.origin, np.arange(tasks, places)

@@ -33,8 +33,9 @@ from teamformer.planning.graph.graph import (
     tail_of,
     takes,
 )
-from teamformer.planning.graph.meeting import TICKS, find_way, plan_ways
+from teamformer.planning.graph.meeting import find_way, plan_ways
 from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.planning.problem.constants import TICKS
 
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])

@@ -14,15 +14,13 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.planning.problem.constants import TICKS
 from teamformer.world.rules.constants import FAR
 from teamformer.world.rules.pairing import pair_off
 
 if TYPE_CHECKING:
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.graph import Graph
-
-TICKS = 1024
-"""Ticks of a step, a power of two."""
 
 
 @kernel

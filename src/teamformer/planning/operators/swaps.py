@@ -2,33 +2,41 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.arcs.coalition_choice import THIS_ONE
-from teamformer.planning.arcs.draws import draw_near
 from teamformer.planning.graph.arc_problem import ArcProblem
 from teamformer.planning.graph.graph import Graph, leave
 from teamformer.planning.graph.judging import (
     COMES_BY,
     LEAVES_BY,
     ArcChange,
-    begin_trial,
     connect,
-    propagate,
 )
+from teamformer.planning.operators.coalition_choice import THIS_ONE
+from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.graph.ledger import Ledger
+    from teamformer.planning.operators.room import Room
 
 
 @kernel
 def swap_heads(
-    problem: ArcProblem, graph: Graph, trial: ArcChange, random: Array, task: int, limit: int
+    problem: ArcProblem,
+    graph: Graph,
+    trial: ArcChange,
+    ledger: Ledger,
+    room: Room,
+    random: Array,
+    task: int,
+    leg: int,
+    limit: int,
 ) -> bool:
-    """Lead an arc from a task to one near it, or from there; say if no chain is too long then.
-
-    The trial is begun in any case.
-    """
-    begin_trial(trial)
+    """Lead an arc from a task to one near it, or from there; say if no chain is too long then."""
     seats, nodes, most = graph.seats, graph.nodes, problem.most[0]
     other = draw_near(problem, random, task)
     if nodes[other].key == nodes[task].key:
@@ -47,7 +55,7 @@ def swap_heads(
         return False
     connect(graph, trial, tail, head)
     connect(graph, trial, begin, end)
-    return propagate(problem, graph, trial, limit)
+    return True
 
 
 @kernel

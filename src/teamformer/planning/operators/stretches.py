@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.arcs.draws import draw_near, keeps_order
-from teamformer.planning.arcs.riders import covers_with
-from teamformer.planning.arcs.task_moves import Moved, remember
-from teamformer.planning.graph.judging import begin_trial, connect, propagate
+from teamformer.planning.graph.judging import connect
+from teamformer.planning.operators.draws import draw_near, keeps_order
+from teamformer.planning.operators.moved import remember
+from teamformer.planning.operators.riders import covers_with
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.graph import Graph
     from teamformer.planning.graph.judging import ArcChange
+    from teamformer.planning.graph.ledger import Ledger
+    from teamformer.planning.operators.room import Room
 
 LONGEST = 6
 """How many tasks a stretch has at most."""
@@ -27,18 +29,18 @@ def move_stretch(
     problem: ArcProblem,
     graph: Graph,
     trial: ArcChange,
-    moved: Moved,
+    ledger: Ledger,
+    room: Room,
     random: Array,
     task: int,
+    leg: int,
     limit: int,
 ) -> bool:
     """Give tasks that a robot does in a row to the coalition of a near task, before it or after.
 
-    Those that this coalition cannot do stay where they are. Say if no chain is too long then.
+    Those that this coalition cannot do stay where they are. Say if that makes no circle.
     """
-    begin_trial(trial)
-    moved.number[0] = 0
-    seats, nodes = graph.seats, graph.nodes
+    moved, seats, nodes = room.moved, graph.seats, graph.nodes
     beside = draw_near(problem, random, task)
     seat = nodes[task].first + draw_below(random, nodes[task].taken)
     for _ in range(1 + draw_below(random, LONGEST) * draw_below(random, 2)):
@@ -70,7 +72,7 @@ def move_stretch(
         node = moved.task[place]
         if nodes[node].has_links and not keeps_order(problem, graph, node, nodes[node].key):
             return False
-    return propagate(problem, graph, trial, limit)
+    return True
 
 
 @kernel

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.arcs.draws import cut_beside_near, keeps_order
-from teamformer.planning.arcs.riders import change_riders
-from teamformer.planning.arcs.task_moves import Moved
 from teamformer.planning.graph.arc_problem import ArcProblem, takes_with
 from teamformer.planning.graph.graph import LAST, Graph
 from teamformer.planning.graph.judging import KEY, KIND, TAKEN, ArcChange, connect, record
-from teamformer.planning.linked.candidates import PICKS, STAMP, CandidateRoom, choose, gather
-from teamformer.planning.linked.judging import Ledger, Links, lead, travel_of, way_out
+from teamformer.planning.graph.ledger import Ledger, lead, way_out
+from teamformer.planning.operators.candidates import PICKS, STAMP, CandidateRoom, choose, gather
+from teamformer.planning.operators.draws import cut_beside_near, keeps_order
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.planning.problem.links import FREE, TRAVEL
 from teamformer.world.rules.chance import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.operators.room import Room
 
 ALONE = 40  # percent
 """How often a task that is linked is moved alone, to where its gaps let it start."""
@@ -25,69 +28,48 @@ one."""
 
 
 @kernel
-def move(
+def move_group(
     problem: ArcProblem,
-    links: Links,
     graph: Graph,
     trial: ArcChange,
     ledger: Ledger,
-    room: CandidateRoom,
+    room: Room,
     random: Array,
     task: int,
     leg: int,
+    limit: int,
 ) -> bool:
-    """Move a task or its group; say if robots were found. The trial has been begun."""
-    nodes, members = graph.nodes, links.members[links.group[task]]
+    """Move a task or its group; say if robots were found."""
+    candidates = room.candidates
+    nodes, members = graph.nodes, problem.links.members[problem.links.group[task]]
     if members[1] == NOBODY:
         cut = _draw_cut(problem, graph, random, task, leg)
-        was = _take_out(problem, graph, trial, ledger, room, task, 0)
-        return _put_in(problem, links, graph, trial, ledger, room, random, task, cut, was)
+        was = _take_out(problem, graph, trial, ledger, candidates, task, 0)
+        return _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was)
     if draw_below(random, 100) < ALONE:
         other = _draw_other(members, random, task)
         start = nodes[other].end - nodes[other].duration
-        cut = _cut_beside(links, graph, random, other, task, start)
-        was = _take_out(problem, graph, trial, ledger, room, task, 0)
-        if not _put_in(problem, links, graph, trial, ledger, room, random, task, cut, was):
+        cut = _cut_beside(problem, graph, random, other, task, start)
+        was = _take_out(problem, graph, trial, ledger, candidates, task, 0)
+        if not _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was):
             return False
-        return are_apart(links, graph, members)
+        return are_apart(problem, graph, members)
     cut = _draw_cut(problem, graph, random, task, leg)
     was = 0
     for other in members:
         if other == NOBODY:
             break
-        was = _take_out(problem, graph, trial, ledger, room, other, was)
-    if not _put_in(problem, links, graph, trial, ledger, room, random, task, cut, was):
+        was = _take_out(problem, graph, trial, ledger, candidates, other, was)
+    if not _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was):
         return False
     for other in members:
         if other == NOBODY:
             break
         if other != task:
-            beside = _cut_beside(links, graph, random, task, other, cut // 2)
-            if not _put_in(problem, links, graph, trial, ledger, room, random, other, beside, was):
+            beside = _cut_beside(problem, graph, random, task, other, cut // 2)
+            if not _put_in(problem, graph, trial, ledger, candidates, random, other, beside, was):
                 return False
-    return are_apart(links, graph, members)
-
-
-@kernel
-def ride(
-    problem: ArcProblem,
-    links: Links,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    moved: Moved,
-    random: Array,
-    task: int,
-) -> bool:
-    """Change who comes along without need; say if no robot does two tasks of a group then."""
-    if not change_riders(problem, graph, trial, moved, random, task):
-        return False
-    ledger.then[TRAVEL] = travel_of(problem, graph)
-    for place in range(moved.number[0]):
-        members = links.members[links.group[moved.task[place]]]
-        if members[1] != NOBODY and not are_apart(links, graph, members):
-            return False
-    return True
+    return are_apart(problem, graph, members)
 
 
 @kernel
@@ -106,11 +88,11 @@ def _draw_other(members: Array, random: Array, task: int) -> int:
 
 @kernel
 def _cut_beside(
-    links: Links, graph: Graph, random: Array, task: int, other: int, start: int
+    problem: ArcProblem, graph: Graph, random: Array, task: int, other: int, start: int
 ) -> int:
     """Draw a moment at which another task of a group can start if this one starts at `start`."""
     nodes = graph.nodes
-    least, most = links.gap[task, other], links.gap[other, task]
+    least, most = problem.links.gap[task, other], problem.links.gap[other, task]
     apart = (nodes[other].end - nodes[other].duration) - (nodes[task].end - nodes[task].duration)
     low = least if least > FREE else apart
     high = -most if most > FREE else max(low, apart)
@@ -158,7 +140,6 @@ def _take_out(
 @kernel
 def _put_in(
     problem: ArcProblem,
-    links: Links,
     graph: Graph,
     trial: ArcChange,
     ledger: Ledger,
@@ -172,7 +153,7 @@ def _put_in(
     node, seats = graph.nodes[task], graph.seats
     if node.has_links and not keeps_order(problem, graph, task, cut):
         return False
-    gather(problem, links, graph, room, random, task, cut, was)
+    gather(problem, graph, room, random, task, cut, was)
     if not choose(problem, room, node.need):
         return False
     record(trial, TAKEN, task, node.taken)
@@ -191,7 +172,7 @@ def _put_in(
 
 
 @kernel
-def are_apart(links: Links, graph: Graph, members: Array) -> bool:
+def are_apart(problem: ArcProblem, graph: Graph, members: Array) -> bool:
     """Say whether no robot does two tasks of a group that are linked directly."""
     nodes, seats, latest = graph.nodes, graph.seats, 0
     for task in members:
@@ -204,8 +185,8 @@ def are_apart(links: Links, graph: Graph, members: Array) -> bool:
         for first in range(nodes[task].first, nodes[task].first + nodes[task].taken):
             other = seats[seats[first].next].node
             seat = seats[first].next
-            while other < len(links.group) and nodes[other].key <= latest:
-                if links.gap[task, other] > FREE:
+            while other < len(problem.links.group) and nodes[other].key <= latest:
+                if problem.links.gap[task, other] > FREE:
                     return False
                 seat = seats[seat].next
                 other = seats[seat].node
@@ -213,16 +194,16 @@ def are_apart(links: Links, graph: Graph, members: Array) -> bool:
 
 
 @kernel
-def has_links_apart(links: Links, graph: Graph, room: CandidateRoom, seat: int) -> bool:
+def has_links_apart(problem: ArcProblem, graph: Graph, room: CandidateRoom, seat: int) -> bool:
     """Say whether the robot that leaves a seat does no two tasks on all its way that are linked."""
-    nodes, seats, tasks = graph.nodes, graph.seats, len(links.group)
+    nodes, seats, tasks = graph.nodes, graph.seats, len(problem.links.group)
     while seats[seat].node < tasks:
         seat = seats[seat].prev
     room.number[STAMP] += 1
     seat = seats[seat].next
     while nodes[seats[seat].node].key < LAST:
-        group = links.group[seats[seat].node]
-        if room.met[group] == room.number[STAMP] and _is_linked_before(links, graph, seat):
+        group = problem.links.group[seats[seat].node]
+        if room.met[group] == room.number[STAMP] and _is_linked_before(problem, graph, seat):
             return False
         room.met[group] = room.number[STAMP]
         seat = seats[seat].next
@@ -230,12 +211,12 @@ def has_links_apart(links: Links, graph: Graph, room: CandidateRoom, seat: int) 
 
 
 @kernel
-def _is_linked_before(links: Links, graph: Graph, seat: int) -> bool:
+def _is_linked_before(problem: ArcProblem, graph: Graph, seat: int) -> bool:
     """Say whether a robot has done a task before that is linked with the one of a seat."""
     seats, task = graph.seats, graph.seats[seat].node
     seat = seats[seat].prev
-    while seats[seat].node < len(links.group):
-        if links.gap[task, seats[seat].node] > FREE:
+    while seats[seat].node < len(problem.links.group):
+        if problem.links.gap[task, seats[seat].node] > FREE:
             return True
         seat = seats[seat].prev
     return False

@@ -14,8 +14,8 @@ from teamformer.base.array_types import Array, Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.graph.graph import Graph, leave
-from teamformer.planning.graph.meeting import TICKS
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
+from teamformer.planning.problem.constants import TICKS
 from teamformer.world.rules.chance import draw_below
 from teamformer.world.rules.coverage import helps
 

@@ -1,4 +1,7 @@
-"""Times and costs of a graph in which starts are linked, worked out only as far as they change.
+"""What a graph costs, and would with the change at hand; and times where starts are linked.
+
+Where the makespan alone counts, a ledger has what the graph is judged by and what leads a search.
+If plans have a cost it also keeps the parts of it.
 
 Tasks that are linked are timed together: each when its robots are there, then later where a gap
 says so. A gap may make a task wait for one that starts after it; then what comes after the former
@@ -14,9 +17,18 @@ import numpy as np
 
 from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.graph.arc_problem import ArcProblem
-from teamformer.planning.graph.graph import Graph, back_of, start_of
+from teamformer.planning.graph.arc_problem import ArcProblem, has_ledger
+from teamformer.planning.graph.graph import (
+    AIM,
+    COST,
+    Graph,
+    back_of,
+    is_in_steps,
+    start_of,
+    time_anew,
+)
 from teamformer.planning.graph.judging import (
+    AIMED,
     BACK,
     DURATION,
     END,
@@ -25,13 +37,16 @@ from teamformer.planning.graph.judging import (
     LOGGED,
     WAITS,
     ArcChange,
+    accept,
     begin_trial,
     connect,
     empty_trial,
     fit_duration,
     follow,
     follow_on,
+    propagate,
     record,
+    sum_up_trial,
     undo,
     wait,
 )
@@ -42,10 +57,8 @@ from teamformer.planning.problem.links import (
     HOME,
     MAKESPAN,
     MAX_TARDINESS,
-    PARTS,
     TARDINESS,
     TRAVEL,
-    LinkedProblem,
 )
 
 MOST_TIMED, TIMED_EACH = 200, 2
@@ -55,49 +68,36 @@ NOW, THEN, BEST = range(3)
 """Costs: of the graph as it is, with the change at hand, and of the best one."""
 
 
-class Links(NamedTuple):
-    """What is linked with what, and what plans are judged by; see `LinkedProblem`."""
-
-    group: Int32s  # (tasks,)
-    members: Int32s  # (groups, most + 1)
-    gap: Ints  # (tasks, tasks)
-    weight: Floats  # (PARTS,)
-    task_weight: Floats  # (tasks,)
-
-
 class Ledger(NamedTuple):
     """What a graph costs, and would with the change at hand."""
 
-    part: Ints  # (PARTS,)
-    then: Ints  # (PARTS,)
+    part: Ints  # (PARTS,) or (0,) if the makespan alone counts
+    then: Ints  # the same with the change
     cost: Floats  # (3,) what plans are judged by
     lead: Floats  # (3,) the same and what leads a search: how early all robots are home
     start: Ints  # (tasks,) room for the starts of a group
     is_less_late: Int32s  # (1,) whether a task that was the latest is late by less
 
 
-def links_of(problem: LinkedProblem) -> Links:
-    """Return a problem's links and weights as kernels take them."""
-    parts = (problem.group, problem.members, problem.gap)
-    return Links(*parts, problem.weight, problem.task_weight)
-
-
-def empty_ledger(problem: LinkedProblem) -> Ledger:
+def empty_ledger(problem: ArcProblem) -> Ledger:
     """Return a ledger in which nothing costs anything."""
+    parts = len(problem.links.weight)
     return Ledger(
-        part=np.zeros(PARTS, np.int64),
-        then=np.zeros(PARTS, np.int64),
+        part=np.zeros(parts, np.int64),
+        then=np.zeros(parts, np.int64),
         cost=np.zeros(3),
         lead=np.zeros(3),
-        start=np.zeros(len(problem.group), np.int64),
+        start=np.zeros(len(problem.near), np.int64),
         is_less_late=np.zeros(1, np.int32),
     )
 
 
-def room_for_change(problem: LinkedProblem, graph: Graph) -> ArcChange:
+def room_for_change(problem: ArcProblem, graph: Graph) -> ArcChange:
     """Return room for a change; linked tasks may be timed more than once in it."""
+    if len(problem.links.members) == 0:
+        return empty_trial(graph)
     timed = MOST_TIMED + TIMED_EACH * len(graph.nodes)
-    return empty_trial(graph, timed * problem.members.shape[1])
+    return empty_trial(graph, timed * problem.links.members.shape[1])
 
 
 @kernel
@@ -107,6 +107,21 @@ def begin_change(trial: ArcChange, ledger: Ledger) -> None:
     ledger.is_less_late[0] = 0
     for part in range(len(ledger.part)):
         ledger.then[part] = ledger.part[part]
+
+
+@kernel
+def time_change(
+    problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, limit: int, allowed: float
+) -> bool:
+    """Time what has changed; say if no chain is longer than the limit.
+
+    If plans have a cost: if all times come to an end, and ways alone cost no more than is allowed.
+    """
+    if not has_ledger(problem):
+        return propagate(problem, graph, trial, limit)
+    if problem.links.weight[TRAVEL] * ledger.then[TRAVEL] > allowed:
+        return False
+    return _time_groups(problem, graph, trial, ledger)
 
 
 @kernel
@@ -143,11 +158,10 @@ def lead(
 
 
 @kernel
-def propagate(
-    problem: ArcProblem, links: Links, graph: Graph, trial: ArcChange, ledger: Ledger, most: int
-) -> bool:
-    """Time what has changed; say if that came to an end after so many tasks."""
+def _time_groups(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger) -> bool:
+    """Time what has changed; say if that came to an end."""
     number, nodes, start = trial.number, graph.nodes, ledger.start
+    most = MOST_TIMED + TIMED_EACH * len(problem.near)
     while number[WAITS] > 0:
         most -= 1
         if most < 0:
@@ -155,7 +169,7 @@ def propagate(
         number[WAITS] -= 1
         task = trial.agenda[number[WAITS]].task
         nodes[task].is_waiting = 0
-        members = links.members[links.group[task]]
+        members = problem.links.members[problem.links.group[task]]
         for other in members:
             if other == NOBODY:
                 break
@@ -163,17 +177,17 @@ def propagate(
                 fit_duration(problem, graph, trial, other)
             start[other] = start_of(problem, graph, other, nodes[other].first)
         if members[1] != NOBODY:
-            _keep_gaps(links, members, start)
+            _keep_gaps(problem, members, start)
         for other in members:
             if other == NOBODY:
                 break
             if start[other] + nodes[other].duration != nodes[other].end:
-                _start(problem, links, graph, trial, ledger, other)
+                _start(problem, graph, trial, ledger, other)
     return True
 
 
 @kernel
-def _keep_gaps(links: Links, members: Int32s, start: Ints) -> None:
+def _keep_gaps(problem: ArcProblem, members: Int32s, start: Ints) -> None:
     """Start tasks of a group later until all gaps are kept; gaps do not contradict each other."""
     is_changed = True
     while is_changed:
@@ -184,22 +198,20 @@ def _keep_gaps(links: Links, members: Int32s, start: Ints) -> None:
             for other in members:
                 if other == NOBODY:
                     break
-                gap = links.gap[other, task]
+                gap = problem.links.gap[other, task]
                 if gap > FREE and start[other] + gap > start[task]:
                     start[task] = start[other] + gap
                     is_changed = True
 
 
 @kernel
-def _start(
-    problem: ArcProblem, links: Links, graph: Graph, trial: ArcChange, ledger: Ledger, task: int
-) -> None:
+def _start(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, task: int) -> None:
     """Let a task start when the ledger says, and have all that follows it timed."""
     node, then = graph.nodes[task], ledger.then
     end = ledger.start[task] + node.duration
     due = graph.worth[task].due
     was_late, is_late = max(0, node.end - due), max(0, end - due)
-    weight = links.task_weight[task]
+    weight = problem.links.task_weight[task]
     then[TARDINESS] += np.int64(weight * is_late) - np.int64(weight * was_late)
     then[COMPLETION] += np.int64(weight * end) - np.int64(weight * node.end)
     then[MAX_TARDINESS] = max(then[MAX_TARDINESS], is_late)
@@ -211,12 +223,20 @@ def _start(
 
 
 @kernel
-def sum_up_change(
-    problem: ArcProblem, links: Links, graph: Graph, trial: ArcChange, ledger: Ledger
-) -> None:
-    """Work out what the graph costs with the change at hand; homes only where they count."""
+def sum_up_change(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger) -> None:
+    """Work out what the graph costs with the change at hand."""
+    if has_ledger(problem):
+        _add_up(problem, graph, trial, ledger)
+    else:
+        ledger.lead[THEN] = sum_up_trial(problem, graph, trial)
+        ledger.cost[THEN] = trial.number[AIMED]
+
+
+@kernel
+def _add_up(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger) -> None:
+    """Add up the parts of the cost; homes only where they count."""
     number, then, back = trial.number, ledger.then, graph.back
-    counts_homes = links.weight[MAKESPAN] > 0 or links.weight[HOME] > 0
+    counts_homes = problem.links.weight[MAKESPAN] > 0 or problem.links.weight[HOME] > 0
     is_changed = False
     for index in range(number[HOMES]):
         robot = trial.homes[index]
@@ -241,8 +261,8 @@ def sum_up_change(
     ledger.cost[THEN] = 0.0
     for part in range(len(then)):
         if part != HOME:
-            ledger.cost[THEN] += links.weight[part] * then[part]
-    ledger.lead[THEN] = ledger.cost[THEN] + links.weight[HOME] * then[HOME]
+            ledger.cost[THEN] += problem.links.weight[part] * then[part]
+    ledger.lead[THEN] = ledger.cost[THEN] + problem.links.weight[HOME] * then[HOME]
 
 
 @kernel
@@ -254,8 +274,12 @@ def is_better(ledger: Ledger, one: int, other: int) -> bool:
 
 
 @kernel
-def accept_change(graph: Graph, trial: ArcChange, ledger: Ledger) -> None:
-    """Give tasks the keys of their starts."""
+def accept_change(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger) -> None:
+    """Make the change at hand part of the graph: give tasks the keys of their starts."""
+    replace_cost(ledger, NOW, THEN)
+    if not has_ledger(problem):
+        accept(problem, graph, trial, np.int64(ledger.lead[THEN]))
+        return
     for place in range(trial.number[LOGGED]):
         what = trial.log[place].what
         if what in (END, KEY, DURATION):
@@ -263,7 +287,6 @@ def accept_change(graph: Graph, trial: ArcChange, ledger: Ledger) -> None:
             node.key = 2 * (node.end - node.duration) + 1
     for part in range(len(ledger.part)):
         ledger.part[part] = ledger.then[part]
-    replace_cost(ledger, NOW, THEN)
 
 
 @kernel
@@ -273,21 +296,22 @@ def replace_cost(ledger: Ledger, one: int, other: int) -> None:
 
 
 @entry
-def time_links(
-    problem: ArcProblem, links: Links, graph: Graph, trial: ArcChange, ledger: Ledger, most: int
-) -> bool:
-    """Work out all times and the cost of a graph that is timed as if nothing were linked.
+def open_ledger(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger) -> bool:
+    """Work out what a graph costs that is timed as if nothing were linked, and its times then.
 
     Say if the times come to an end.
     """
+    if not has_ledger(problem):
+        note_totals(graph, ledger)
+        return True
     tasks, seats = len(problem.near), graph.seats
     for part in range(len(ledger.part)):
         ledger.part[part] = 0
     for task in range(tasks):
         node = graph.nodes[task]
         late = max(0, node.end - graph.worth[task].due)
-        ledger.part[TARDINESS] += np.int64(links.task_weight[task] * late)
-        ledger.part[COMPLETION] += np.int64(links.task_weight[task] * node.end)
+        ledger.part[TARDINESS] += np.int64(problem.links.task_weight[task] * late)
+        ledger.part[COMPLETION] += np.int64(problem.links.task_weight[task] * node.end)
     ledger.part[TRAVEL] = travel_of(problem, graph)
     for robot in range(len(graph.back)):
         ledger.part[HOME] += graph.back[robot]
@@ -295,12 +319,26 @@ def time_links(
     begin_change(trial, ledger)
     for task in range(tasks):
         wait(graph, trial, task, graph.nodes[task].key)
-    if not propagate(problem, links, graph, trial, ledger, most):
+    if not _time_groups(problem, graph, trial, ledger):
         undo(graph, trial)
         return False
     for robot in range(len(graph.back)):
         follow(graph, trial, len(seats) - len(graph.back) + robot)
     ledger.is_less_late[0] = 1
-    sum_up_change(problem, links, graph, trial, ledger)
-    accept_change(graph, trial, ledger)
+    _add_up(problem, graph, trial, ledger)
+    accept_change(problem, graph, trial, ledger)
     return True
+
+
+@kernel
+def note_totals(graph: Graph, ledger: Ledger) -> None:
+    """Note what a graph costs in which the makespan alone counts."""
+    ledger.cost[NOW], ledger.lead[NOW] = graph.total[AIM], graph.total[COST]
+
+
+@kernel
+def time_exactly(problem: ArcProblem, graph: Graph, ledger: Ledger) -> None:
+    """Time all anew in steps, where what was timed as it changed may be a bit off."""
+    if is_in_steps(graph):
+        time_anew(problem, graph)
+        note_totals(graph, ledger)

@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.arcs.draws import draw_near
 from teamformer.planning.graph.arc_problem import ArcProblem
 from teamformer.planning.graph.graph import Graph
 from teamformer.planning.graph.judging import KIND, ArcChange, record
-from teamformer.planning.linked.candidates import CandidateRoom
-from teamformer.planning.linked.judging import Ledger, Links, lead, way_out
-from teamformer.planning.linked.moves import has_links_apart
+from teamformer.planning.graph.ledger import Ledger, lead, way_out
+from teamformer.planning.operators.draws import draw_near
+from teamformer.planning.operators.group_moves import has_links_apart
 from teamformer.planning.problem.links import TRAVEL
 from teamformer.world.rules.chance import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.operators.room import Room
 
 
 @kernel
 def exchange_rests(
     problem: ArcProblem,
-    links: Links,
     graph: Graph,
     trial: ArcChange,
     ledger: Ledger,
-    room: CandidateRoom,
+    room: Room,
     random: Array,
     task: int,
+    leg: int,
+    limit: int,
 ) -> bool:
     """Lead an arc from a task to one near it, or from there; say if the robots can all that.
 
@@ -59,9 +64,10 @@ def exchange_rests(
         last_of_one, last_of_two = _last(problem, graph, tail), _last(problem, graph, begin)
         lead(problem, graph, trial, ledger, last_of_one, home_of_one)
         lead(problem, graph, trial, ledger, last_of_two, home_of_two)
-    if links.members.shape[1] == 2:  # nothing is linked
+    if problem.links.members.shape[1] == 2:  # nothing is linked
         return True
-    return has_links_apart(links, graph, room, tail) and has_links_apart(links, graph, room, begin)
+    is_apart = has_links_apart(problem, graph, room.candidates, tail)
+    return is_apart and has_links_apart(problem, graph, room.candidates, begin)
 
 
 @kernel

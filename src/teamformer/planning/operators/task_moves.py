@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from teamformer.base.array_types import Array, Ints
+from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.arcs.bundles import draw_group, pick_group
-from teamformer.planning.arcs.coalition_choice import (
+from teamformer.planning.graph.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
+from teamformer.planning.graph.graph import MAKESPAN, Graph
+from teamformer.planning.graph.judging import COMES_BY, ArcChange, connect
+from teamformer.planning.operators.bundles import draw_group, pick_group
+from teamformer.planning.operators.coalition_choice import (
     COMES,
     FELLOWS_FROM,
     LEAVES,
@@ -19,12 +20,15 @@ from teamformer.planning.arcs.coalition_choice import (
     gather,
     sum_up_picks,
 )
-from teamformer.planning.arcs.draws import cut_beside_near, keeps_order
-from teamformer.planning.graph.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
-from teamformer.planning.graph.graph import MAKESPAN, Graph
-from teamformer.planning.graph.judging import COMES_BY, ArcChange, begin_trial, connect, propagate
+from teamformer.planning.operators.draws import cut_beside_near, keeps_order
+from teamformer.planning.operators.moved import remember
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.graph.ledger import Ledger
+    from teamformer.planning.operators.moved import Moved
+    from teamformer.planning.operators.room import Room
 
 NEAR_ITS_START = 20  # percent
 """How many tasks are moved near to their start; the others beside a near task or to any moment."""
@@ -36,42 +40,21 @@ BY_CHAIN = 75  # percent
 """How often a coalition is picked by its longest chain, not only by when it comes; for a load it
 always is, as the chain counts how fast it goes."""
 
-MOST_MOVED = 8
-"""How many tasks one change moves at most."""
-
-
-class Moved(NamedTuple):
-    """The tasks that a change has moved, and what they were before."""
-
-    number: Ints  # (1,) how many they are
-    task: Ints  # (MOST_MOVED,)
-    key: Ints  # (MOST_MOVED,)
-    size: Ints  # (MOST_MOVED,)
-    kinds: Ints  # (MOST_MOVED, seats) the kinds of their seats
-
-
-def empty_moved(seats: int) -> Moved:
-    """Return room for tasks of so many seats."""
-    one = np.zeros(1, np.int64)
-    task, key, size = (np.zeros(MOST_MOVED, np.int64) for _ in range(3))
-    return Moved(one, task, key, size, np.zeros((MOST_MOVED, seats), np.int64))
-
 
 @kernel
 def move_task(
     problem: ArcProblem,
     graph: Graph,
     trial: ArcChange,
-    choice: Choice,
-    moved: Moved,
+    ledger: Ledger,
+    room: Room,
     random: Array,
     task: int,
     leg: int,
     limit: int,
 ) -> bool:
-    """Move a task; say if no chain is too long then. The trial is begun in any case."""
-    begin_trial(trial)
-    moved.number[0] = 0
+    """Move a task; say if robots were found and no chain through it seems too long."""
+    choice = room.choice
     node, need = graph.nodes[task], graph.nodes[task].need
     choice.number[FELLOWS_FROM] = cut = NOBODY
     if problem.habits[BUNDLE] > 0 and draw_below(random, 100) < problem.habits[BUNDLE]:
@@ -90,8 +73,8 @@ def move_task(
     comes = max(choice.number[COMES], node.release)
     if comes + choice.number[LEAVES] > limit + leg:
         return False
-    _put(problem, graph, trial, choice, moved, task, cut)
-    return propagate(problem, graph, trial, limit)
+    _put(problem, graph, trial, choice, room.moved, task, cut)
+    return True
 
 
 @kernel
@@ -134,23 +117,3 @@ def _put(
         head = seats[tail].next
         connect(graph, trial, tail, seat)
         connect(graph, trial, seat, head)
-
-
-@kernel
-def remember(graph: Graph, moved: Moved, task: int) -> None:
-    """Note the key of a task and the kinds of its robots before they change."""
-    node, place = graph.nodes[task], moved.number[0]
-    moved.task[place], moved.key[place], moved.size[place] = task, node.key, node.taken
-    for index in range(node.taken):
-        moved.kinds[place, index] = graph.seats[node.first + index].kind
-    moved.number[0] = place + 1
-
-
-@kernel
-def take_back(graph: Graph, moved: Moved) -> None:
-    """Give tasks that were moved their keys and kinds again; arcs are undone elsewhere."""
-    for place in range(moved.number[0]):
-        node = graph.nodes[moved.task[place]]
-        node.key, node.taken = moved.key[place], moved.size[place]
-        for index in range(node.taken):
-            graph.seats[node.first + index].kind = moved.kinds[place, index]

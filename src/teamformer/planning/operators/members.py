@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.arcs.coalition_choice import Choice, gather
-from teamformer.planning.arcs.riders import covers_with
-from teamformer.planning.arcs.task_moves import Moved, remember
-from teamformer.planning.graph.judging import COMES_BY, begin_trial, connect, propagate
+from teamformer.planning.graph.judging import COMES_BY, connect
+from teamformer.planning.operators.coalition_choice import gather
+from teamformer.planning.operators.moved import remember
+from teamformer.planning.operators.riders import covers_with
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.world.rules.chance import draw_below
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.graph import Graph
     from teamformer.planning.graph.judging import ArcChange
+    from teamformer.planning.graph.ledger import Ledger
+    from teamformer.planning.operators.room import Room
 
 
 @kernel
@@ -24,16 +26,15 @@ def replace_member(
     problem: ArcProblem,
     graph: Graph,
     trial: ArcChange,
-    choice: Choice,
-    moved: Moved,
+    ledger: Ledger,
+    room: Room,
     random: Array,
     task: int,
+    leg: int,
     limit: int,
 ) -> bool:
-    """Put another robot into a seat of a task; say if no chain is too long then."""
-    begin_trial(trial)
-    seats, node = graph.seats, graph.nodes[task]
-    moved.number[0] = 0
+    """Put another robot into a seat of a task; say if no chain through it seems too long."""
+    choice, seats, node = room.choice, graph.seats, graph.nodes[task]
     out = trial.number[COMES_BY]
     if out == NOBODY:
         out = node.first + draw_below(random, node.taken)
@@ -53,7 +54,7 @@ def replace_member(
             break
     if best == NOBODY or least > limit:
         return False
-    remember(graph, moved, task)
+    remember(graph, room.moved, task)
     node.key = cut
     tail = choice.candidates[best, at].seat
     head = seats[tail].next
@@ -61,7 +62,7 @@ def replace_member(
     seats[out].kind = seats[tail].kind
     connect(graph, trial, tail, out)
     connect(graph, trial, out, head)
-    return propagate(problem, graph, trial, limit)
+    return True
 
 
 @kernel

@@ -10,23 +10,25 @@ from random import Random
 import numpy as np
 
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
-from teamformer.planning.problem.coalition_problem import NOBODY, without_spares
-from teamformer.planning.problem.links import FREE, LinkedProblem
+from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem, without_spares
+from teamformer.planning.problem.links import FREE
 
 
-def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | None:
+def construct(problem: CoalitionProblem, draws: Random | None) -> CoalitionPlan | None:
     """Return a plan, its linked tasks beside one another; None if some task finds no coalition.
 
     Without `draws` the group that is due first is next, by robots that are there soonest; with
     them both are drawn.
     """
-    base, group_of, is_linked = problem.base, problem.group.tolist(), problem.gap > FREE
-    before = [[other for other in row if other != NOBODY] for row in base.before.tolist()]
-    members = [[task for task in row if task != NOBODY] for row in problem.members.tolist()]
+    links = problem.links
+    group_of, is_linked = links.group.tolist(), links.gap > FREE
+    before = [[other for other in row if other != NOBODY] for row in problem.before.tolist()]
+    members = [[task for task in row if task != NOBODY] for row in links.members.tolist()]
     waiting = [{group_of[other] for task in tasks for other in before[task]} for tasks in members]
-    due = [min((int(base.due[t]), int(base.release[t])) for t in tasks) for tasks in members]
-    left, plan, order = set(range(len(members))), empty_plan(base), list[int]()
-    place, free = base.origin.astype(np.int64), np.zeros(len(base.origin), np.int64)
+    due = [min((int(problem.due[t]), int(problem.release[t])) for t in tasks) for tasks in members]
+    left, plan, order = set(range(len(members))), empty_plan(problem), list[int]()
+    place = problem.origin.astype(np.int64)
+    free = problem.ready[place - len(problem.needs)]
     while left:
         ready = [group for group in sorted(left) if not waiting[group] & left]
         group = _draw(ready, draws) if draws else min(ready, key=lambda one: (due[one], one))
@@ -39,8 +41,10 @@ def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | N
                 for other in np.flatnonzero(is_linked[task])
                 for robot in plan.coalition[other, : plan.size[other]].tolist()
             }
-            comes = np.maximum(free + base.ways[base.pace, place, task], base.release[task])
-            slower = base.slower[base.pace, task]
+            comes = np.maximum(
+                free + problem.ways[problem.pace, place, task], problem.release[task]
+            )
+            slower = problem.slower[problem.pace, task]
             coalition = _able_coalition(problem, task, taken, comes + slower, draws)
             if coalition is None:
                 return None
@@ -49,14 +53,14 @@ def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | N
             tasks.remove(task)
             order.append(task)
             place[coalition] = task
-            takes = base.duration[task] + slower[coalition].max()
+            takes = problem.duration[task] + slower[coalition].max()
             free[coalition] = comes[coalition].max() + takes
     plan.order[:] = order
     return plan
 
 
 def _able_coalition(
-    problem: LinkedProblem,
+    problem: CoalitionProblem,
     task: int,
     taken: set[int],
     comes: np.ndarray[tuple[int], np.dtype[np.int64]],
@@ -66,7 +70,7 @@ def _able_coalition(
 
     None of `taken` is among them.
     """
-    counts, needs = problem.base.counts, problem.base.needs[task]
+    counts, needs = problem.counts, problem.needs[task]
     free = [robot for robot in range(len(counts)) if robot not in taken]
     coalition: list[int] = []
     while (lacking := needs - counts[coalition].sum(axis=0)).max() > 0:
@@ -76,7 +80,7 @@ def _able_coalition(
         soonest = min(helps, key=lambda robot: (comes[robot], robot))
         coalition.append(_draw(helps, draws) if draws else soonest)
         free.remove(coalition[-1])
-    return without_spares(problem.base, task, coalition[::-1])[::-1]
+    return without_spares(problem, task, coalition[::-1])[::-1]
 
 
 def _draw(choices: list[int], draws: Random) -> int:

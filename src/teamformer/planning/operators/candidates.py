@@ -10,7 +10,6 @@ from teamformer.base.array_types import Array, Floats, Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.graph.graph import Graph
-from teamformer.planning.linked.judging import Links
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import HOME, MAKESPAN, MAX_TARDINESS, TARDINESS, TRAVEL
 from teamformer.world.rules.chance import SLACKS, STEPS, draw_below
@@ -46,7 +45,7 @@ class CandidateRoom(NamedTuple):
     heat: Floats  # (1,)
 
 
-def empty_room(problem: ArcProblem, links: Links, seats: int) -> CandidateRoom:
+def empty_candidates(problem: ArcProblem, seats: int) -> CandidateRoom:
     """Return room for a graph with so many seats."""
     most = int(problem.most[0])
     return CandidateRoom(
@@ -54,9 +53,9 @@ def empty_room(problem: ArcProblem, links: Links, seats: int) -> CandidateRoom:
         found=np.zeros(MOST_CANDIDATES, CANDIDATE).view(np.recarray),
         pick=np.zeros(most + 1, np.int32),
         seen=np.zeros(seats, np.int64),
-        was=np.zeros(most * links.members.shape[1], np.int64),
+        was=np.zeros(most * problem.links.members.shape[1], np.int64),
         lacking=np.zeros(problem.needs.shape[1], np.int32),
-        met=np.zeros(len(links.members), np.int64),
+        met=np.zeros(len(problem.links.members), np.int64),
         slacks=SLACKS,
         heat=np.zeros(1),
     )
@@ -65,7 +64,6 @@ def empty_room(problem: ArcProblem, links: Links, seats: int) -> CandidateRoom:
 @kernel
 def gather(
     problem: ArcProblem,
-    links: Links,
     graph: Graph,
     room: CandidateRoom,
     random: Array,
@@ -81,25 +79,24 @@ def gather(
     for index in range(was):
         if is_elsewhere:
             room.seen[room.was[index]] = room.number[STAMP]
-        _consider(problem, links, graph, room, random, task, cut, room.was[index])
+        _consider(problem, graph, room, random, task, cut, room.was[index])
     for other in problem.near[task]:
         node = nodes[other]
         is_before = node.key < cut
         for seat in range(node.first, node.first + node.taken):
             tail = seat if is_before else seats[seat].prev
-            _consider(problem, links, graph, room, random, task, cut, tail)
+            _consider(problem, graph, room, random, task, cut, tail)
     robots = len(graph.back)
     robot = draw_below(random, robots)
     for _ in range(min(robots, DEPOTS)):
         robot = robot + 1 if robot + 1 < robots else 0
         tail = len(seats) - 2 * robots + problem.mixed[robot]
-        _consider(problem, links, graph, room, random, task, cut, tail)
+        _consider(problem, graph, room, random, task, cut, tail)
 
 
 @kernel
 def _consider(
     problem: ArcProblem,
-    links: Links,
     graph: Graph,
     room: CandidateRoom,
     random: Array,
@@ -125,19 +122,17 @@ def _consider(
     found = room.found[number[FOUND]]
     found.seat, found.kind = tail, kind
     noise = room.heat[0] * room.slacks[draw_below(random, len(room.slacks))] / STEPS
-    found.cost = _cost_of(problem, links, graph, task, place, kind, to) + noise
+    found.cost = _cost_of(problem, graph, task, place, kind, to) + noise
     number[FOUND] += 1
 
 
 @kernel
-def _cost_of(
-    problem: ArcProblem, links: Links, graph: Graph, task: int, place: int, kind: int, to: int
-) -> float:
+def _cost_of(problem: ArcProblem, graph: Graph, task: int, place: int, kind: int, to: int) -> float:
     """Return about what it costs that a robot on its way between two places does a task.
 
     That is its detour, how late the task would be and, after it, the next one.
     """
-    node, weight, pace = graph.nodes[task], links.weight, problem.kinds[kind].pace
+    node, weight, pace = graph.nodes[task], problem.links.weight, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
     end = max(graph.nodes[place].end + way, node.release) + takes_with(problem, pace, task)
     late, push = max(0, end - graph.worth[task].due), 0

@@ -9,11 +9,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.arcs.task_moves import MOST_MOVED, Moved, remember
+from teamformer.planning.graph.arc_problem import has_ledger
 from teamformer.planning.graph.graph import is_in_steps
-from teamformer.planning.graph.judging import begin_trial, connect, follow, propagate
+from teamformer.planning.graph.judging import connect, follow
+from teamformer.planning.graph.ledger import travel_of
+from teamformer.planning.operators.draws import draw_near
+from teamformer.planning.operators.group_moves import are_apart
+from teamformer.planning.operators.moved import MOST_MOVED, remember
 from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.planning.problem.links import TRAVEL
 from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
@@ -21,6 +25,9 @@ if TYPE_CHECKING:
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.graph import Graph
     from teamformer.planning.graph.judging import ArcChange
+    from teamformer.planning.graph.ledger import Ledger
+    from teamformer.planning.operators.moved import Moved
+    from teamformer.planning.operators.room import Room
 
 SKIPS, JOINS = 20, 20  # percent
 """How many changes of riders skip tasks and, in steps, join at one task; the others follow a
@@ -32,26 +39,18 @@ def ride(
     problem: ArcProblem,
     graph: Graph,
     trial: ArcChange,
-    moved: Moved,
+    ledger: Ledger,
+    room: Room,
     random: Array,
     task: int,
+    leg: int,
     limit: int,
-) -> bool:
-    """Change who comes along without need; say if no chain is too long then."""
-    begin_trial(trial)
-    is_changed = change_riders(problem, graph, trial, moved, random, task)
-    return is_changed and propagate(problem, graph, trial, limit)
-
-
-@kernel
-def change_riders(
-    problem: ArcProblem, graph: Graph, trial: ArcChange, moved: Moved, random: Array, task: int
 ) -> bool:
     """Have a robot come along with others, or skip what can be done without it.
 
-    Say if anything is changed. The trial has been begun.
+    Say if anything is changed, and no robot does two tasks then that are linked.
     """
-    moved.number[0] = 0
+    moved = room.moved
     what = draw_below(random, 100)
     if what < SKIPS:
         _skip(problem, graph, trial, moved, random, task)
@@ -64,6 +63,12 @@ def change_riders(
             _come_along(graph, trial, task, tail)
     else:
         _follow_a_guide(problem, graph, trial, moved, random, task)
+    if has_ledger(problem):
+        ledger.then[TRAVEL] = travel_of(problem, graph)
+        for place in range(moved.number[0]):
+            members = problem.links.members[problem.links.group[moved.task[place]]]
+            if members[1] != NOBODY and not are_apart(problem, graph, members):
+                return False
     return moved.number[0] > 0
 
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.arcs.coalition_choice import (
+from teamformer.planning.graph.graph import LAST
+from teamformer.planning.operators.coalition_choice import (
     FELLOWS_FROM,
     FELLOWS_TO,
     PICKS,
     Choice,
     pick_seat,
 )
-from teamformer.planning.arcs.draws import draw_near
-from teamformer.planning.graph.graph import LAST
+from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
 

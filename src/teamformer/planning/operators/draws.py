@@ -4,26 +4,39 @@ from __future__ import annotations
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.graph.arc_problem import ArcProblem, takes_with
+from teamformer.planning.graph.arc_problem import ArcProblem, has_ledger, takes_with
 from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, ArcChange
-from teamformer.planning.graph.meeting import TICKS
+from teamformer.planning.graph.ledger import Ledger
 from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.planning.problem.constants import TICKS
+from teamformer.planning.problem.links import MAX_TARDINESS, TARDINESS
 from teamformer.world.rules.chance import draw_below
 
 ON_CHAIN = 65  # percent
 """How often a change begins with a task that the makespan hangs on."""
+
+LATE = 20  # percent
+"""How often it begins at the latest task, or before it on the way of a robot that does it."""
+
+BACKWARDS = 5
+"""How many tasks before the latest one that is at most."""
 
 MOST_DRAWS = 30
 """How many robots are drawn at most to find one that has room for a task."""
 
 
 @kernel
-def draw_task(problem: ArcProblem, graph: Graph, trial: ArcChange, random: Array) -> int:
-    """Draw a task, often one that the makespan hangs on.
+def draw_task(
+    problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, random: Array
+) -> int:
+    """Draw a task, often one that the makespan hangs on; if plans have a cost, one that is late.
 
-    Of such a task it is noted by which of its seats what the makespan hangs on comes and leaves.
+    Of a task that the makespan hangs on it is noted by which of its seats what it hangs on comes
+    and leaves.
     """
+    if has_ledger(problem):
+        return _draw_late(problem, graph, ledger, random)
     number = trial.number
     if draw_below(random, 100) < ON_CHAIN:
         if number[CHAINED] == NOBODY:
@@ -83,6 +96,27 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
         if comes > there:
             latest, there = seat, comes
     return latest, NOBODY
+
+
+@kernel
+def _draw_late(problem: ArcProblem, graph: Graph, ledger: Ledger, random: Array) -> int:
+    """Draw a task: now and then the latest one or one before it, else any."""
+    nodes, seats, tasks = graph.nodes, graph.seats, len(problem.near)
+    task = draw_below(random, tasks)
+    latest, weight = ledger.part[MAX_TARDINESS], problem.links.weight
+    is_counted = weight[TARDINESS] > 0 or weight[MAX_TARDINESS] > 0
+    if latest == 0 or not is_counted or draw_below(random, 100) >= LATE:
+        return task
+    for _ in range(tasks):
+        if nodes[task].end - graph.worth[task].due == latest:
+            break
+        task = task + 1 if task + 1 < tasks else 0
+    for _ in range(draw_below(random, BACKWARDS + 1)):
+        before = seats[seats[nodes[task].first + draw_below(random, nodes[task].taken)].prev].node
+        if before >= tasks:
+            break
+        task = before
+    return task
 
 
 @kernel

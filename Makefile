@@ -35,7 +35,7 @@ kernels: $(VENV)/dev.stamp  ## compiled once, before two processes of the suite 
 types: $(VENV)/dev.stamp
 	$(BIN)/mypy
 
-CHECKED := tests/world/test_planes.py tests/planning/arcs tests/planning/test_crews.py tests/planning/continuous/test_reactive.py
+CHECKED := tests/world/test_planes.py tests/planning/search tests/planning/test_crews.py tests/planning/continuous/test_reactive.py
 indices: $(VENV)/dev.stamp  ## every index of an array checked, as it runs
 	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest -q -n 0 -m "not thorough and not slow" $(CHECKED)
 

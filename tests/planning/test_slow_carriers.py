@@ -74,7 +74,7 @@ def test_a_plan_is_over_when_it_says_whoever_carries() -> None:
     mission = pose_mission(both)
     found = plan_together(mission.problem)
     assert found is not None
-    assert found.makespan / mission.scale == mission.tell(found).makespan == 10 + 110
+    assert found.worth / mission.scale == mission.tell(found).makespan == 10 + 110
     assert mission.tell(found).is_proven is False
 
 

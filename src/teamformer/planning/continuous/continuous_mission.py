@@ -22,13 +22,12 @@ from teamformer.mission.parts.roads import AIR, Roads
 from teamformer.mission.precedence import tasks_before
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.times import TaskClock
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan, without_spares
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     SPARES,
     CoalitionProblem,
     pose_problem,
-    without_spares,
 )
 from teamformer.planning.problem.links import PART_OF, Link, Links, have_weights, link_tasks
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
@@ -87,7 +86,9 @@ class ContinuousMission:
         made.order[:] = plan.order
         is_kept = with_spares or self.problem.spares > 0
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
-            robots = coalition if is_kept else without_spares(self.problem, task, coalition)
+            needs = self.problem.needs[task]
+            kept = without_spares(self.problem.counts, needs, coalition)
+            robots = coalition if is_kept else kept
             made.size[task] = len(robots)
             made.coalition[task, : len(robots)] = robots
         return made

@@ -130,8 +130,7 @@ def _without_riders(problem: CoalitionProblem, solution: Solution) -> Solution:
     """Return a solution without robots that only come along."""
     if problem.spares == 0:
         return solution
-    measured = measuring(problem)
-    return measured(without_riders(problem, solution.plan, lambda plan: measured(plan).rank))
+    return without_riders(problem.counts, problem.needs, solution, measuring(problem))
 
 
 def judge(problem: CoalitionProblem, solution: Solution) -> Judgement:

@@ -140,7 +140,7 @@ def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcP
 
 
 @kernel
-def has_ledger(problem: ArcProblem) -> bool:
+def is_weighed(problem: ArcProblem) -> bool:
     """Say whether plans are judged by a cost; starts may be linked then."""
     return len(problem.links.weight) > 0
 

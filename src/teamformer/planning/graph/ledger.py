@@ -17,7 +17,7 @@ import numpy as np
 
 from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.graph.arc_problem import ArcProblem, has_ledger
+from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed
 from teamformer.planning.graph.graph import (
     AIM,
     COST,
@@ -117,7 +117,7 @@ def time_change(
 
     If plans have a cost: if all times come to an end, and ways alone cost no more than is allowed.
     """
-    if not has_ledger(problem):
+    if not is_weighed(problem):
         return propagate(problem, graph, trial, limit)
     if problem.links.weight[TRAVEL] * ledger.then[TRAVEL] > allowed:
         return False
@@ -225,7 +225,7 @@ def _start(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, 
 @kernel
 def sum_up_change(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger) -> None:
     """Work out what the graph costs with the change at hand."""
-    if has_ledger(problem):
+    if is_weighed(problem):
         _add_up(problem, graph, trial, ledger)
     else:
         ledger.lead[THEN] = sum_up_trial(problem, graph, trial)
@@ -277,7 +277,7 @@ def is_better(ledger: Ledger, one: int, other: int) -> bool:
 def accept_change(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger) -> None:
     """Make the change at hand part of the graph: give tasks the keys of their starts."""
     replace_cost(ledger, NOW, THEN)
-    if not has_ledger(problem):
+    if not is_weighed(problem):
         accept(problem, graph, trial, np.int64(ledger.lead[THEN]))
         return
     for place in range(trial.number[LOGGED]):
@@ -301,7 +301,7 @@ def open_ledger(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Led
 
     Say if the times come to an end.
     """
-    if not has_ledger(problem):
+    if not is_weighed(problem):
         note_totals(graph, ledger)
         return True
     tasks, seats = len(problem.near), graph.seats
@@ -337,7 +337,7 @@ def note_totals(graph: Graph, ledger: Ledger) -> None:
 
 
 @kernel
-def time_exactly(problem: ArcProblem, graph: Graph, ledger: Ledger) -> None:
+def time_all_anew(problem: ArcProblem, graph: Graph, ledger: Ledger) -> None:
     """Time all anew in steps, where what was timed as it changed may be a bit off."""
     if is_in_steps(graph):
         time_anew(problem, graph)

@@ -1,1 +1,1 @@
-"""The search where starts of tasks are linked, or plans are judged by a cost of their own."""
+"""Changes of a plan as a graph: what each does, and for which problems it is."""

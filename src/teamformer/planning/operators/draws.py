@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.graph.arc_problem import ArcProblem, has_ledger, takes_with
+from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, takes_with
 from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.ledger import Ledger
@@ -35,7 +35,7 @@ def draw_task(
     Of a task that the makespan hangs on it is noted by which of its seats what it hangs on comes
     and leaves.
     """
-    if has_ledger(problem):
+    if is_weighed(problem):
         return _draw_late(problem, graph, ledger, random)
     number = trial.number
     if draw_below(random, 100) < ON_CHAIN:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.graph.arc_problem import has_ledger
+from teamformer.planning.graph.arc_problem import is_weighed
 from teamformer.planning.graph.graph import is_in_steps
 from teamformer.planning.graph.judging import connect, follow
 from teamformer.planning.graph.ledger import travel_of
@@ -63,7 +63,7 @@ def ride(
             _come_along(graph, trial, task, tail)
     else:
         _follow_a_guide(problem, graph, trial, moved, random, task)
-    if has_ledger(problem):
+    if is_weighed(problem):
         ledger.then[TRAVEL] = travel_of(problem, graph)
         for place in range(moved.number[0]):
             members = problem.links.members[problem.links.group[moved.task[place]]]

@@ -18,7 +18,7 @@ from teamformer.planning.problem.links import have_weights
 from teamformer.world.rules.chance import draw_below
 
 
-class Operator(NamedTuple):
+class OperatorShares(NamedTuple):
     """How many percent of the changes an operator makes of each kind of problem.
 
     One that is `with_spares` only is for those in which more robots than are needed may pay.
@@ -35,13 +35,13 @@ class Operator(NamedTuple):
 SWAP, REPLACE, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(7)
 
 OPERATORS = (
-    Operator("swap heads", 40, 0, 25, 30),
-    Operator("replace a member", 0, 0, 20, 10),
-    Operator("ride", 15, 10, 20, 5, with_spares=True),
-    Operator("move a stretch", 0, 0, 15, 0),
-    Operator("exchange rests", 0, 30, 0, 0),
-    Operator("move a group", 0, 70, 0, 0),
-    Operator("move a task", 100, 0, 100, 100),
+    OperatorShares("swap heads", 40, 0, 25, 30),
+    OperatorShares("replace a member", 0, 0, 20, 10),
+    OperatorShares("ride", 15, 10, 20, 5, with_spares=True),
+    OperatorShares("move a stretch", 0, 0, 15, 0),
+    OperatorShares("exchange rests", 0, 30, 0, 0),
+    OperatorShares("move a group", 0, 70, 0, 0),
+    OperatorShares("move a task", 100, 0, 100, 100),
 )
 """In the order of their numbers; the last of those that a problem has makes all other changes."""
 

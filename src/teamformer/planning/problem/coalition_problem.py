@@ -27,7 +27,6 @@ __all__ = [
     "CoalitionProblem",
     "different_rows",
     "pose_problem",
-    "without_spares",
 ]
 
 SPARES = 4
@@ -137,19 +136,3 @@ def listed(rows: Sequence[Sequence[int] | Ints]) -> Int32s:
     for row, numbers in zip(table, rows, strict=True):
         row[: len(numbers)] = numbers
     return table
-
-
-def without_spares(
-    problem: CoalitionProblem, task: int, robots: Sequence[int], most: int = 0
-) -> list[int]:
-    """Return robots that cover a task without those to spare, which are dropped from the last on.
-
-    Nobody more is dropped once they are `most`.
-    """
-    kept = list(robots)
-    for robot in reversed(robots):
-        rest = [other for other in kept if other != robot]
-        is_spare = (problem.counts[rest].sum(axis=0) >= problem.needs[task]).all()
-        if is_spare and len(kept) > most:
-            kept = rest
-    return kept

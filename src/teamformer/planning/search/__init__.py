@@ -1,1 +1,1 @@
-"""Plans as graphs of arcs between tasks: the search for missions of any size."""
+"""The search for plans as graphs of arcs, for missions of any size and kind."""

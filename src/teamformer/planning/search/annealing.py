@@ -10,7 +10,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.graph.arc_problem import SLACK, ArcProblem, has_ledger
+from teamformer.planning.graph.arc_problem import SLACK, ArcProblem, is_weighed
 from teamformer.planning.graph.graph import COST, MAKESPAN, Graph
 from teamformer.planning.graph.judging import CHAINED, ArcChange, undo
 from teamformer.planning.graph.ledger import (
@@ -23,8 +23,8 @@ from teamformer.planning.graph.ledger import (
     is_better,
     replace_cost,
     sum_up_change,
+    time_all_anew,
     time_change,
-    time_exactly,
 )
 from teamformer.planning.operators.draws import draw_task
 from teamformer.planning.operators.exchanges import exchange_rests
@@ -149,7 +149,7 @@ def _allow(
     problem: ArcProblem, graph: Graph, ledger: Ledger, heat: float, slack: float
 ) -> tuple[float, int]:
     """Return what the next change may cost, and how long a chain may be then."""
-    if has_ledger(problem):
+    if is_weighed(problem):
         return ledger.lead[NOW] + slack, NEVER  # a longer chain may cost less
     allowed, total = ledger.lead[NOW] + np.floor(slack), graph.total
     if problem.weights[3]:
@@ -161,7 +161,7 @@ def _allow(
 @kernel
 def _write_down(problem: ArcProblem, graph: Graph, best: Graph, ledger: Ledger) -> None:
     """Overwrite the best plan with one that is better, and is so when all is timed anew."""
-    time_exactly(problem, graph, ledger)
+    time_all_anew(problem, graph, ledger)
     if is_better(ledger, NOW, BEST):
         copy_graph(graph, best)
         replace_cost(ledger, BEST, NOW)

@@ -9,8 +9,8 @@ from random import Random
 
 import numpy as np
 
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
-from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem, without_spares
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan, without_spares
+from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
 from teamformer.planning.problem.links import FREE
 
 
@@ -80,7 +80,7 @@ def _able_coalition(
         soonest = min(helps, key=lambda robot: (comes[robot], robot))
         coalition.append(_draw(helps, draws) if draws else soonest)
         free.remove(coalition[-1])
-    return without_spares(problem, task, coalition[::-1])[::-1]
+    return without_spares(counts, needs, coalition[::-1])[::-1]
 
 
 def _draw(choices: list[int], draws: Random) -> int:

@@ -18,7 +18,7 @@ from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.search.arc_search import ArcSearch
-from teamformer.planning.steps.crossings import Crossings
+from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 from teamformer.world.rules.constants import FAR

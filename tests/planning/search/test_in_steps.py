@@ -17,8 +17,8 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.planning.graph.graph import COST, END_SUM, MAKESPAN, Graph
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
 from teamformer.planning.problem.constants import TICKS
+from teamformer.planning.step_times.crossings import no_crossings
 from teamformer.planning.steps.arc_search import TeamArcs
-from teamformer.planning.steps.crossings import no_crossings
 from teamformer.planning.steps.situation import Situation, situation_in_hindsight
 from teamformer.planning.steps.solve import begin_race, from_best, improve
 from teamformer.world.rules.constants import FAR

@@ -1,4 +1,7 @@
-"""Missions in steps: when a task starts, and when those who leave it are at their next one.
+"""Missions in steps, about: when a task starts, and when those who leave it are at their next one.
+
+A search has millions of changes to time, so that it goes by this. The plans that it finds are timed
+exactly, by `planning.step_times`, and what is passed on the way is given to who passes it.
 
 Robots that come from one task are a group: they arrive together, at the pace of the slowest. Groups
 that meet pair off, one forming a step. A group whose robots part pays a forming for each further

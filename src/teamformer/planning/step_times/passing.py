@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.steps.timing import is_settled, time_plan
+from teamformer.planning.step_times.timing import is_settled, time_plan
 from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
     from teamformer.planning.problem.coalition_plan import CoalitionPlan
     from teamformer.planning.problem.relaxed_problem import Relaxed
-    from teamformer.planning.steps.crossings import Crossings
-    from teamformer.planning.steps.timing import Groups
+    from teamformer.planning.step_times.crossings import Crossings
+    from teamformer.planning.step_times.groups import Groups
 
 ROUNDS = 20
 """How often a plan is timed anew until nothing in it is done by others than planned."""

@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 
 unexport PYTHONDONTWRITEBYTECODE  # hundreds of processes start in a test run, which else compile all they import
 
-.PHONY: run test check lint docs kernels types indices test-all behaviour fuzz test-real test-ros wheel wheel-of clean
+.PHONY: run test check lint docs kernels types page-types indices test-all behaviour fuzz test-real test-ros wheel wheel-of clean
 
 run: $(VENV)/run.stamp  ## run the example mission and write its record page
 	$(BIN)/teamformer run examples/warehouse.yaml --out out/
@@ -32,8 +32,11 @@ docs: $(VENV)/docs.stamp  ## the site, in build/site; a link that leads nowhere 
 kernels: $(VENV)/dev.stamp  ## compiled once, before two processes of the suite would both compile them
 	$(BIN)/python -m teamformer.cli.terminal.compiling --everything > /dev/null
 
-types: $(VENV)/dev.stamp
+types: $(VENV)/dev.stamp $(if $(shell command -v npm),page-types)
 	$(BIN)/mypy
+
+page-types: node_modules/stamp  ## the page's JavaScript, where there is npm
+	node_modules/.bin/tsc
 
 CHECKED := tests/world/test_planes.py tests/planning/search tests/planning/test_crews.py tests/planning/continuous/test_reactive.py
 indices: $(VENV)/dev.stamp  ## every index of an array checked, as it runs
@@ -88,9 +91,13 @@ $(ROS)/stamp: pyproject.toml  # its packages re-execute every Python of their en
 		ros-geometry-msgs ros-nav-msgs ros-action-msgs 'ros-visualization-msgs==5.5.1' 'ros-test-msgs==2.3.0'
 	touch $@
 
-$(VENV)/run.stamp: pyproject.toml
+LIBRARIES := sed -n '/^dependencies/,/^]/s/^  \("[^"]*"\),/\1/p' pyproject.toml
+$(VENV)/run.stamp: pyproject.toml  # ortools and onnxruntime come while kernels are compiled, which need neither
 	$(MAKE_VENV) $(VENV)
-	$(BIN)/pip install --quiet --editable .
+	@echo "installing, and compiling beside it: about a minute in all ..."
+	$(LIBRARIES) | grep -v '"o' | xargs $(BIN)/pip install --quiet --no-compile
+	PYTHONPATH=src $(BIN)/python -m teamformer.cli.terminal.compiling --planner > $(VENV)/compiling.log 2>&1 & \
+		trap "kill $$!" INT TERM; $(BIN)/pip install --quiet --no-compile --editable .
 	touch $@
 
 $(VENV)/dev.stamp: pyproject.toml  # bytecode as it is needed: most of it never is
@@ -98,10 +105,14 @@ $(VENV)/dev.stamp: pyproject.toml  # bytecode as it is needed: most of it never 
 	$(BIN)/pip install --quiet --no-compile --editable '.[dev]'
 	touch $@ $(VENV)/run.stamp
 
+node_modules/stamp: package-lock.json
+	npm ci --silent
+	touch $@
+
 $(VENV)/docs.stamp: pyproject.toml
 	$(MAKE_VENV) $(VENV)
 	$(BIN)/pip install --quiet --editable '.[docs]'
 	touch $@ $(VENV)/run.stamp
 
 clean:
-	rm -rf $(VENV) $(ROS) out build dist
+	rm -rf $(VENV) $(ROS) node_modules out build dist

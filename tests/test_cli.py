@@ -20,7 +20,7 @@ from teamformer.cli.terminal import console
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
 from teamformer.methods.listings import method_listings
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 from typed import FOUR, teamformer
@@ -103,7 +103,7 @@ def test_check_says_what_is_only_claimed_and_compares_the_mission(
     bound = read_record(tmp_path / "record.json").lower_bound
     capsys.readouterr()
     assert teamformer("check", record) == 0
-    claims = f"method join-all, seed 3, illegal decisions 0, lower bound {bound}"
+    claims = f"method join-all, seed 3, lower bound {bound}"
     assert f"only claimed by the record: {claims}\n" in capsys.readouterr().out
     assert teamformer("check", record, "--mission", FOUR, "--json") == 1
     verdict = json.loads(capsys.readouterr().out)

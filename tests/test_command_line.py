@@ -11,12 +11,12 @@ import typer
 from teamformer.cli.app import app
 
 VERBS = (
-    *("run", "compare", "generate", "import", "plan", "advise", "schema", "live"),
+    *("run", "compare", "generate", "import", "plan", "advise", "schema", "mcp", "live"),
     *("methods", "bench", "train", "check", "view", "learn", "export"),
     *("fleet start", "fleet add", "fleet agent", "fleet rehearse", "fleet watch"),
     *("robotarium fly", "robotarium deploy"),
 )
-MOST_FLAGS = 84
+MOST_FLAGS = 87
 
 
 def verbs_of(command: Any, name: str = "") -> Iterator[tuple[str, Any]]:

@@ -12,8 +12,8 @@ from teamformer.cli.verbs.missions import compare
 from teamformer.cli.verbs.missions.run import watch_trial
 from teamformer.methods.by_name import Method
 from teamformer.mission.model import Mission
-from teamformer.record.reading import read_record
-from teamformer.record.writing import record_to_tree
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import record_to_tree
 from teamformer.trials.trial import PlayedTrial
 from typed import FOUR, teamformer
 

@@ -25,6 +25,20 @@ def test_what_is_compiled_is_neither_announced_nor_compiled_again(
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.parametrize("what", ["--planner", "--simulator"])
+def test_kernels_are_compiled_without_what_is_installed_last(what: str) -> None:
+    """`make run` begins to compile before ortools, onnxruntime and the package itself are there."""
+    code = (
+        "import sys, importlib.metadata as installed\n"
+        "sys.modules.update(dict.fromkeys(('ortools', 'onnxruntime', 'pandas')))\n"
+        "installed.entry_points = lambda **_: installed.EntryPoints()\n"
+        "from teamformer.cli.terminal import compiling\n"
+        f"sys.argv = ['compiling', {what!r}]\n"
+        "compiling.main()"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 @pytest.mark.slow
 def test_a_first_run_leaves_everything_compiled(tmp_path: Path) -> None:
     """With a cache of its own a first run says what it compiles, and the next one says nothing."""

@@ -6,13 +6,16 @@ import contextlib
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numba as nb
 import pytest
 
+import teamformer
 from teamformer.base.kernels import announcing, compiler, files, turns
 from teamformer.base.kernels.announcing import QUIET, WAITING, Announcer
 from teamformer.base.kernels.clock import compiling_seconds
@@ -53,12 +56,47 @@ def test_it_is_said_once_for_each_part_and_again_after_a_pause(
         return capsys.readouterr().err
 
     assert "the planner" in compile_for("planning.search.annealing", 60)
-    assert "the simulator" in compile_for("sim.step", 30)
+    assert "the simulator" in compile_for("world.step", 30)
     assert compile_for("planning.crews.deal", 30) == ""
     now[0] += announcing.PAUSE
     assert compile_for("planning.crews.deal", 30) == ""
     now[0] += announcing.PAUSE + 1
     assert "the planner" in compile_for("planning.continuous.schedule", 15)
+
+
+@pytest.mark.parametrize("is_quiet", [False, True])
+def test_a_call_that_takes_long_says_so_and_a_quick_one_does_not(
+    is_quiet: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    is_said = threading.Event()
+
+    class Noted(Announcer):
+        def say(self, text: str) -> None:
+            super().say(text)
+            is_said.set()
+
+    monkeypatch.setattr(announcing, "ANNOUNCER", Noted())
+    if is_quiet:
+        monkeypatch.setenv(QUIET, "1")
+
+    @announcing.says_if_long
+    def plan(number: int, is_long: bool = True) -> int:
+        assert not is_long or is_said.wait(60)
+        return number
+
+    assert plan(1, is_long=False) == 1
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(announcing, "LONG", 0.01)
+    assert plan(2) == 2
+    said = "teamformer.plan is at work; it takes more than 0.01 seconds ...\n"
+    assert capsys.readouterr().err == ("" if is_quiet else said)
+
+
+def test_every_function_that_python_offers_says_so() -> None:
+    offered = [getattr(teamformer, name) for name in teamformer.__all__]
+    functions = [one for one in offered if isinstance(one, FunctionType)]
+    assert {one.__name__ for one in functions} >= {"run", "plan", "compare", "advise"}
+    assert all(hasattr(one, "__wrapped__") for one in functions)
 
 
 def test_a_variable_of_the_environment_has_nothing_said(
@@ -164,7 +202,9 @@ def test_what_another_process_compiles_is_waited_for_and_taken(
 
 TAKE_TURN = """
 import sys
+import threading
 from pathlib import Path
+from types import FunctionType
 from teamformer.base.kernels import turns
 turns.PATIENCE = 0
 with turns.turn(Path(sys.argv[1])):

@@ -15,14 +15,26 @@ ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
+FENCED = re.compile(r'```python(?: title="(?P<file>\w+\.py)")?[^\n]*\n(?P<code>.*?)```', re.DOTALL)
+"""A block of Python; with a title it is a file, from which later blocks of the page import."""
+
+
 def python_blocks() -> list[tuple[str, str]]:
     blocks = []
     for page in PAGES:
         if page.parent.name == "tutorials":  # test_tutorials.py runs these, block after block
             continue
-        code = re.findall(r"```python[^\n]*\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
-        blocks += [(f"{page.name}-{number}", block) for number, block in enumerate(code)]
+        found = FENCED.finditer(page.read_text(encoding="utf-8"))
+        blocks += [(f"{page.name}-{number}", block["code"]) for number, block in enumerate(found)]
     return blocks
+
+
+def write_files(name: str, folder: Path) -> None:
+    """Write the blocks with a title of the page that a block is from."""
+    page = next(page for page in PAGES if page.name == name.rpartition("-")[0])
+    for block in FENCED.finditer(page.read_text(encoding="utf-8")):
+        if block["file"]:
+            (folder / block["file"]).write_text(block["code"], encoding="utf-8")
 
 
 @pytest.mark.parametrize(("name", "code"), python_blocks(), ids=lambda value: value[:24])
@@ -32,6 +44,8 @@ def test_python_in_the_documents_runs(
 ) -> None:
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     monkeypatch.chdir(tmp_path)
+    write_files(name, tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
     exec(compile(code, name, "exec"), {"__name__": name})
 
 

@@ -21,7 +21,7 @@ from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.process.bodies_by_name import body_maker
 from teamformer.methods.by_name import files_of_own, load_method
 from teamformer.methods.listings import method_listings, method_names, our_method_names
-from teamformer.record.writing import save_record
+from teamformer.record.files.writing import save_record
 from teamformer.trials.trial import run_trial
 
 CODE = """
@@ -139,7 +139,7 @@ def test_what_a_package_does_wrong_is_told_by_file_and_line() -> None:
 
 def test_bodies_importers_and_exporters_of_packages(tmp_path: Path) -> None:
     line, fleet = cast(Any, None), FleetMission(two_robots_one_task())
-    at = fleet.mission.robots[1].at
+    at = fleet.source.robots[1].at
     assert body_maker("still:here")(fleet, 1, line).report() == Report(*map(float, at))
     with pytest.raises(TeamformerError, match="returned str, not a Report"):
         body_maker("still")(fleet, 1, line).report()

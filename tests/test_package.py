@@ -148,3 +148,13 @@ def test_completion_knows_verbs_and_flags() -> None:
 
 def test_types_are_marked_for_users() -> None:
     assert (Path(teamformer.__file__).parent / "py.typed").is_file()
+
+
+def test_make_run_installs_first_what_kernels_need_of_what_the_package_needs() -> None:
+    makefile = (ROOT / "Makefile").read_text()
+    (listing,) = re.findall(r"^LIBRARIES := (.*)$", makefile, re.MULTILINE)
+    listed = subprocess.run(listing, shell=True, cwd=ROOT, capture_output=True, text=True)
+    needed = PROJECT["dependencies"]
+    assert listed.stdout.split() == [f'"{one}"' for one in needed]
+    later = [one for one in needed if one.startswith("o")]
+    assert [re.split(r"[<>=]", one)[0] for one in later] == ["onnxruntime", "ortools"]

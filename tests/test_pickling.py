@@ -30,7 +30,7 @@ from teamformer.methods.by_name import load_method
 from teamformer.methods.listings import method_names
 from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.coordination import Coordinator
-from teamformer.record.values import DamageError
+from teamformer.record.files.values import DamageError
 
 Kind = TypeVar("Kind")
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from teamformer.files.schema import schema_text
+from teamformer.live.serving.openapi import openapi_text
 from teamformer.mission.keys.key import REQUIRED, Key
 from teamformer.mission.keys.kinds import KeyedParts
 from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
@@ -18,6 +19,7 @@ from teamformer.mission.keys.world_keys import PLANE_KEYS
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "reference" / "mission.md"
 SCHEMA = ROOT / "mission.schema.json"
+OPENAPI = ROOT / "live.openapi.json"
 
 
 def rows(keys: Sequence[Key], before: str = "") -> Iterator[str]:
@@ -57,3 +59,4 @@ def page(text: str) -> str:
 if __name__ == "__main__":
     PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     SCHEMA.write_text(schema_text(), encoding="utf-8")
+    OPENAPI.write_text(openapi_text(), encoding="utf-8")

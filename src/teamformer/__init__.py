@@ -10,6 +10,7 @@ What is asked for is imported when it is, so that `import teamformer` is quick.
 """
 
 from importlib import import_module
+from types import FunctionType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -92,6 +93,8 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'teamformer' has no attribute {name!r}")
     module, _, inside = _HOMES[name].partition(":")
     found = getattr(import_module(f"teamformer.{module}"), inside)
+    if isinstance(found, FunctionType):  # the command line has its own way to tell of progress
+        found = import_module("teamformer.base.kernels.announcing").says_if_long(found)
     globals()[name] = found
     return found
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 import yaml
 from jsonschema import Draft202012Validator
 
+from teamformer.cli import main
 from teamformer.files.drawn.families import FAMILIES
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.files.mission_files import mission_to_tree
+from teamformer.files.mission_files import mission_to_tree, read_mission
 from teamformer.files.schema import mission_schema, schema_text
 
 ROOT = Path(__file__).parents[2]
@@ -67,3 +69,27 @@ def test_editors_are_told_what_a_key_means() -> None:
     lost = SCHEMA["properties"]["robots"]["items"]["properties"]["lost"]
     assert lost["description"].endswith(". If left out: never")
     assert "](" not in schema_text()
+
+
+def schema_named_by(path: Path) -> Path:
+    """Return the schema that the first line of a file has editors look for."""
+    named = re.match(r"# yaml-language-server: \$schema=(\S+)\n", path.read_text())
+    assert named, path
+    return (path.parent / named.group(1)).resolve()
+
+
+def test_examples_name_the_schema_that_there_is() -> None:
+    examples = sorted((ROOT / "examples").glob("*.yaml"))
+    assert len(examples) > 5
+    assert {schema_named_by(path) for path in examples} == {ROOT / "mission.schema.json"}
+
+
+def test_what_generate_writes_names_the_schema_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.argv", ["teamformer", "generate", "-o", str(tmp_path / "m.yaml")])
+    with pytest.raises(SystemExit):
+        main()
+    assert schema_named_by(tmp_path / "m.yaml") == tmp_path / "mission.schema.json"
+    assert len(read_mission(tmp_path / "m.yaml").tasks) == 4
+    assert not (tmp_path / "mission.schema.json").exists()  # nothing that nobody asked for

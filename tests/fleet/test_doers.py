@@ -19,7 +19,7 @@ from teamformer.fleet.rehearsal.rehearse import faults_of, play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.model import Absence
-from teamformer.record.export.events import events
+from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.trials.trial import run_trial
 

@@ -26,9 +26,9 @@ from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Trace, Worke
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
 from teamformer.record.record import TaskAt, TeamAt
-from teamformer.record.writing import save_record
 from teamformer.world.rules.constants import NOBODY
 
 

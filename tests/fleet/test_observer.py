@@ -39,7 +39,6 @@ from teamformer.fleet.messages import (
     TaskFact,
     Word,
 )
-from teamformer.fleet.observer.alerts import Alert, Alerts
 from teamformer.fleet.observer.mission_clock import MissionClock
 from teamformer.fleet.observer.session import ObserverSession
 from teamformer.fleet.observer.silence import Silence
@@ -48,8 +47,9 @@ from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.process.fleet import free_ports
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.rehearse import play
-from teamformer.record.export.events import events
-from teamformer.record.reading import read_record
+from teamformer.live.running.alerts import Alert, Alerts
+from teamformer.record.files.reading import read_record
+from teamformer.record.happenings import events
 from teamformer.record.record import FLEET, TeamAt
 from teamformer.world.rules.constants import NOBODY
 
@@ -108,6 +108,19 @@ def test_who_is_never_heard_is_not_waited_for_long() -> None:
     assert (watch.is_over, watch.wonders) == (True, False)
     told = [event.text(watch.source) for event in events(watch.record()) if event.kind == "done"]
     assert told == [f"t{k} done by then, nobody heard by whom" for k in (1, 0)]
+
+
+def test_a_record_ends_with_the_step_in_which_all_is_done() -> None:
+    """Whoever goes on watching, a mission has taken no longer by that."""
+    watch = Watch(MISSION)
+    watch.hear(message(Beat(Word(0, 1, 7, 0.0, 0, 1, phase=SERVE), news=(1, 0))))
+    for _ in range(3):
+        watch.step()
+    assert watch.is_over
+    ended = watch.record()
+    assert (ended.end.status, ended.end.makespan, ended.end.steps) == ("completed", 3, 3)
+    watch.step()
+    assert watch.record() == ended
 
 
 def test_facts_tell_what_was_done_before_and_what_operators_added() -> None:
@@ -413,8 +426,12 @@ def test_page_and_terminal_are_told_which_robots_are_not_heard(
     """Nobody answers here, and only messages come that are none."""
     monkeypatch.setattr("teamformer.fleet.observer.silence.SILENCE", 0.0)
     said: list[str] = []
+    sent_on: list[str] = []
     post = Post(FAST.number, FAST.robots)
-    session = ObserverSession(Watch(FAST), Loopback(holders=0), post, tmp_path, said.append)
+    session = ObserverSession(
+        *(Watch(FAST), Loopback(holders=0), post, tmp_path, said.append),
+        on_alerts=lambda new, past: sent_on.extend(it.text() for it in new),
+    )
 
     async def listen() -> dict[str, Any]:
         running, watcher = asyncio.create_task(session.run()), session.join()
@@ -427,7 +444,7 @@ def test_page_and_terminal_are_told_which_robots_are_not_heard(
     state = run_apart(listen())
     assert said[0].startswith("no robot heard: what came was refused: bad seal; what is drawn")
     [alert] = state["alerts"]
-    assert f"{alert['what']}: {alert['why']}; {alert['do']}" == said[0]
+    assert f"{alert['what']}: {alert['why']}; {alert['do']}" == said[0] == sent_on[0]
     assert (alert["key"], state["is_heard"], state["is_playing"]) == ("all", False, False)
     assert (alert["since"], alert["is_acknowledged"]) == (None, False)
     assert session.watch.steps == []  # no time passes before anybody is heard

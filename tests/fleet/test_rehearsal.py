@@ -28,8 +28,8 @@ from teamformer.fleet.rehearsal.trace import Sent, Trace, Walked, Worked
 from teamformer.mission.model import Absence
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.reading import read_record
-from teamformer.record.writing import save_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
 
 ALL_KINDS = {
     *("loss", "twice", "delay", "radio", "junk", "skew", "drift", "lag", "stutter"),

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import redirect_stdout
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from io import StringIO
 from pathlib import Path
 from queue import Queue
@@ -38,11 +37,11 @@ from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.live.running.incidents import LostRobot
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
-from teamformer.record.writing import save_record
+from teamformer.record.files.writing import save_record
+from teamformer.viewer.modules import joined
 from test_verbs import typed
 from texts import text_of
 from told import (
-    PAGE_SCRIPTS,
     TOLD_BY_PAGE,
     Bar,
     Line,
@@ -81,10 +80,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def page(browser: Any) -> Any:
     """An empty page with the scripts that read a record."""
-    sources = files("teamformer.viewer") / "page"
     page = browser.new_page()
-    texts = [(sources / f"{name}.js").read_text(encoding="utf-8") for name in PAGE_SCRIPTS]
-    page.add_script_tag(content="\n".join(texts))
+    page.add_script_tag(content=joined("look", "record/story"))
     return page
 
 

@@ -15,8 +15,8 @@ from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
-from teamformer.record.reading import read_record
-from teamformer.record.writing import save_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
 from watching import fuzzed, noted
 
 

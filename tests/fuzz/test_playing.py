@@ -9,9 +9,9 @@ from missions import SEEDS, missions
 from teamformer.files.mission_files import mission_from_tree
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.referee import judge
+from teamformer.record.telling.whole import path_of_record
 from watching import fuzzed
 
 RUN = "run FILE --method {method} --seed {seed}"

@@ -18,10 +18,10 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.reading import record_from_tree
+from teamformer.record.files.reading import record_from_tree
+from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record
 from teamformer.record.task_times import cost_of_record
-from teamformer.record.writing import record_to_tree
 from teamformer.trials.trial import run_trials
 from watching import fuzzed, is_everyday
 

@@ -1,8 +1,7 @@
 """How much better than the planner's a plan of a tiny mission can be, of all that there are.
 
 `python tests/fuzz/tiny.py continuous 2000 1` draws so many missions in continuous time, and gives
-`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps, for
-which one thread of its search stands alone.
+`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps.
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ import math
 import sys
 import time
 from collections.abc import Iterator
-from functools import partial
 from typing import Any
 
 from hypothesis import HealthCheck, given, seed, settings
@@ -21,15 +19,17 @@ from missions import continuous_missions, missions
 from plain_times import Times, Ways, able_crews, all_plans
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import mission_from_tree
-from teamformer.mission.checks.links import is_linked
+from teamformer.methods.central.plays import Plays
+from teamformer.methods.central.policy import Central
+from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous, warm_up
-from teamformer.planning.problem.coalition_plan import plan_of_lists
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.planning.steps.situation import Situation, situation_in_hindsight
-from teamformer.planning.steps.solve import begin_race, first_plan, from_coalitions, improve
-from teamformer.planning.steps.timed_plan import time_team_plan
+from teamformer.record.record import Record
+from teamformer.record.task_times import done_steps
+from teamformer.trials.trial import run_trial
 from texts import text_of
 
 MOST_PLANS, MOST_PLANS_IN_STEPS = 30_000, 3_000
@@ -71,27 +71,31 @@ def gap_in_continuous_time(mission: Mission, method: str, seconds: float) -> flo
 
 
 def gap_in_steps(mission: Mission, seconds: float) -> float:
-    """Return by which share of the least cost that of the search for `central` is worse.
+    """Return by which share of the best play of a plan that of `central` is worse.
 
-    Every plan is timed as plans in steps are.
+    Every plan is played by the rules. 1 stands for a mission that only another plan completes.
     """
-    situation = situation_in_hindsight(mission)
-    first = first_plan(situation)
-    if first is None:
+    made = played_worth(run_trial(mission, Central(seconds, workers=1), seed=0).record)
+    plays = Plays(mission, time.perf_counter(), math.inf)
+    best = min(plays.add_plan("", plan)[0] for plan in _all_team_plans(mission))
+    if made <= best + NEAR * max(1.0, best):
         return 0.0
-    now = time.perf_counter()
-    race = begin_race(first, now, now + seconds)
-    starts = from_coalitions(situation.problem, race, seed=0)
-    race.run([partial(improve, race, situation, starts, seed=0)], 1)
-    best = min(_costs_in_steps(mission, situation))
-    return max(0.0, (race.plan.cost - best) / best)
+    return 1.0 if made == math.inf else (made - best) / max(best, NEAR)
 
 
-def _costs_in_steps(mission: Mission, situation: Situation) -> Iterator[int]:
+def played_worth(record: Record) -> float:
+    """Return what a mission was judged by: its makespan, or what it costs; infinity if not done."""
+    weights, makespan = judged_by(record.true_mission), record.end.makespan
+    if weights is None or makespan is None:
+        return math.inf if makespan is None else makespan
+    return weighed(record.true_mission, weights, done_steps(record), makespan)
+
+
+def _all_team_plans(mission: Mission) -> Iterator[CoalitionPlan]:
     tasks = range(len(mission.tasks))
     for crews in itertools.product(*(able_crews(mission, task) for task in tasks)):
         for order in itertools.permutations(tasks):
-            yield time_team_plan(situation, plan_of_lists(order, crews)).cost
+            yield plan_of_lists(order, crews)
 
 
 def main(kind: str, count: int, seconds: float) -> int:
@@ -106,7 +110,7 @@ def main(kind: str, count: int, seconds: float) -> int:
             return
         tried.add(text)
         if is_continuous:
-            warm_up(is_linked(source))
+            warm_up()
             gap = gap_in_continuous_time(source, "central" if seconds else "plan", seconds)
         else:
             gap = gap_in_steps(source, seconds)
@@ -114,7 +118,11 @@ def main(kind: str, count: int, seconds: float) -> int:
             worse.append(gap)
             print(f"# {gap:.2%} worse, number {len(tried)}\n{text}", flush=True)
 
-    drawn = continuous_missions(ROBOTS, TASKS) if is_continuous else missions(is_plain=True)
+    drawn = (
+        continuous_missions(ROBOTS, TASKS)
+        if is_continuous
+        else missions(is_sure=True, has_cancelled=False)
+    )
     for number in itertools.count():
         if len(tried) >= count:
             break

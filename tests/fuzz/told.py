@@ -266,18 +266,22 @@ def captions_agree(path: Path, tree: Tree, lines: Sequence[Line]) -> bool:
     from PIL import Image, ImageChops, ImageSequence, ImageStat
 
     tasks = len(tree["mission"]["tasks"]) + len((tree.get("truth") or {}).get("arrivals", ()))
+    pictures, begin = dict[int, Any](), 0  # by the milliseconds from which they are shown
     with Image.open(path) as gif:
-        frames = [frame.convert("L") for frame in ImageSequence.Iterator(gif)]
+        for frame in ImageSequence.Iterator(gif):
+            pictures[begin] = frame.convert("L")
+            begin += int(frame.info["duration"])
     last = len(tree["steps"])
     shown = [*range(0, last, 1 + last // MOST_FRAMES), last]
-    if len(frames) != len(shown):
+    if begin != STEP_MS * (len(shown) - 1) + LAST_MS:
         return False
+    frames = [pictures[STEP_MS * number] for number in range(len(shown))]
     stride = 1 + len(frames) // MOST_CAPTIONS
     for number, frame in list(zip(shown, frames, strict=True))[::-stride]:
         counts = Counter(line.kind for line in lines if line.step <= number)
         it = (number, counts["done"], counts["lost"] - counts["back"])
         gone = counts["cancelled"]
-        strip = frame.crop((0, frame.height - 22, frame.width, frame.height))
+        strip = frame.crop((0, frame.height - 24, frame.width, frame.height))
         others = [tuple(map(add, it, by)) for by in BESIDE]
 
         def distance(said: tuple[int, ...], strip: Any = strip, gone: int = gone) -> float:
@@ -290,6 +294,9 @@ def captions_agree(path: Path, tree: Tree, lines: Sequence[Line]) -> bool:
 
 
 MOST_CAPTIONS, MOST_FRAMES = 40, 500
+
+STEP_MS, LAST_MS = 150, 2500
+"""How long a step is shown, and the last one."""
 
 BESIDE = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1))
 """By how much captions differ in steps, tasks done and robots lost from the one beside them."""
@@ -311,24 +318,17 @@ def _strip(
     pen = ImageDraw.Draw(picture)
     called_off = f", {gone} called off" if gone else ""
     text = f"{when}, {done} of {tasks} tasks done{called_off}{robots}: {name}"
-    pen.text((10, 0), text, 35, ImageFont.load_default(11))
+    pen.text((12, 0), text, 35, ImageFont.load_default(14))
     return picture
 
-
-PAGE_SCRIPTS = (
-    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
-    *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "record/over_time", "views/columns", "look"),
-)
-"""What a page reads a record with; it draws nothing."""
 
 TOLD_BY_PAGE = """(tree) => {
   const history = frames(tree);
   const { mission, events, end } = history;
   const lines = toldOf(history);
   const bars = mission.robots.flatMap(({ name }, robot) =>
-    phaseRuns(history, robot).map(({ phase, task, from, to }) => [
-      name, PHASE_NAMES[PHASES[phase]], task < 0 ? "" : mission.tasks[task].name, from, to,
+    runsOf(history, robot).map(({ phase, task, from, to }) => [
+      name, phase, task < 0 ? "" : mission.tasks[task].name, from, to,
     ]),
   );
   const stories = mission.robots.map((_, robot) =>
@@ -347,8 +347,8 @@ TOLD_BY_PAGE = """(tree) => {
     [name, endOfTask(moment, task)?.at ?? 0, stateOfTask(moment, task) === "done"]);
   for (const robot of mission.robots.keys()) for (const { of } of ROBOT_COLUMNS) of(moment, robot);
   for (const task of mission.tasks.keys()) for (const { of } of TASK_COLUMNS) of(moment, task);
-  const idle = [...idleStepsUpTo(history, half)].map((steps, robot) =>
-    [mission.robots[robot].name, steps]);
+  const idle = mission.robots.map(({ name }, robot) =>
+    [name, stepsInPhases(history, robot, half).get(IDLE)]);
   const halfway = { step: half, tasks, idle };
   const curves = curvesOf(history);
   return { lines, bars, stories, marks, said, needs, halfway, curves,

@@ -33,9 +33,9 @@ from teamformer.mission.model import Mission
 from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.export.csv_tables import write_tables
 from teamformer.record.export.mcap_file import write_mcap
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import record_to_tree
 from teamformer.record.referee import judge
-from teamformer.record.writing import record_to_tree
 from teamformer.viewer.html import write_page
 
 pytest.importorskip("uvicorn", reason="the extra `live` is not installed")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from plain_world import walk
 from random_worlds import random_world
 from teamformer.mission.parts.grid import Grid
+from teamformer.world.reference.ways import PlainWays
 from teamformer.world.rules.distances import (
     UNREACHABLE,
     blocked_cells,
@@ -56,8 +56,8 @@ def test_fields_and_matrix_are_what_a_plain_search_finds() -> None:
         cells = [(x, y) for y in range(grid.height) for x in range(grid.width)]
         free = [cell for cell in cells if grid.is_free(cell)]
         goals = [free[i] for i in rng.integers(len(free), size=3)]
-        away = [walk(grid, goal) for goal in goals]
-        expected = [[a.get(cell, int(UNREACHABLE)) for a in away] for cell in free]
+        ways = PlainWays(grid)
+        expected = [[ways.length(cell, goal, flies=False) for goal in goals] for cell in free]
         assert travel_matrix(grid, free, goals).tolist() == expected
         fields = distance_fields(grid, goals)
         assert [[int(f[y, x]) for f in fields] for x, y in free] == expected

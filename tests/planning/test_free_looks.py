@@ -16,10 +16,10 @@ from teamformer.mission.truth import draw_truth, expected_mission
 from teamformer.planning.steps.free_looks import with_free_looks
 from teamformer.planning.steps.shared_plan import plan_mission
 from teamformer.record.export.reasons import story_lines
-from teamformer.record.reading import record_from_tree
+from teamformer.record.files.reading import record_from_tree
+from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
-from teamformer.record.writing import record_to_tree
 from teamformer.trials.trial import run_trial
 
 

@@ -18,12 +18,12 @@ from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.record.critical_path.of_plan import path_of_plan
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.moments import moments
 from teamformer.record.phases import AT_WORK
 from teamformer.record.record import Record
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.trial import run_trial
 from teamformer.world.rules.constants import NOBODY
 

@@ -21,13 +21,13 @@ from teamformer.mission.model import Absence, Breakdown, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.record.export.csv_tables import write_tables
 from teamformer.record.export.moments import moments
-from teamformer.record.export.plans_in_force import PlansInForce
 from teamformer.record.export.reasons import explain, story_lines
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
 from teamformer.record.phases import FORMING, IDLE, LOST, SERVING, WAITING, WALKING
-from teamformer.record.reading import read_record
 from teamformer.record.record import Ending, Record, SharedPlanMade, Step, TeamAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import save_record
+from teamformer.record.telling.plans_in_force import PlansInForce
 from teamformer.trials.trial import run_trial
 
 
@@ -52,7 +52,7 @@ def two_lifters() -> Record:
     steps = (
         Step(teams=(TeamAt(0, 1, 0, 0), TeamAt(1, 2, 0, 0))),
         Step(teams=(TeamAt(0, 2, 0, 0),)),
-        Step(joins=((1, 0),)),
+        Step(joins=((1, 0),), served=((0, (0, 1)),)),
         Step(),
         Step(done=((0, 0),), teams=(TeamAt(0, 2, 0, None),)),
         Step(lost=(1,)),
@@ -77,12 +77,15 @@ def test_places_and_teams_are_those_of_the_record() -> None:
     assert [moment.task[0] for moment in seen] == [-1, 0, 0, 0, 0, -1, -1]
 
 
+SERVES = "its team brings all that the task needs, and stays until that is done"
+
+
 def test_a_robot_says_what_it_did_and_why() -> None:
     record = replace(two_lifters(), orders=((0, (0,)), (5, ())))
     assert list(story_lines(record, 0)) == [
-        ("1-2", "walks to beam", "number 1 in the order that everybody shares"),
+        ("1-2", "walks to beam", "first in the order that everybody shares"),
         ("3-3", "forms with =b", ""),
-        ("4-5", "serves beam, with =b", "its team brings all that the task needs"),
+        ("4-5", "serves beam, with =b", SERVES),
         ("6-6", "idle", "no task is open"),
     ]
     assert list(story_lines(record, 1))[1:2] == [
@@ -98,9 +101,11 @@ def test_a_shared_plan_says_who_does_what_and_who_took_whose_part() -> None:
     record = replace(before, plans=plans, steps=steps)
     told = [why for _, _, why in story_lines(record, 0)]
     assert told[0] == "the plan has a do it"
-    held, doing = PlansInForce(record), []
-    for number in range(1, 4):
-        held.go_on(number)
+    held, doing = PlansInForce(), []
+    for made in range(3):
+        for pair in record.steps[made - 1].took if made else ():
+            held.exchange(*pair)
+        held.go_on(record, made)
         doing.append(held.coalition(0))
     assert doing == [(0,), (1,), (1,)]
 
@@ -165,7 +170,7 @@ def test_plans_made_anew_say_after_what() -> None:
         (
             "2-2",
             "walks to box",
-            "number 1 in the order that everybody shares; planned anew after step 1: box appears",
+            "first in the order that everybody shares; planned anew after step 1: box appears",
         ),
     ]
 
@@ -348,27 +353,33 @@ def test_what_cannot_be_exported_is_refused(name: str, told: str, tmp_path: Path
 
 
 def test_a_gif_shows_every_step(tmp_path: Path) -> None:
-    """Cells are 40 pixels; robots 0 and 1 are grey, then walk to the beam in its colour."""
+    """Cells are 48 pixels; two robots of one colour walk to the beam, three frames a step."""
     image = pytest.importorskip("PIL.Image", reason="the extra `gif` is not installed")
     record, path = tmp_path / "record.json", tmp_path / "mission.gif"
     save_record(two_lifters(), record)
     assert export(record, [path]) == 0
+    shown, begin = {}, 0
     with image.open(path) as film:
-        assert film.size == (280, 2 * 40 + 20 + 26)  # wide enough for what the caption says
-        assert film.n_frames == 7
-        shown = []
+        assert film.size == (
+            360,
+            2 * 48 + 2 * 12 + 30 + 28,
+        )  # wide enough for what the caption says
         for frame in range(film.n_frames):
             film.seek(frame)
-            shown.append(film.convert("RGB"))
-    middle = [(10 + 40 * x + 20, 10 + 40 + 20) for x in range(5)]  # of the lower cells
-    grey, beam = shown[0].getpixel(middle[0]), shown[1].getpixel(middle[1])
-    assert grey == (0x9A, 0xA3, 0xAF)
-    assert beam[0] > beam[1] + 60
-    assert shown[1].getpixel(middle[2]) == beam
-    assert shown[1].getpixel(middle[0]) == (255, 255, 255)
-    assert shown[0].getpixel((30, 30)) == shown[6].getpixel((190, 30))  # the wall
-    assert shown[0].getpixel((middle[4][0] - 18, middle[4][1])) == (255, 255, 255)  # not there yet
-    assert shown[6].getpixel((middle[4][0] - 18, middle[4][1])) != (255, 255, 255)
+            shown[begin] = film.convert("RGB")
+            begin += film.info["duration"]
+    assert begin == 6 * 150 + 2500
+    middle = [(12 + 48 * x + 24, 12 + 48 + 24) for x in range(5)]  # of the lower cells
+    disc = [(x - 12, y) for x, y in middle]  # of the first of two robots in one place
+    orange = shown[0].getpixel(disc[0])
+    assert orange[0] > orange[2] + 150
+    assert shown[150].getpixel(disc[1]) == orange
+    assert shown[50].getpixel((disc[0][0] + 16, disc[0][1])) == orange  # a third of the way
+    assert min(shown[150].getpixel(disc[0])) > 240
+    assert shown[0].getpixel((30, 30)) == shown[900].getpixel((220, 30))  # the wall
+    beam = (middle[4][0] - 20, middle[4][1])
+    assert min(shown[0].getpixel(beam)) > 240  # not there yet
+    assert min(shown[900].getpixel(beam)) < 200
 
 
 def test_a_long_mission_has_no_more_frames_than_can_be_watched(tmp_path: Path) -> None:
@@ -378,7 +389,7 @@ def test_a_long_mission_has_no_more_frames_than_can_be_watched(tmp_path: Path) -
     )
     gif.write_gif(quiet, tmp_path / "long.gif")
     with pytest.importorskip("PIL.Image").open(tmp_path / "long.gif") as long:
-        assert long.n_frames == 401  # every third moment and the last
+        assert long.n_frames == 401  # every third moment and the last; none between two
 
 
 def news_each_step(coordination: str = "paper") -> Record:
@@ -407,8 +418,8 @@ def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(
 @pytest.mark.parametrize(
     ("pursued", "told"),
     [
-        (((0, 7),), "pursues task t7, which is not open"),
-        (((0, 0), (0, 0)), "has a team pursue two tasks"),
+        (((0, 7),), "in the record the team of robot r0 pursued task t7"),
+        (((0, 0), (0, 0)), "the rows of pursued are not in order, each of them once"),
     ],
 )
 def test_what_cannot_have_been_pursued_is_found(

@@ -143,10 +143,6 @@ def steps_of(record: Record) -> Iterator[tuple[int, Step, dict[int, TeamAt]]]:
         at |= {team.slot: team for team in step.teams}
 
 
-def is_shared_out(record: Record) -> bool:
-    return record.is_coordinated
-
-
 def with_row(step: Step, key: str, old: Any, *new: Any) -> dict[str, Any]:
     rows = list(getattr(step, key))
     i = rows.index(old)
@@ -154,82 +150,37 @@ def with_row(step: Step, key: str, old: Any, *new: Any) -> dict[str, Any]:
     return {key: tuple(rows)}
 
 
-def has_walked(team: TeamAt, before: dict[int, TeamAt]) -> bool:
-    was = before.get(team.slot)
-    return was is not None and was[1:3] != team[1:3]
-
-
 def a_free_team_walks(record: Record) -> Iterator[Record]:
-    """A team without a task stands a cell or a hand's width aside from there on, in the last step.
-
-    Not where a team may be on its way to a partner.
-    """
-    if record.mission.join_radius > 0 or not record.steps:
-        return
-    number, step, before = list(steps_of(record))[-1]
-    formed = {slot for pair in step.joins for slot in pair}
-    formed |= {robot for pair in step.splits for part in pair for robot in part}
-    for slot, was in before.items():
-        team = next((team for team in step.teams if team.slot == slot), None)
-        is_free = was.task is None and (team is None or team.task is None)
-        untold = slot not in dict(step.pursued) and not {*step.lost, *step.back} and not formed
-        if is_free and untold and is_there(record, slot):
-            aside = 0.1 if isinstance(record.mission.world, Plane) else 1
-            x = was.x + aside if record.mission.world.is_free((was.x + aside, was.y)) else None
-            if x is not None:
-                others = [row for row in step.teams if row.slot != slot]
-                rows = tuple(sorted([*others, TeamAt(slot, x, was.y, None)]))
-                yield in_step(record, number, teams=rows)
-
-
-def is_there(record: Record, slot: int) -> bool:
-    """Say whether a slot is that of a team in the end."""
-    slots = {slot for slot, *_ in record.start}
-    for step in record.steps:
-        slots -= {max(pair) for pair in step.joins}
-        slots |= {min(part) for split in step.splits for part in split}
-        slots |= {team.slot for team in step.teams}
-        slots -= {robot for robot in step.lost if robot in slots}
-    return slot in slots
-
-
-def ten_micrometres(record: Record) -> Iterator[Record]:
-    """A team is elsewhere by ten micrometres, where it has not joined another on its way.
-
-    Not where it may have walked to one that was lost whole, of which nobody knows where it was.
-    """
-    if not isinstance(record.mission.world, Plane):
-        return
-    for number, step, _ in steps_of(record):
-        is_unsure = step.joins or step.back or (step.lost and record.mission.join_radius > 0)
-        for team in step.teams if not is_unsure else ():
-            x = team.x + (1e-5 if team.x + 1e-5 <= record.mission.world.width else -1e-5)
-            yield in_step(record, number, **with_row(step, "teams", team, team._replace(x=x)))
-
-
-def pursued_left_out(record: Record) -> Iterator[Record]:
-    """Told apart if crews or a plan say what it was, or it has walked and had no task before."""
+    """A team that stands somewhere without a task stands a cell or a hand's width aside."""
     for number, step, before in steps_of(record):
-        entries = {team.slot: team for team in step.teams}
-        for row in step.pursued if not step.joins and not step.splits else ():
-            slot, _ = row
-            was_free = slot in before and before[slot].task is None
-            is_sure = is_shared_out(record) and not step.named
-            is_seen = slot in entries and has_walked(entries[slot], before)
-            to_partner = record.mission.join_radius > 0
-            if is_sure or (was_free and is_seen and not to_partner and not step.lost):
-                yield in_step(record, number, **with_row(step, "pursued", row))
+        for slot, was in before.items():
+            aside = 0.1 if isinstance(record.mission.world, Plane) else 1
+            row = TeamAt(slot, was.x + aside, was.y, None)
+            if was.task is None and row not in step.teams:
+                rows = [team for team in step.teams if team.slot != slot]
+                yield in_step(record, number, teams=tuple(sorted([*rows, row], key=slot_of)))
+
+
+def slot_of(row: TeamAt) -> int:
+    return row.slot
+
+
+def a_micrometre(record: Record) -> Iterator[Record]:
+    """A team is elsewhere by a micrometre."""
+    if isinstance(record.mission.world, Plane):
+        for number, step, _ in steps_of(record):
+            for team in step.teams:
+                aside = team._replace(x=round(team.x + 1e-6, 6))
+                yield in_step(record, number, **with_row(step, "teams", team, aside))
 
 
 def pursued_changed(record: Record) -> Iterator[Record]:
-    """Told apart where crews or a plan say what it was."""
-    if is_shared_out(record):
-        for number, step, _ in steps_of(record):
-            for row in step.pursued if not step.named else ():
-                for task in range(len(record.true_mission.tasks)):
-                    if task != row[1]:
-                        other = with_row(step, "pursued", row, (row[0], task))
-                        yield in_step(record, number, **other)
+    """A team pursued another task."""
+    for number, step, _ in steps_of(record):
+        for row in step.pursued:
+            for task in range(len(record.true_mission.tasks)):
+                if task != row[1]:
+                    yield in_step(record, number, **with_row(step, "pursued", row, (row[0], task)))
 
 
 def pursued_added(record: Record) -> Iterator[Record]:
@@ -410,22 +361,44 @@ def exchange_added(record: Record) -> Iterator[Record]:
 
 
 def named_added(record: Record) -> Iterator[Record]:
-    """A team names its task that is not there, or where no record says so."""
-    alone = dict(lone_robots(record))
-    for number, step in enumerate(record.steps, start=1):
-        gone = set(range(len(record.mission.robots))) - alone[number] - alone[number - 1]
-        gone -= {min(part) for split in step.splits for part in split}
-        gone -= {min(pair) for pair in step.joins} | {team.slot for team in step.teams}
-        slots = gone - slots_before(record, number) if is_shared_out(record) else {0}
-        for slot in sorted(slots):
+    """A team is said to name its task that does not."""
+    for number, step, before in steps_of(record):
+        for slot in before.keys() - set(step.named):
             yield in_step(record, number, named=tuple(sorted([*step.named, slot])))
 
 
-def slots_before(record: Record, number: int) -> set[int]:
-    slots = {slot for slot, *_ in record.start}
-    for step in record.steps[: number - 1]:
-        slots |= {team.slot for team in step.teams}
-    return slots
+def left_out(key: str) -> Forge:
+    def forge(record: Record) -> Iterator[Record]:
+        for number, step in enumerate(record.steps, start=1):
+            for row in getattr(step, key):
+                yield in_step(record, number, **with_row(step, key, row))
+
+    return forge
+
+
+def decisions_changed(record: Record) -> Iterator[Record]:
+    """A decision is told twice, or again as it was, or with what nobody can bring, or not."""
+    for i, (step, rows) in enumerate(record.decisions):
+        before, after = record.decisions[:i], record.decisions[i + 1 :]
+        yield replace(record, decisions=(*before, (step, (rows[0], *rows)), *after))
+        yield replace(record, decisions=(*before, (step, ()), *after))
+        if record.is_coordinated and are_followed(record):
+            yield replace(record, decisions=(*before, *after))
+        if rows[0].counts is not None:
+            counts = tuple(count + 0.0004 for count in rows[0].counts)
+            row = rows[0]._replace(counts=counts)
+            yield replace(record, decisions=(*before, (step, (row, *rows[1:])), *after))
+
+
+def illegal_decisions_changed(record: Record) -> Iterator[Record]:
+    for more in (1, 2):
+        count = record.end.illegal_decisions + more
+        yield replace(record, end=replace(record.end, illegal_decisions=count))
+
+
+def heeds_changed(record: Record) -> Iterator[Record]:
+    if record.heeds:
+        yield replace(record, heeds=(*record.heeds, record.heeds[0]))
 
 
 def heard_added(record: Record) -> Iterator[Record]:
@@ -436,7 +409,8 @@ def heard_added(record: Record) -> Iterator[Record]:
 def are_followed(record: Record) -> bool:
     """Say whether teams decide by plans; else another decision would be as legal as the forged."""
     has_coalitions = any(any(plan.coalitions) for _, plan in record.plans)
-    return has_coalitions and not any(step.named for step in record.steps)
+    wants = (row for _, rows in record.decisions for row in rows)
+    return has_coalitions and all(row.task is None for row in wants)
 
 
 def called_interrupted(record: Record) -> Iterator[Record]:
@@ -446,14 +420,12 @@ def called_interrupted(record: Record) -> Iterator[Record]:
 
 
 def exchanged(key: str) -> Forge:
-    """The joiner was the partner, or those left who stayed; of teams that met in one place."""
+    """The joiner was the partner, or those left who stayed."""
 
     def forge(record: Record) -> Iterator[Record]:
-        if are_followed(record) and (key == "splits" or record.mission.forming_steps):
-            for number, step in enumerate(record.steps, start=1):
-                for one, other in getattr(step, key):
-                    row = with_row(step, key, (one, other), (other, one))
-                    yield in_step(record, number, **row)
+        for number, step in enumerate(record.steps, start=1):
+            for one, other in getattr(step, key):
+                yield in_step(record, number, **with_row(step, key, (one, other), (other, one)))
 
     return forge
 
@@ -470,6 +442,7 @@ def with_empty_step(record: Record, made: int) -> Record:
         record,
         steps=(*steps[:made], Step(), *steps[made:]),
         end=replace(end, steps=end.steps + 1, makespan=makespan),
+        decisions=tuple((step + (step > made), rows) for step, rows in record.decisions),
         **{key: later(getattr(record, key)) for key in ("orders", "plans", "scouts")},
     )
 
@@ -483,18 +456,21 @@ def formed_later(record: Record) -> Iterator[Record]:
     """All that happens from a step on in which teams part or join happens a step later."""
     if are_followed(record):
         for made, step in enumerate(record.steps):
-            if step.splits or (step.joins and record.mission.forming_steps):
+            if step.splits or step.joins:
                 yield with_empty_step(record, made)
 
 
 STEP_ROWS = ["joins", "splits", "lost", "back", "teams", "done", "named", "took"]
-STEP_ROWS += ["shown", "found", "moved", "pursued"]
+STEP_ROWS += ["shown", "found", "moved", "pursued", "served"]
 MADE = ("orders", "plans")
 
 FORGERIES: dict[str, Forge] = {
     "a free team walks": a_free_team_walks,
-    "ten micrometres": ten_micrometres,
-    "pursued left out": pursued_left_out,
+    "a micrometre": a_micrometre,
+    **{f"{key} left out": left_out(key) for key in STEP_ROWS},
+    "decisions changed": decisions_changed,
+    "illegal decisions changed": illegal_decisions_changed,
+    "heeds changed": heeds_changed,
     "pursued changed": pursued_changed,
     "pursued added": pursued_added,
     **{f"{key} twice": twice(key) for key in STEP_ROWS},
@@ -538,7 +514,8 @@ def test_a_forged_field_is_found(name: str, records: list[Record]) -> None:
     assert tried >= LEAST.get(name, 10)
 
 
-LEAST = {"took twice": 1, "joins turned": 1, "lost turned": 0, "shown turned": 1, "found turned": 4}
+LEAST = {"took twice": 1, "took left out": 1, "joins turned": 1, "lost turned": 0}
+LEAST |= {"shown turned": 1, "found turned": 4}
 LEAST |= {"joiner and partner exchanged": 5}
 """In how many records a field can be forged at least, where these are few."""
 

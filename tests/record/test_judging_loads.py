@@ -16,10 +16,10 @@ from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
-from teamformer.record.reading import record_from_tree
+from teamformer.record.files.reading import record_from_tree
+from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record, Step, TaskAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import record_to_tree
 from teamformer.trials.trial import run_trial
 
 
@@ -73,16 +73,19 @@ def test_where_a_load_is_set_down_is_judged() -> None:
     assert record.steps[4].left == (TaskAt(0, 4, 0),)
     (again,) = [n for n, step in enumerate(record.steps, start=1) if step.taken and n > 3]
     assert record.steps[again - 1].taken == ((0, 0),)
-    moved = forged(record, 5, left=(TaskAt(0, 7, 0),))
-    assert "the record sets down the load of task crate, which does not happen so" in moved
-    assert "the record does not say who sets down the load of task crate, or where" in forged(
-        record, 5, left=()
-    )
-    assert "the record does not say who takes up the load of task crate, or where" in forged(
-        record, 3, taken=()
-    )
-    twice = forged(record, 4, taken=((0, 0),))
-    assert "the record takes up the load of task crate, which does not happen so" in twice
+    set_down, taken_up = "the load of crate is set down at", "takes up the load of crate"
+    assert forged(record, 5, left=(TaskAt(0, 7, 0),)) == [
+        f"by the rules {set_down} (4, 0); in the record {set_down} (7, 0)"
+    ]
+    assert forged(record, 5, left=()) == [
+        f"by the rules {set_down} (4, 0), and the record does not say so"
+    ]
+    assert forged(record, 3, taken=()) == [
+        f"by the rules the team of robot a {taken_up}, and the record does not say so"
+    ]
+    assert forged(record, 4, taken=((0, 0),)) == [
+        f"the record says that the team of robot a {taken_up}, but by the rules it is not so"
+    ]
 
 
 def test_load_that_is_done_before_it_is_there_is_found() -> None:
@@ -94,4 +97,7 @@ def test_load_that_is_done_before_it_is_there_is_found() -> None:
         replace(steps[-1], done=()),
     )
     findings = [finding.message for finding in judge(replace(record, steps=early)).findings]
-    assert any("task crate cannot be done" in text for text in findings)
+    assert findings == [
+        f"step {len(steps) - 1}: the record says that task crate is done by the team of robot a, "
+        "but that team has not been at work on it for long enough"
+    ]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from teamformer.mission.model import Absence, Breakdown, Robot, Task
-from teamformer.record.referee.rules.truth import _can_be_robot, _can_be_task
+from teamformer.record.referee.truth import _can_be_robot, _can_be_task
 
 
 @pytest.mark.parametrize(

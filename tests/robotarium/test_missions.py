@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import teamformer as teamformer_package
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
@@ -128,10 +129,11 @@ def test_the_folder_to_upload(method: str, tmp_path: Path) -> None:
     assert (tmp_path / "weights.npy").exists() == (method == "teamformer")
     for file in files:
         if file.suffix == ".py":
-            text = file.read_text()
-            assert "teamformer." not in text.replace("`teamformer.", "")
-            assert "import numba" not in text
-            compile(text, file.name, "exec")
+            compile(file.read_text(), file.name, "exec")
+    ours = Path(teamformer_package.__file__).parent
+    for name in ("world/env.py", "world/phases/motion.py", "robotarium/flight.py"):
+        copied = tmp_path / f"tf_{name.replace('/', '_')}"
+        assert copied.read_text() == (ours / name).read_text()
 
 
 def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
@@ -139,17 +141,20 @@ def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
     mission = random_mission(8, 4, 4, np.random.default_rng(2))
     deploy(mission, "teamformer", 0, tmp_path)
     script = (
-        "import sys, json, numpy as np; sys.path.insert(0, '.')\n"
-        "sys.modules.update(dict.fromkeys(('teamformer', 'numba', 'onnxruntime')))\n"
-        "np.seterr(over='ignore')\n"
-        "from tf_world_env import TeamFormation; from tf_mission import MISSION\n"
-        "from tf_methods_learned_any_fleet import teamformer\n"
+        "import os, sys, json, numpy as np; sys.path.insert(0, '.')\n"
+        "sys.modules.update(dict.fromkeys(('numba', 'onnxruntime')))\n"
+        "from tf_experiment import MISSION\n"
+        "from teamformer.world.env import TeamFormation\n"
+        "from teamformer.methods.learned.any_fleet import teamformer\n"
         "env, policy, steps = TeamFormation([MISSION]), teamformer(), []\n"
         "policy.begin(None, np.random.default_rng(0))\n"
         "while env.is_running[0]:\n"
         "    env.step(policy.decide(env.view()))\n"
         "    steps.append(env.worlds.robots['team'][0].tolist())\n"
-        "print(json.dumps(steps))"
+        "print(json.dumps(steps))\n"
+        "ours = [m for name, m in sys.modules.items() if name.startswith('teamformer')]\n"
+        "files = {getattr(m, '__file__', None) or '' for m in ours} - {''}\n"
+        "print(json.dumps(sorted({os.path.dirname(file) for file in files})))"
     )
     said = subprocess.run(
         [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True
@@ -161,7 +166,9 @@ def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
     while env.is_running[0]:
         env.step(policy.decide(env.view()))
         steps.append(env.worlds.robots["team"][0].tolist())
-    assert json.loads(said.stdout) == steps
+    told, folders = map(json.loads, said.stdout.splitlines())
+    assert folders == [str(tmp_path)]  # no module came from elsewhere
+    assert told == steps
     assert len(steps) > 5
 
 
@@ -177,7 +184,7 @@ def test_only_what_a_deployment_left_is_replaced(tmp_path: Path) -> None:
     everybody = replace(four(), sensing_radius=math.inf)
     first = deploy(everybody, "teamformer", 0, tmp_path)
     assert first == [tmp_path / "main.py", *sorted(set(tmp_path.iterdir()) - {first[0]})]
-    code = "from tf_mission import MISSION; print(MISSION.sensing_radius)"
+    code = "from tf_experiment import MISSION; print(MISSION.sensing_radius)"
     said = subprocess.run(
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
     )

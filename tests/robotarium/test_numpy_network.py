@@ -30,29 +30,6 @@ def test_the_shipped_network_scores_alike() -> None:
     np.testing.assert_allclose(ours, theirs, rtol=1e-4, atol=1e-4)
 
 
-@pytest.mark.parametrize("name", ["teamformer", "teamformer-c4-step", "gnn-c8", "deepset-c4"])
-def test_a_file_is_read_as_the_onnx_package_reads_it(name: str) -> None:
-    onnx = pytest.importorskip("onnx")
-    content = shipped(f"{name}.onnx")
-    graph, theirs = read_graph(content), onnx.load_from_string(content).graph
-    constants = {tensor.name: onnx.numpy_helper.to_array(tensor) for tensor in theirs.initializer}
-    nodes = []
-    for node in theirs.node:
-        values = {a.name: onnx.helper.get_attribute_value(a) for a in node.attribute}
-        if node.op_type == "Constant":
-            constants[node.output[0]] = onnx.numpy_helper.to_array(values["value"])
-            continue
-        plain = {k: v.decode() if isinstance(v, bytes) else v for k, v in values.items()}
-        nodes.append(Node(node.op_type, tuple(node.input), tuple(node.output), plain))
-    assert graph.nodes == tuple(nodes)
-    assert graph.inputs == tuple(v.name for v in theirs.input if v.name not in constants)
-    assert graph.outputs == tuple(value.name for value in theirs.output)
-    assert graph.constants.keys() == constants.keys()
-    for key, constant in constants.items():
-        assert graph.constants[key].dtype == constant.dtype
-        np.testing.assert_array_equal(graph.constants[key], constant)
-
-
 def test_a_file_that_is_cut_off_is_refused() -> None:
     content = shipped(f"{ANY_FLEET}.onnx")
     for end in (0, 1, 100, len(content) // 2, len(content) - 1):

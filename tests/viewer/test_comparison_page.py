@@ -211,6 +211,16 @@ def test_gantt_charts_stand_under_each_other_with_one_scale_of_time(
     assert opened.page.locator("#stage-gantt .of").all_inner_texts()[1].startswith("quick")
 
 
+def test_a_row_of_any_chart_selects_its_robot(compared: Callable[..., Opened]) -> None:
+    opened = compared("#view=gantt")
+    opened.details()
+    row = opened.page.evaluate("window.teamformer.barsBeside(0, 0)")["rowHeight"]
+    beside = opened.page.locator("#stage-gantt canvas >> nth=1")
+    beside.click(position={"x": 40, "y": 24 + 2.5 * row})
+    assert opened.details().splitlines()[0] == "r3"
+    assert opened.errors == []
+
+
 def test_what_is_clicked_on_one_map_is_selected_in_all(compared: Callable[..., Opened]) -> None:
     opened = compared()
     opened.details()

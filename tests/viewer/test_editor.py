@@ -13,7 +13,7 @@ from live_server import Served, serving_editor
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Absence
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 

@@ -27,7 +27,7 @@ from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Absence
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 from teamformer.record.referee import judge
 from teamformer.world.env import Decision
 from teamformer.world.view import View
@@ -219,7 +219,7 @@ def test_after_an_incident_the_page_says_what_is_so(browser: Any, tmp_path: Path
         wait_for(opened, "#status", "Paused")
         add_a_task(opened)
         wait_for(opened, "#details", "Is told its next task with the next step")
-        assert "Why: planned anew after step 3: extra appears." in opened.details()
+        assert "Why: extra appears." in opened.details()
         assert page.get_attribute("#notice-box", "class") == "notice plain"
         page.click("#tab-robots")
         page.click(".row >> text=r1")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -13,23 +12,18 @@ import pytest
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.record.writing import record_to_tree
+from teamformer.record.files.writing import record_to_tree
 from teamformer.trials.recorder import Recorder
+from teamformer.viewer.modules import joined
 from teamformer.world.env import TeamFormation
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-READING = (
-    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
-    "record/scene",
-)
 
 
 @pytest.fixture(scope="module")
 def scripts(browser: Any) -> Iterator[Any]:
     page = browser.new_page()
-    folder = files("teamformer.viewer") / "page"
-    names = (folder / f"{name}.js" for name in READING)
-    page.add_script_tag(content="\n".join(name.read_text(encoding="utf-8") for name in names))
+    page.add_script_tag(content=joined("record/scene"))
     yield page
     page.close()
 

@@ -3,35 +3,23 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 import random
 from collections.abc import Iterator
-from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 import pytest
 from toy_records import Tree, random_mission, small_mission, toy_record, toy_states
 
 from teamformer.mission.checks.rules import LIKELY
-from teamformer.record import phases
-from teamformer.record.export.moments import moments
-from teamformer.record.reading import read_record
-
-PURE = (
-    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
-    *("record/scene", "record/ways", "record/phases", "record/words", "draw/packing"),
-)
+from teamformer.viewer.modules import joined
 
 
 @pytest.fixture(scope="module")
 def scripts(browser: Any) -> Iterator[Any]:
     """An empty page with the scripts that draw nothing."""
     page = browser.new_page()
-    folder = files("teamformer.viewer") / "page"
-    text = "\n".join((folder / f"{name}.js").read_text(encoding="utf-8") for name in PURE)
-    page.add_script_tag(content=text)
+    page.add_script_tag(content=joined("record/words", "record/ways", "draw/packing"))
     yield page
     page.close()
 
@@ -74,25 +62,10 @@ def test_robots_that_leave_have_no_assignment_until_listed(scripts: Any) -> None
     ]
 
 
-def test_a_service_starts_when_the_team_covers_and_ends_with_the_task(
-    scripts: Any, dock: Tree
-) -> None:
-    services = scripts.evaluate("(tree) => frames(tree).services", dock)
-    assert [(s["slot"], s["from"], s["to"]) for s in services[2]] == [(0, 35, 40)]
-    assert services[0] == services[1] == services[3] == []
-
-
-def test_a_service_breaks_off_when_the_team_is_short(scripts: Any) -> None:
-    steps = [{"joins": [[1, 0]]}, {}, {"lost": [1], "teams": [[0, 3, 3, None]]}, {}]
-    tree = two_robots(steps, needs={"lift": 2}, duration=9)
-    services = scripts.evaluate("(tree) => frames(tree).services", tree)
-    assert [(s["slot"], s["from"], s["to"]) for s in services[0]] == [(0, 1, 3)]
-
-
-def two_robots(steps: list[Tree], needs: Any = ("lift",), duration: int = 0) -> Tree:
+def two_robots(steps: list[Tree], needs: Any = ("lift",), told: Tree | None = None) -> Tree:
     """Two lifters at (3, 3), where the only task is."""
     robots = [{"name": name, "at": [3, 3], "can": ["lift"]} for name in "ab"]
-    task = {"name": "t", "at": [3, 3], "needs": needs, "duration": duration}
+    task = {"name": "t", "at": [3, 3], "needs": needs}
     return {
         "mission": {
             "world": {"grid": [6, 6]},
@@ -103,6 +76,7 @@ def two_robots(steps: list[Tree], needs: Any = ("lift",), duration: int = 0) -> 
         "start": [[0, [0], 3, 3], [1, [1], 3, 3]],
         "steps": steps,
         "end": {"status": "step limit", "makespan": None, "blocked_tasks": []},
+        "told": told or {},
     }
 
 
@@ -125,7 +99,8 @@ STANDINGS = """(tree) => {
 
 
 def test_tasks_after_others_are_open_when_those_are_done_and_may_be_late(scripts: Any) -> None:
-    tree = two_robots([{"done": [[1, 0]]}, {}, {}, {"done": [[0, 0]]}])
+    told = {"phases": [[[0, 0, 0]], [[0, 7, None]]]}
+    tree = two_robots([{"done": [[1, 0]]}, {}, {}, {"done": [[0, 0]]}], told=told)
     first = {"name": "first", "at": [3, 3], "needs": ["lift"]}
     [last] = tree["mission"]["tasks"]
     tree["mission"]["tasks"] = [last | {"after": ["first"], "between": [0, 3]}, first]
@@ -168,7 +143,8 @@ def test_a_task_is_called_off_with_the_next_step_if_there_is_one(scripts: Any) -
 
 
 def test_teams_are_told_with_the_first_step(scripts: Any) -> None:
-    tree = two_robots([{"teams": [[0, 4, 3, 0]]}, {}])
+    told = {"phases": [[[0, 0, 0]], [[0, 7, None]]]}
+    tree = two_robots([{"teams": [[0, 4, 3, 0]]}, {}], told=told)
     ask = """(tree) => { const history = frames(tree);
       return [0, 1].map((step) => describeStanding(history, 0, sceneAt(history, step))); }"""
     assert scripts.evaluate(ask, tree) == ["open, teams are told next", "open, 1 team assigned"]
@@ -188,7 +164,6 @@ BELIEFS = """(tree) => {
     lasts: describeDuration(mission.world, mission.tasks[0]),
     under_way: standing(3),
     shown: shown.map((event) => [event.step, describeEvent(history, event)]),
-    services: history.services[0].map(({from, to}) => [from, to]),
   };
 }"""
 
@@ -207,7 +182,8 @@ def test_what_is_believed_is_told_until_the_truth_shows(
 ) -> None:
     """Task t at (3, 3) needs a lifter, and two as it turns out in step 2; it takes 4 steps."""
     steps = [{"teams": [[0, 3, 3, 0]]}, {"shown": [0], "joins": [[1, 0]]}, {}, {}, {}]
-    tree = two_robots([*steps, {"done": [[0, 0]]}])
+    told = {"services": [[0, "serving", 2, 6, [0, 1], [0, 1]]]}
+    tree = two_robots([*steps, {"done": [[0, 0]]}], told=told)
     [task] = tree["mission"]["tasks"]
     task |= {"may_need": {"lift": chance}, "duration": [2, 9]}
     tree["foresight"] = foresight
@@ -220,7 +196,6 @@ def test_what_is_believed_is_told_until_the_truth_shows(
     assert told["lasts"] == "2 to 9 steps"
     assert told["under_way"] == "under way, 1 of 2 to 9 steps made"
     assert told["shown"] == [[2, "t needs 2 x lift, as it turns out"]]
-    assert told["services"] == [[2, 6]]
 
 
 @pytest.mark.parametrize("y_axis", ["up", "down"])
@@ -266,76 +241,6 @@ def test_ways_lead_around_walls_as_teams_walk(scripts: Any) -> None:
     ]
 
 
-def test_every_step_of_a_robot_has_its_phase(scripts: Any) -> None:
-    """Two join in step 1, serve in steps 2 to 4, are idle in 5; in step 6 one is lost."""
-    steps = [
-        {"joins": [[1, 0]], "teams": [[0, 3, 3, 0]]}, {}, {},
-        {"done": [[0, 0]], "teams": [[0, 3, 3, None]]},
-        {}, {"lost": [0], "teams": [[1, 3, 3, None]]},
-    ]  # fmt: skip
-    tree = two_robots(steps, needs={"lift": 2}, duration=3)
-    ask = "(tree) => { const h = frames(tree); return [0, 1].map((robot) => phaseRuns(h, robot)); }"
-    named = [
-        [(PHASES[run["phase"]], run["from"], run["to"]) for run in runs]
-        for runs in scripts.evaluate(ask, tree)
-    ]
-    both = [("forms", 0, 1), ("serves", 1, 4)]
-    assert named == [[*both, ("idle", 4, 5), ("lost", 5, 6)], [*both, ("idle", 4, 6)]]
-
-
-PHASES = [
-    *("walks", "waits", "forms", "serves", "loads", "carries", "unloads", "idle", "lost"),
-]
-
-
-@pytest.mark.parametrize(
-    "mission",
-    [small_mission(), random_mission(30, 10, 6, 14, 4)],
-    ids=["walls, lost, late", "30 robots"],
-)
-def test_phases_are_those_of_the_exported_tables(
-    scripts: Any, mission: Tree, tmp_path: Path
-) -> None:
-    tree = toy_record(mission)
-    path = tmp_path / "record.json"
-    text = json.dumps(tree).replace('["lift", "lift"]', '{"lift": 2}')  # as files say it
-    path.write_text(text, encoding="utf-8")
-    ask = """(tree) => { const history = frames(tree);
-      return tree.steps.map((_, before) => [...phasesIn(history, before + 1)]); }"""
-    shown = [[phases.PHASES[phase] for phase in row] for row in scripts.evaluate(ask, tree)]
-    assert shown == [list(moment.phase) for moment in moments(read_record(path))][1:]
-
-
-def test_who_walks_slowly_is_not_idle_while_news_comes_in_every_step(scripts: Any) -> None:
-    """It walks a cell in two steps; the record says of the first only what it pursued."""
-    tree = two_robots([{"pursued": [[0, 0]]}, {"teams": [[0, 2, 1, None]], "pursued": [[0, 0]]}])
-    tree["start"][0] = [0, [0], 1, 1]
-    ask = """(tree) => { const history = frames(tree);
-      return phaseRuns(history, 0); }"""
-    assert scripts.evaluate(ask, tree) == [{"phase": 0, "task": 0, "from": 0, "to": 2}]
-
-
-def test_a_bar_ends_where_the_task_changes_and_tasks_of_no_duration_leave_a_mark(
-    scripts: Any,
-) -> None:
-    """Robot a walks to t, does it in step 2 and walks on to u; b walks with it to u from there."""
-    tree = two_robots([
-        {"teams": [[0, 2, 3, 0]]}, {"teams": [[0, 3, 3, None]], "done": [[0, 0]]},
-        {"teams": [[0, 4, 3, 1]], "joins": [[1, 0]]},
-        {"teams": [[0, 5, 3, None]], "done": [[1, 0]]},
-    ])  # fmt: skip
-    tree["start"][0] = [0, [0], 1, 3]
-    tree["mission"]["tasks"].append({"name": "u", "at": [5, 3], "needs": ["lift"]})
-    ask = "(tree) => { const h = frames(tree); return [phaseRuns(h, 0), deedsOfRobots(h)]; }"
-    runs, deeds = scripts.evaluate(ask, tree)
-    walks, forms = PHASES.index("walks"), PHASES.index("forms")
-    assert [(run["phase"], run["task"], run["from"], run["to"]) for run in runs] == [
-        (walks, 0, 0, 2), (forms, 1, 2, 3), (walks, 1, 3, 4)
-    ]  # fmt: skip
-    last = {"task": 1, "step": 4}
-    assert deeds == [[{"task": 0, "step": 2}, last], [last]]
-
-
 FINDING = """(tree) => {
   const history = frames(tree);
   const {mission} = history;
@@ -379,73 +284,6 @@ def test_counts_are_exact_to_three_places(scripts: Any) -> None:
     assert scripts.evaluate(sums) == [[0, 0.3], [1, 99.999]]
     assert scripts.evaluate("() => missing(new Map([[0, 99.999]]), [[0, 100]])") == [[0, 0.001]]
     assert scripts.evaluate("() => [3, 24, 25, 0.5, 12.5].map(piecesOf)") == [3, 24, 1, 1, 1]
-
-
-def load_of_two(steps: list[Tree]) -> Tree:
-    """Two lifters at (3, 3), where a load is that both are to bring to (5, 3)."""
-    tree = two_robots(steps, needs={"lift": 2})
-    tree["mission"]["tasks"][0] |= {"to": [5, 3]}
-    tree["mission"]["teamformer"] = 1
-    end = {"steps": len(steps), "tasks_done": 0, "joins": 0, "splits": 0, "illegal_decisions": 0}
-    tree["end"] |= end
-    tree |= {"method": "fleet", "seed": 0, "orders": [[0, [0]]], "lower_bound": None}
-    tree["teamformer_record"] = 3
-    for robot in tree["mission"]["robots"]:
-        robot["can"] = {"lift": 1}
-    return tree
-
-
-TAKEN = {"joins": [[1, 0]], "teams": [[0, 3, 3, 0]], "taken": [[0, 0]]}
-PARTED = {"splits": [[[0], [1]]], "teams": [[0, 4, 3, 0], [1, 4, 2, 0]]}
-CARRIERS = """(tree) => {
-  const history = frames(tree);
-  return tree.steps.map((_, before) => before + 1).map((step) => [
-    serviceOf(history, 0, step)?.robots ?? [], sitesAt(history, step)[0].isUp ? "up" : sitesAt(history, step)[0].at]);
-}"""  # noqa: E501
-
-
-@pytest.mark.parametrize(
-    ("steps", "carriers"),
-    [
-        ([TAKEN, PARTED, {}], [[[0, 1], "up"]] * 3),  # two teams in two cells, neither able alone
-        ([TAKEN, PARTED, {"teams": [[0, 3, 3, None]]}], [[[0, 1], "up"]] * 3),
-        ([PARTED | {"splits": []}, {"taken": [[0, 1]]}], [[[], [3, 3]], [[1], "up"]]),
-        ([TAKEN, {"lost": [0], "teams": [[1, 4, 3, 0]]}], [[[0, 1], "up"], [[1], "up"]]),
-        ([TAKEN, {"teams": [[0, 4, 3, 0]]}, {"lost": [0, 1]}],
-         [[[0, 1], "up"], [[0, 1], "up"], [[], [4, 3]]]),
-        ([TAKEN, {"left": [[0, 4, 3]], "taken": [[0, 0]]}], [[[0, 1], "up"]] * 2),
-        ([TAKEN, PARTED, {"left": [[0, 4, 2]]}], [*[[[0, 1], "up"]] * 2, [[], [4, 2]]]),
-    ],
-)  # fmt: skip
-def test_a_load_is_with_those_who_took_it_up_until_it_is_down(
-    scripts: Any, steps: list[Tree], carriers: list[Any], tmp_path: Path
-) -> None:
-    """In however many teams they are recorded; the tables say the same."""
-    tree = load_of_two(steps)
-    assert scripts.evaluate(CARRIERS, tree) == carriers
-    path = tmp_path / "record.json"
-    path.write_text(json.dumps(tree), encoding="utf-8")
-    for moment, (robots, at) in zip(list(moments(read_record(path)))[1:], carriers, strict=True):
-        assert list(moment.task_at[0]) == (at if at != "up" else list(moment.place[robots[0]]))
-
-
-def test_of_two_that_say_they_carry_a_load_the_one_that_turns_away_has_let_go(scripts: Any) -> None:
-    parted = PARTED | {"teams": [[0, 4, 3, 0], [1, 4, 2, 0]]}
-    steps = [TAKEN, parted, {"teams": [[0, 3, 3, 1]]}, {"done": [[0, 1]]}]
-    tree = load_of_two(steps)
-    tree["mission"]["tasks"].append({"name": "u", "at": [0, 0], "needs": ["lift"]})
-    told = scripts.evaluate(CARRIERS, tree)
-    assert [robots for robots, _ in told] == [[0, 1], [0, 1], [1], []]
-
-
-def test_a_load_whose_carrier_is_about_to_be_lost_lies_where_it_is(scripts: Any) -> None:
-    """The other cannot carry it alone: the next step sets it down."""
-    ask = """(tree) => { const history = frames(tree);
-      leave(history, [1]);
-      return [serviceOf(history, 0, 2), sitesAt(history, 2)[0].at, sitesAt(history, 1)[0].isUp]; }"""  # noqa: E501
-    tree = load_of_two([TAKEN, {"teams": [[0, 4, 3, 0]]}])
-    tree["end"]["status"] = "running"
-    assert scripts.evaluate(ask, tree) == [None, [4, 3], True]
 
 
 def test_a_task_of_a_fleet_that_nobody_knows_who_did_is_told_so(scripts: Any) -> None:

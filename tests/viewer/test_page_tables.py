@@ -13,7 +13,7 @@ from toy_records import Tree, random_mission, toy_record
 
 from browsers import Opened, Opener
 from teamformer.files.mission_files import read_mission
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 
 TABLE = "[...document.querySelectorAll('#stage-{} .rows [role=row]')]"
 ROWS = TABLE + ".map((row) => [...row.children].map((cell) => cell.textContent))"

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from toy_records import Tree, random_mission, small_mission, toy_record
+from toy_records import Tree, random_mission, small_mission, told_too, toy_record
 
 from browsers import Opened, Opener
 from teamformer.base.errors import TeamformerError
-from teamformer.record.reading import record_from_tree
+from teamformer.record.files.reading import record_from_tree
 
 
 def three_in_one_cell() -> Tree:
@@ -300,21 +300,16 @@ def test_what_is_no_record_is_refused_and_nothing_is_lost(
 @pytest.mark.parametrize(
     ("keys", "value", "told"),
     [
-        (("steps", 9, "teams"), [[99, 1, 1, None]], "step 10, teams: [99,1,1,null]"),
-        (("steps", 9, "teams"), [[0, None, 1, None]], "step 10, teams: [0,null,1,null]"),
-        (("steps", 39, "done"), [[2]], "step 40, done: [2]"),
-        (("steps", 9, "dones"), [], "step 10 has an unknown key 'dones'"),
-        (("steps", 9), [], "step 10 is no mapping"),
-        (("orders",), 3, "orders: this is no list"),
-        (("end", "status"), "over", 'the status is "over"'),
-        (("end", "steps"), 12, "it has 61 steps, and its end says 12"),
+        (("steps", 9), None, "its steps cannot be read"),
+        (("steps", 39, "done"), [[99, 0]], "its steps cannot be read"),
+        (("orders",), 3, "'orders' is no list"),
         (("mission", "tasks"), None, "its mission has no lists of robots, tasks and capabilities"),
     ],
 )
 def test_a_damaged_record_is_refused_as_a_whole(
     open_page: Opener, dock: Tree, keys: tuple[str | int, ...], value: object, told: str
 ) -> None:
-    """Wherever it is damaged; `view` refuses the same, and the page stays as it was."""
+    """Where it cannot be shown; `view` refuses the same and more, and the page stays as it was."""
     tree: Any = json.loads(json.dumps(dock))
     part = tree
     for key in keys[:-1]:
@@ -400,7 +395,7 @@ def test_a_robot_says_what_the_shared_plan_has_it_do(open_page: Opener, dock: Tr
     """The plan is made anew when `late load` appears in 20."""
     plans = [[0, [["start"], [[0, 1], [0, 3], [2]]]], [20, [["task appeared"], [[0, 3], [1, 2]]]]]
     orders = [[0, [0, 1, 2]], [20, [1, 2]]]
-    tree = {**dock, "plans": plans, "orders": orders}
+    tree = told_too({**dock, "plans": plans, "orders": orders})
     opened = open_page(tree, "#step=3&robot=r1")
     assert "Why: the plan has r1, r2 do it together." in opened.details()
     opened.page.fill("#scrub", "21")
@@ -482,7 +477,7 @@ def test_names_of_robots_do_not_lie_over_other_robots(open_page: Opener) -> None
         for y in range(3)
     ]
     mission = small_mission() | {"robots": robots}
-    mission["tasks"] = [{"name": "far", "at": [9, 6], "needs": {"lift": 1}}]
+    mission["tasks"] = [{"name": "far", "at": [9, 7], "needs": {"lift": 1}}]
     opened = open_page(toy_record(mission), "#step=0")
     opened.page.set_viewport_size({"width": 820, "height": 1180})
     opened.wait_for_a_frame()

@@ -7,9 +7,14 @@ their lowest robot after a task.
 
 from __future__ import annotations
 
+import json
 import random
 from collections import Counter, deque
 from typing import Any
+
+from teamformer.record.files.reading import record_from_tree
+from teamformer.record.telling.trees import told_to_tree
+from teamformer.record.telling.whole import told_of
 
 Tree = dict[str, Any]
 Cell = tuple[int, int]
@@ -23,7 +28,7 @@ def toy_record(mission: Tree, method: str = "toy", steps: int = 400) -> Tree:
     while len(changes) < steps and trial.is_open:
         changes.append(trial.step(len(changes) + 1))
     is_completed = not trial.is_open
-    return {
+    tree = {
         "teamformer_record": 3,
         "mission": mission,
         "method": method,
@@ -44,6 +49,18 @@ def toy_record(mission: Tree, method: str = "toy", steps: int = 400) -> Tree:
         },
         "lower_bound": max(1, int(len(changes) * 0.8)),
     }
+    return told_too(tree)
+
+
+def told_too(tree: Tree) -> Tree:
+    """Return the tree of a record with what is told of it."""
+    mission = tree["mission"]
+    robots = [robot | {"can": Counter(robot["can"])} for robot in mission["robots"]]
+    tasks = [task | {"needs": Counter(task["needs"])} for task in mission["tasks"]]
+    read = tree | {"mission": mission | {"robots": robots, "tasks": tasks}}  # as files say it
+    read.pop("told", None)
+    text = json.dumps(read)
+    return {**tree, "told": told_to_tree(told_of(record_from_tree(json.loads(text), "toy")))}
 
 
 def toy_states(mission: Tree, steps: int) -> list[dict[int, tuple[Any, ...]]]:
@@ -87,9 +104,11 @@ class ToyTrial:
         self._allocate(number)
         self._walk(formed)
         lost = self._lose(number)
+        served = dict(self.serves)
         done = self._complete(number)
+        began = [[task, self.teams[s]] for s, (task, _) in self.serves.items() if s not in served]
         after = self._listing()
-        change = {"splits": splits, "joins": joins, "lost": lost, "done": done}
+        change = {"splits": splits, "joins": joins, "lost": lost, "done": done, "served": began}
         teams = [[slot, *after[slot]] for slot in sorted(after) if before.get(slot) != after[slot]]
         return {key: value for key, value in (change | {"teams": teams}).items() if value}
 

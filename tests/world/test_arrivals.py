@@ -16,9 +16,9 @@ from teamformer.mission.arrivals import most_tasks, once_appeared, without_arriv
 from teamformer.mission.model import Arrivals, Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth, expected_mission
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
 from teamformer.record.referee import judge
-from teamformer.record.writing import save_record
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from test_surprises import is_alike, play_views

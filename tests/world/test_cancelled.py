@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from coordinations import RandomPlans
-from plain_world import PlainWorld
 from random_worlds import (
     random_decision,
     random_world,
@@ -26,14 +25,14 @@ from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.critical_path.of_record import path_of_record
-from teamformer.record.export.events import events
+from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import cancelled_steps, done_steps, opening_steps
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
-from test_step import step_both
+from twins import Twin
 
 
 def with_cancelled(mission: Mission, rng: np.random.Generator) -> Mission:
@@ -69,25 +68,17 @@ def test_step_with_cancelled_tasks_is_what_the_plain_twin_does(is_plane: bool, k
         truth = draw_truth(mission, number)
         coordinator = [None, RandomPlans(number), SharedPlan()][number % 3]
         env = TeamFormation([mission], truths=[truth], coordinator=coordinator)
-        twin = PlainWorld(mission, truth, coordinator is not None)
+        twin = Twin(env)
+        world = twin.world
         while env.is_running[0] and env.tally().steps < 40:
             view = env.view()
-            serving = sum(len(team.serving) for team in twin.teams.values())
+            serving = len(world.served)
             is_planned = coordinator is not None and rng.random() < 0.8
             decision = env.planned_decision(view) if is_planned else random_decision(view, rng)
-            gone = len(twin.cancelled)
-            step_both(env, twin, view, decision)
-            tasks = env.worlds.tasks[0]
-            assert set(np.flatnonzero(tasks["is_open"]).tolist()) == set(twin.open)
-            assert set(np.flatnonzero(tasks["is_carried"]).tolist()) == twin.carried
-            freed += serving > 0 and len(twin.cancelled) > gone
-        assert env.worlds.count["cancelled"][0] == len(twin.cancelled)
-        assert (
-            env.is_running[0]
-            or len(twin.done) + len(twin.cancelled) == len(truth.tasks)
-            or (env.tally().status == "infeasible")
-        )
-        cancelled += len(twin.cancelled)
+            gone = len(world.cancelled)
+            twin.step(view, decision)
+            freed += serving > 0 and len(world.cancelled) > gone
+        cancelled += len(world.cancelled)
     assert cancelled > 40
     assert freed > 2
 

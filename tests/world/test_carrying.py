@@ -9,7 +9,6 @@ import pytest
 
 from blocked_worlds import blocked_worlds
 from coordinations import RandomPlans
-from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_loads, with_surprises
 from teamformer.methods.by_name import Player
 from teamformer.methods.coordinators.crews import Crews
@@ -21,7 +20,7 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NOBODY
-from test_step import step_both
+from twins import Twin
 
 
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
@@ -37,18 +36,14 @@ def test_step_with_loads_is_what_the_plain_twin_does(is_plane: bool, has_surpris
         truth = draw_truth(mission, number)
         coordinator = [None, RandomPlans(number), RandomPlans(number), SharedPlan()][number % 4]
         env = TeamFormation([mission], truths=[truth], coordinator=coordinator)
-        twin = PlainWorld(mission, truth, coordinator is not None)
+        twin = Twin(env)
         while env.is_running[0] and env.tally().steps < 60:
             view = env.view()
-            rests = {slot: int(rest) for slot, rest in zip(view.slot, view.rest, strict=True)}
-            assert rests == {slot: twin.rest(team) for slot, team in twin.teams.items()}
-            at = env.worlds.tasks[0]
-            assert list(zip(at["x"], at["y"], strict=True)) == twin.at
+            twin.check_rests(view)
             is_planned = coordinator is not None and rng.random() < 0.8
             decision = env.planned_decision(view) if is_planned else random_decision(view, rng)
-            step_both(env, twin, view, decision)
-            tasks = env.worlds.tasks[0]
-            assert set(np.flatnonzero(tasks["is_carried"]).tolist()) == twin.carried
+            twin.step(view, decision)
+        tasks = env.worlds.tasks[0]
         taken += int((tasks["taken_at"] != NOBODY).sum())
         left += int((tasks["left_at"] != NOBODY).sum())
         done += int((tasks["is_load"] & (tasks["done_at"] != NOBODY)).sum())

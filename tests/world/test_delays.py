@@ -14,10 +14,10 @@ from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Delays, Mission
 from teamformer.mission.truth import draw_truth, expected_mission
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
 from teamformer.record.record import TeamAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import save_record
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from test_surprises import play_views, with_step

@@ -17,11 +17,11 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import possible_places
 from teamformer.mission.truth import draw_truth
-from teamformer.record.export.events import events
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
+from teamformer.record.happenings import events
 from teamformer.record.record import Record, TaskAt
 from teamformer.record.referee import judge
-from teamformer.record.writing import save_record
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NOBODY

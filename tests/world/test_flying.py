@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from coordinations import RandomPlans
-from plain_world import PlainWorld
 from random_worlds import random_decision, random_world
 from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.files.drawn.named_settings import world_of
@@ -22,7 +21,7 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.record.referee.judge import judge
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import Decision, TeamFormation
-from test_step import coalitions_of, compare, shared_order, step_both
+from twins import Twin
 
 WALL = Grid(5, 3, ("..@..", "..@..", "....."))
 """A wall with a way around it at the bottom, y = 2."""
@@ -163,15 +162,12 @@ def test_steps_with_flyers_are_what_the_plain_twin_does(part: int) -> None:
         coordinator = {0: None, 1: RandomPlans(number), 2: SharedPlan()}[number % 3]
         mission = with_flyers(rng)
         env = TeamFormation([mission], coordinator=coordinator)
-        twin = PlainWorld(mission, is_coordinated=coordinator is not None)
-        twin.order = shared_order(env)
-        twin.coalitions = coalitions_of(env, twin.order)
-        compare(env, twin)
+        twin = Twin(env)
         while env.is_running[0] and env.tally().steps < 30:
             view = env.view()
             is_planned = coordinator is not None and rng.random() < 0.6
             decision = env.planned_decision(view) if is_planned else random_decision(view, rng)
-            step_both(env, twin, view, decision)
+            twin.step(view, decision)
 
 
 @pytest.mark.parametrize("method", ["plan", "crews", "heuristic"])

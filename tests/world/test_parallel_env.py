@@ -273,7 +273,7 @@ def test_the_examples_print_what_they_say(code: str, capsys: pytest.CaptureFixtu
 
 
 def test_there_are_examples() -> None:
-    assert len(EXAMPLES) == 5
+    assert len(EXAMPLES) == 6
 
 
 def test_an_answer_with_fractions_is_refused() -> None:

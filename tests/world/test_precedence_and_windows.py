@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from coordinations import RandomPlans
-from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_precedence_and_windows
 from teamformer.methods.by_name import Player
 from teamformer.methods.central.policy import Central
@@ -18,13 +17,13 @@ from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.export.events import events
+from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import known_steps, lateness, opening_steps
 from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
-from test_step import coalitions_of, compare, shared_order, wanted_by_slot
+from twins import Twin
 
 CORRIDOR = Mission(
     "corridor",
@@ -125,16 +124,10 @@ def test_the_step_is_what_the_plain_twin_does(is_plane: bool) -> None:
         mission = with_precedence_and_windows(random_world(rng, is_plane=is_plane), rng)
         coordinator = RandomPlans(number) if number % 3 else None
         env = TeamFormation([mission], coordinator=coordinator)
-        twin = PlainWorld(mission, is_coordinated=coordinator is not None)
+        twin = Twin(env)
         while env.is_running[0] and env.tally().steps < 60:
-            twin.order = shared_order(env)
-            twin.coalitions = coalitions_of(env, twin.order)
-            assert set(twin.order) == twin.shared_out()
             view = env.view()
-            decision = random_decision(view, rng)
-            twin.step(wanted_by_slot(env, view, decision), twin.order)
-            env.step(decision)
-            compare(env, twin)
+            twin.step(view, random_decision(view, rng))
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ def record_of(*steps: Step) -> Record:
 def after(*steps: Step) -> Teams:
     """The teams after some steps."""
     record = record_of(*steps)
-    teams = Teams(record)
+    teams = Teams(record.mission.robots, record.start)
     for step in record.steps:
         teams.follow(step)
     return teams
@@ -56,7 +56,7 @@ def test_a_join_has_the_lower_slot_with_its_place_and_task() -> None:
 
 
 def test_steps_say_who_was_split_or_joined() -> None:
-    teams = Teams(record_of())
+    teams = Teams(record_of().mission.robots, START)
     assert teams.follow(Step(splits=(((0,), (2, 3)),))) == {0, 2, 3}
     assert teams.follow(Step(joins=((2, 1),))) == {1, 2, 3}
     assert teams.follow(Step()) == set()

@@ -16,10 +16,10 @@ from teamformer.base.errors import RecordError, TeamformerError
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.critical_path.of_record import path_of_record
-from teamformer.record.reading import read_record, record_from_tree
+from teamformer.record.files.reading import read_record, record_from_tree
+from teamformer.record.files.writing import record_to_tree, save_record
 from teamformer.record.record import Ending, Record, Step, TeamAt
-from teamformer.record.writing import record_to_tree, save_record
+from teamformer.record.telling.whole import path_of_record
 
 HALL = Mission(
     name="hall",
@@ -212,7 +212,7 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
             damage("steps", 2, "jions", to=[]),
             "step 3: the key 'jions' means nothing; "
             "known are joins, splits, lost, back, teams, done, named, took, heard, shown, found, "
-            "moved, taken, left, pursued",
+            "moved, taken, left, pursued, served, unloads",
         ),
         (
             damage("steps", 2, "heard", to=[[0, 1, "song"]]),

@@ -7,7 +7,6 @@ import pytest
 
 from blocked_worlds import blocked_worlds
 from coordinations import RandomPlans
-from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_fractions
 from teamformer.methods.by_name import Player
 from teamformer.methods.coordinators.crews import Crews
@@ -17,60 +16,7 @@ from teamformer.methods.scripted.join_fitting import JoinFitting
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY
-from teamformer.world.view import View
-
-
-def compare(env: TeamFormation, twin: PlainWorld) -> None:
-    teams = env.worlds.teams[0]
-    assert sorted(np.flatnonzero(teams["size"]).tolist()) == sorted(twin.teams)
-    for slot, team in twin.teams.items():
-        record = teams[slot]
-        assert np.flatnonzero(env.worlds.robots["team"][0] == slot).tolist() == team.robots
-        assert (record["x"], record["y"]) == team.at
-        assert record["task"] == (NOBODY if team.task is None else team.task)
-        assert bool(record["is_detour"]) == team.is_detour
-        assert record["serves"] == len(team.serving)
-        assert record["credit"] == pytest.approx(team.credit, abs=1e-6)
-        assert in_thousandths(env, env.worlds.has[0, slot]) == twin.has(team)
-    done = {int(k): int(s) for k, s in enumerate(env.worlds.tasks["done_at"][0]) if s != NOBODY}
-    assert done == twin.done
-    tally = env.tally()
-    assert (tally.joins, tally.splits) == (twin.joins, twin.splits)
-    assert tally.illegal_decisions == twin.illegal
-
-
-def shared_order(env: TeamFormation) -> list[int]:
-    return [int(k) for k in env.worlds.order[0, : env.worlds.count["open"][0]]]
-
-
-def coalitions_of(env: TeamFormation, order: list[int]) -> dict[int, set[int]]:
-    """Return who does each open task by the plan of a coordinator, if there is one."""
-    if not env.is_coordinated[0]:
-        return {}
-    plan = env.plan()
-    return {task: set(who) for task, who in zip(plan.order, plan.coalitions, strict=True)}
-
-
-def in_thousandths(env: TeamFormation, counts: np.ndarray) -> list[int]:
-    """Return the counts of a team, which arrays hold in units, as its twin has them."""
-    mission = env.missions[0]
-    units = [mission.units.get(cap, 1000) for cap in mission.capabilities]
-    return (counts * units).tolist()
-
-
-def wanted_by_slot(env: TeamFormation, view: View, decision: Decision) -> dict[int, list[int]]:
-    wanted = (in_thousandths(env, counts) for counts in decision.wanted)
-    return dict(zip(view.slot.tolist(), wanted, strict=True))
-
-
-def step_both(env: TeamFormation, twin: PlainWorld, view: View, decision: Decision) -> None:
-    """Make a step in the compiled world and in its twin, which is told the plans; compare them."""
-    twin.order = shared_order(env)
-    twin.coalitions = coalitions_of(env, twin.order)
-    twin.scouts = dict(env.plan().scouts) if twin.is_coordinated else {}
-    twin.step(wanted_by_slot(env, view, decision), twin.order)
-    env.step(decision)
-    compare(env, twin)
+from twins import Twin
 
 
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
@@ -85,10 +31,7 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
         mission = with_fractions(mission, rng) if part == 3 else mission
         new_tasks = str(rng.choice(["resolve", "nearest"]))
         env = TeamFormation([mission], coordinator=coordinator, new_tasks=new_tasks)
-        twin = PlainWorld(mission, is_coordinated=coordinator is not None)
-        twin.order = shared_order(env)
-        twin.coalitions = coalitions_of(env, twin.order)
-        compare(env, twin)
+        twin = Twin(env)
         while env.is_running[0] and env.tally().steps < 40:
             view = env.view()
             if rng.random() < 0.05:  # nonsense now and then: it must count as maintain
@@ -98,7 +41,10 @@ def test_step_is_what_the_plain_twin_does(part: int, is_plane: bool) -> None:
                 decision = env.planned_decision(view)
             else:
                 decision = random_decision(view, rng)
-            step_both(env, twin, view, decision)
+            if rng.random() < 0.3:  # names of tasks, open ones and such that mean nothing
+                named = rng.integers(-1, len(mission.tasks) + 1, len(view.slot))
+                decision = Decision(decision.wanted, named)
+            twin.step(view, decision)
 
 
 def check_promises(env: TeamFormation, was_done: np.ndarray) -> None:

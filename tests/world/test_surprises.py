@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from coordinations import COORDINATIONS, RandomPlans, method_of
-from plain_world import PlainWorld
 from random_worlds import random_decision, random_world, with_fractions, with_surprises
 from small_worlds import make, play, robot, task
 from teamformer.base.errors import RecordError
@@ -24,17 +23,17 @@ from teamformer.mission.model import Absence, Breakdown, Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.truth import draw_truth, truth_until
 from teamformer.record.export.csv_tables import write_tables
-from teamformer.record.export.events import events
-from teamformer.record.reading import read_record, record_from_tree
+from teamformer.record.files.reading import read_record, record_from_tree
+from teamformer.record.files.writing import record_to_tree, save_record
+from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.task_times import lateness
-from teamformer.record.writing import record_to_tree, save_record
 from teamformer.trials.trial import decide, run_trial
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.view import View
-from test_step import step_both
+from twins import Twin
 
 RULES = [
     (coordination, foresight)
@@ -133,25 +132,16 @@ def test_step_with_surprises_is_what_the_plain_twin_does(is_plane: bool) -> None
         coordinator = RandomPlans(number) if number % 3 else None
         truth = draw_truth(mission, number)
         env = TeamFormation([mission], truths=[truth], coordinator=coordinator, foresight=foresight)
-        twin = PlainWorld(mission, truth, coordinator is not None, foresight)
+        twin = Twin(env)
         while env.is_running[0] and env.tally().steps < 40:
             view = env.view()
-            rests = {slot: int(rest) for slot, rest in zip(view.slot, view.rest, strict=True)}
-            assert rests == {slot: twin.rest(team) for slot, team in twin.teams.items()}
-            tasks = range(len(mission.tasks))
-            units = [mission.units.get(cap, 1000) for cap in mission.capabilities]
-            assert [env.worlds.needs[0, k].tolist() for k in tasks] == [
-                [-(-need // unit) for need, unit in zip(twin.needs(k), units, strict=True)]
-                for k in tasks
-            ]
-            at = env.worlds.tasks[0]
-            assert list(zip(at["x"], at["y"], strict=True)) == twin.at
+            twin.check_rests(view)
             decision = random_decision(view, rng)
-            step_both(env, twin, view, decision)
-        steps = dict(enumerate(env.worlds.tasks["found_at"][0].tolist()))
-        assert {task: step for task, step in steps.items() if step != NOBODY} == twin.found
-        found, overdue, lost = found + len(twin.found), overdue + twin.overdue, lost + twin.lost
-        shown += int((env.worlds.tasks["shown_at"][0] != NOBODY).sum())
+            twin.step(view, decision)
+        tasks = env.worlds.tasks[0]
+        found += int((tasks["found_at"] != NOBODY).sum())
+        shown += int((tasks["shown_at"] != NOBODY).sum())
+        lost, overdue = lost + len(twin.world.lost_at), overdue + twin.overdue
     assert min(shown, overdue, lost, found) > 15
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copyreg
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 
@@ -30,12 +30,19 @@ class TeamformerError(Exception):
 class Problem:
     """One thing wrong with a mission.
 
-    `where` is the path into the mission's tree, such as `("tasks", 3, "needs")`; a reader of
-    files turns it into a line number.
+    `where` is the path into the mission's tree, such as `("tasks", 3, "needs")`. `line` is where
+    that is in the mission's file, None if it comes from none.
     """
 
     where: tuple[str | int, ...]
     message: str
+    line: int | None = field(default=None, compare=False)
+
+    @property
+    def path(self) -> str:
+        """Return where it is, as `tasks[3].needs`; empty for the mission as a whole."""
+        parts = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in self.where)
+        return "".join(parts).removeprefix(".")
 
 
 class MissionError(TeamformerError):

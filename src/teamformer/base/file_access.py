@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from importlib.resources import files
 from pathlib import Path
 
@@ -16,8 +18,37 @@ POINTER = b"version https://git-lfs.github.com/spec/"
 """What the pointers of Git LFS begin with, which stand for files that are not fetched yet."""
 
 
+_bound: ContextVar[Path | None] = ContextVar("_bound", default=None)
+"""The folder that nothing is read outside of, if there is one."""
+
+
+@contextmanager
+def reading_only_in(folder: Path) -> Iterator[None]:
+    """Have files outside of a folder refused, also those that a file inside names or links to.
+
+    It holds in this thread, and in those that it gives its work to.
+    """
+    token = _bound.set(folder.resolve())
+    try:
+        yield
+    finally:
+        _bound.reset(token)
+
+
+def refuse_outside(path: Path, folder: Path) -> None:
+    """Raise `TeamformerError` for a path that leads out of a folder, by itself or by links."""
+    try:
+        is_inside = path.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):  # links in a circle; a name with a zero byte
+        is_inside = False
+    if not is_inside:
+        raise TeamformerError(f"{path}: this is not in {folder}", "name a file in that folder")
+
+
 def read_bytes(path: Path, largest: int, hint: str = "") -> bytes:
     """Return what a file holds, up to `largest` bytes; `hint` helps where there is no such file."""
+    if (folder := _bound.get()) is not None:
+        refuse_outside(path, folder)
     try:
         if path.is_dir():
             raise TeamformerError(f"{path}: this is a folder", "name a file in it")

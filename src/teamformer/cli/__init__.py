@@ -1,4 +1,8 @@
-"""The command line: verbs and flags; what a verb needs is imported inside it."""
+"""The command line: verbs and flags; what a verb needs is imported inside it.
+
+Flags stand in files of their own, so that help and completion import nothing of what verbs do:
+`run --help` takes 0.2 s of a processor, and would take 0.8 s with what `run` imports.
+"""
 
 from __future__ import annotations
 

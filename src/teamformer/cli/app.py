@@ -42,6 +42,9 @@ Foxglove = Annotated[
     int | None,
     typer.Option(metavar="PORT", min=1, max=65535, help="port to serve it on to Foxglove"),
 ]
+Webhook = Annotated[
+    str, typer.Option(metavar="URL", help="POST a JSON object there for each alert")
+]
 Folder = Annotated[Path, typer.Option(help="folder that the record is saved in")]
 
 

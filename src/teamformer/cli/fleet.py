@@ -15,6 +15,7 @@ from teamformer.cli.app import (
     MissionPath,
     Port,
     Seed,
+    Webhook,
     app,
     split_names,
 )
@@ -84,7 +85,15 @@ def agent(
     from teamformer.cli.verbs.robots.agent import AgentOptions
     from teamformer.cli.verbs.robots.agent import agent as command
 
-    options = AgentOptions(robot, body, listen, tuple(connect or ()), keys, facts, method)
+    options = AgentOptions(
+        robot=robot,
+        body=body,
+        listen=listen,
+        connect=tuple(connect or ()),
+        keys=keys,
+        facts=facts,
+        method=method,
+    )
     raise typer.Exit(command(mission, options))
 
 
@@ -116,12 +125,13 @@ def watch(
     host: Host = "",
     out: Folder = Path("out/live"),
     foxglove: Foxglove = None,
+    webhook: Webhook = "",
 ) -> None:
     """Watch a running fleet in the browser, and add tasks; needs the extra `live` too."""
     from teamformer.cli.terminal.addresses import address_of
     from teamformer.cli.verbs.robots.mesh import FleetAt
+    from teamformer.cli.verbs.robots.watch import WatchOptions
     from teamformer.cli.verbs.robots.watch import watch as command
 
-    raise typer.Exit(
-        command(mission, FleetAt(connect, keys), address_of(port, split_names(host)), out, foxglove)
-    )
+    options = WatchOptions(address_of(port, split_names(host)), out, foxglove, webhook)
+    raise typer.Exit(command(mission, FleetAt(connect, keys), options))

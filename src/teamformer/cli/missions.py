@@ -18,6 +18,7 @@ from teamformer.cli.app import (
     Port,
     Seed,
     TimeLimit,
+    Webhook,
     app,
     is_given,
     split_names,
@@ -42,7 +43,18 @@ def run(
     """Run one trial of a mission."""
     from teamformer.cli.verbs.missions.run import run as command
 
-    raise typer.Exit(command(mission, method, seed, time_limit, out, as_json, explain, foxglove))
+    raise typer.Exit(
+        command(
+            path=mission,
+            method_name=method,
+            seed=seed,
+            time_limit=time_limit,
+            folder=out,
+            as_json=as_json,
+            explained=explain,
+            foxglove=foxglove,
+        )
+    )
 
 
 @app.command()
@@ -160,6 +172,19 @@ def schema() -> None:
 
 
 @app.command()
+def mcp(
+    folder: Annotated[Path, typer.Option(help="the only one that is read and written")] = Path("."),
+) -> None:
+    """Serve missions to programs that talk, by the Model Context Protocol over stdio.
+
+    Needs the extra `mcp`.
+    """
+    from teamformer.cli.verbs.missions.mcp import mcp as command
+
+    raise typer.Exit(command(folder))
+
+
+@app.command()
 def live(
     mission: Annotated[
         Path | None, typer.Argument(metavar="[MISSION]", help="none: draw one in the editor")
@@ -173,6 +198,7 @@ def live(
         bool,
         typer.Option("--resume", help="go on with one that was cut off; MISSION: its autosave"),
     ] = False,
+    webhook: Webhook = "",
 ) -> None:
     """Draw a mission in the browser and run it: watch it, add tasks, lose robots.
 
@@ -183,4 +209,4 @@ def live(
     from teamformer.cli.verbs.missions.live import live as command
 
     at = address_of(port, split_names(host))
-    raise typer.Exit(command(mission, LiveOptions(method, seed, at, out, resume)))
+    raise typer.Exit(command(mission, LiveOptions(method, seed, at, out, resume, webhook)))

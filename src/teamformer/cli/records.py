@@ -30,18 +30,23 @@ def view(
         list[Path],
         typer.Argument(
             metavar="FILE... [PAGE]",
-            help="records, and the .html to write, by default beside the first; or a map",
+            help="records, and the .html to write, by default beside the first; a folder; a map",
         ),
     ],
 ) -> None:
     """Write the page of a recorded trial, or of several in step; of a map, draw the free cells.
 
-    A mission (.yaml) or a map (.map, or a ROS map's .yaml) is drawn in the terminal.
+    A folder of records gets a page with a row for each, which opens them. A mission (.yaml) or a
+    map (.map, or a ROS map's .yaml) is drawn in the terminal.
     """
     if len(files) == 1 and files[0].suffix.lower() in (".yaml", ".yml", ".map"):
         from teamformer.cli.verbs.missions.draw_map import draw_map
 
         raise typer.Exit(draw_map(files[0]))
+    if len(files) == 1 and files[0].is_dir():
+        from teamformer.cli.verbs.records.view_folder import view_folder
+
+        raise typer.Exit(view_folder(files[0]))
     from teamformer.cli.verbs.records.view import view as command
 
     raise typer.Exit(command(files))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from teamformer.mission.model import Mission, World
 __all__ = [
     "mission_from_tree",
     "mission_to_tree",
+    "read_content",
     "read_mission",
     "read_world_of",
     "write_mission",
@@ -43,7 +45,22 @@ def read_mission(path: Path, find_problems: Finder | None = None) -> Mission:
 
     Maps are looked for beside the file. `find_problems` looks for more in a mission that is good.
     """
-    tree = _parsed(path)
+    return _checked(_parsed(path), path, find_problems)
+
+
+def read_content(
+    content: str | Mapping[str, Any], path: Path, find_problems: Finder | None = None
+) -> Mission:
+    """Return the mission that a file would hold, given its text or its tree; writes nothing.
+
+    Raises `MissionError` as `read_mission` does; a tree has no lines.
+    """
+    if isinstance(content, str):
+        return _checked(_parsed_text(content, path), path, find_problems)
+    return _checked(reader.from_value(content), path, find_problems)
+
+
+def _checked(tree: reader.Tree, path: Path, find_problems: Finder | None) -> Mission:
     mission = _read(tree, str(path), path.stem, path.parent)
     finders = [find_hopeless_windows, *([find_problems] if find_problems else ())]
     for problem in (problem for find in finders for problem in find(mission)):
@@ -67,7 +84,10 @@ def read_world_of(path: Path) -> World:
 
 def _parsed(path: Path) -> reader.Tree:
     hint = "`teamformer generate -o FILE` writes a mission to start from"
-    text = read_text(path, LARGEST_FILE, hint)
+    return _parsed_text(read_text(path, LARGEST_FILE, hint), path)
+
+
+def _parsed_text(text: str, path: Path) -> reader.Tree:
     is_json = path.suffix.lower() == ".json"
     return reader.parse_json(text) if is_json else reader.parse(text)
 
@@ -77,14 +97,17 @@ def mission_from_tree(value: Any, source: str = "mission") -> Mission:
     return _read(reader.from_value(value), source, "unnamed", None)
 
 
-def write_mission(mission: Mission, path: Path) -> None:
-    """Write a mission that needs no other file; JSON if the name ends so, else YAML."""
+def write_mission(mission: Mission, path: Path, head: str = "") -> None:
+    """Write a mission that needs no other file; JSON if the name ends so, else YAML.
+
+    `head` is a line of comment for the beginning of a YAML file.
+    """
     tree = mission_to_tree(mission)
     if path.suffix.lower() == ".json":
         text = json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False, default=own_number)
         text += "\n"
     else:
-        text = writer.to_text(tree)
+        text = f"{head}\n" * bool(head) + writer.to_text(tree)
     try:
         write_whole(path, text)
     except (OSError, ValueError) as error:  # ValueError: a name with a zero byte
@@ -115,4 +138,5 @@ def error_of(tree: reader.Tree, source: str) -> MissionError:
     ]
     if len(found) > MOST_LINES:
         lines.append(f"{source}: and {len(found) - MOST_LINES} problems more")
-    return MissionError([problem for _, problem in found], lines)
+    numbered = [replace(it, line=line if tree.is_from_text else None) for line, it in found]
+    return MissionError(numbered, lines)

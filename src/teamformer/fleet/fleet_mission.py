@@ -151,7 +151,17 @@ class FleetMission:
             duration, appears = task.duration * self.step, task.appears * self.step
             to = None if task.to is None else (float(task.to[0]), float(task.to[1]))
             unload = task.unload * self.step
-            yield TaskFact(key, task.name, float(x), float(y), needs, duration, appears, to, unload)
+            yield TaskFact(
+                key=key,
+                name=task.name,
+                x=float(x),
+                y=float(y),
+                needs=needs,
+                duration=duration,
+                appears=appears,
+                to=to,
+                unload=unload,
+            )
 
 
 def row_of(counts: Counts, capabilities: tuple[str, ...]) -> Row:

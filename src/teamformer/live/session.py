@@ -17,6 +17,7 @@ from pathlib import Path
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import write_mission
 from teamformer.live.keeping.autosave import Autosave
+from teamformer.live.running.alarm import Alarm, OnAlerts
 from teamformer.live.running.forecasts import forecast
 from teamformer.live.running.incidents import (
     Happening,
@@ -45,8 +46,9 @@ from teamformer.live.running.what_if import luck_of, what_if
 from teamformer.live.serving.errands import Errands, apart
 from teamformer.live.serving.refusals import or_refuse, refusal
 from teamformer.live.serving.watchers import Watcher
+from teamformer.record.files.writing import save_record
 from teamformer.record.record import Record
-from teamformer.record.writing import save_record
+from teamformer.record.telling.latest import LatestTold
 
 AT_ONCE = 0.3
 """Seconds within which a step is made without a word; what takes longer is told to be planned."""
@@ -59,7 +61,7 @@ FORECAST, BOUND, SEARCH = "forecast", "bound", "search"
 
 
 class Session:
-    """Steps a mission at its speed and tells everybody; `act` is what a page asks for."""
+    """Steps a mission at its speed and tells all; `on_alerts` is given what is wrong with it."""
 
     def __init__(
         self,
@@ -68,17 +70,18 @@ class Session:
         speed: float,
         has_editor: bool = False,
         autosave: Autosave | None = None,
+        on_alerts: OnAlerts = lambda new, past: None,
     ) -> None:
         self.mission, self.folder = mission, folder
         self.speed, self.is_playing, self.has_editor = speed, False, has_editor
         self._autosave = autosave or Autosave()
         self._autosave.warn = lambda text: self._tell_all("warning", {"text": text})
+        self._alarm = Alarm([robot.name for robot in mission.source.robots], on_alerts)
         self._saved: Moment | None = None  # when that was done last
         self._changes = 0
         self.watchers: set[Watcher] = set()
-        self.lock = asyncio.Lock()
-        self._wake = asyncio.Event()
-        self._errands = Errands()
+        self.lock, self._wake = asyncio.Lock(), asyncio.Event()
+        self._errands, self._told = Errands(), LatestTold()
         self._outlook: Tree | None = None  # what the latest forecast said
         self._is_outdated = False  # since more was shown
         self._planning = ""  # after what a plan is being made, for as long as it is
@@ -142,7 +145,8 @@ class Session:
                 telling.cancel()
                 self._planning_is_over()
             self._autosave.step(self.mission)
-            self._tell_all("step", news_of_step(self.mission.record(), self.mission.is_running))
+            self._alarm.look(self.mission)
+            self._tell_all("step", await asyncio.to_thread(news_of_step, self.mission, self._told))
         if not self.mission.is_running:
             self._pause()
         elif self.mission.has_shown_more:
@@ -221,9 +225,12 @@ class Session:
     async def _do(self, watcher: Watcher, text: str) -> None:
         message = read_message(text)
         actions: dict[str, Callable[[], None]] = {"play": self._play, "pause": self._pause}
+        works = {"undo": self.undo, "restart": self.restart, "take_over": self._take_over}
         command = message["do"]
         if command in actions:
             actions[command]()
+        elif command in works:
+            await works[command]()
         elif command == "step":
             self._pause()
             await self.step()
@@ -241,12 +248,6 @@ class Session:
             self._stop(watcher)
         elif command == "replan":
             self._search_plan(read_search(message))
-        elif command == "take_over":
-            await self._take_over()
-        elif command == "undo":
-            await self.undo()
-        elif command == "restart":
-            await self.restart()
         elif command == "save":
             async with self.lock:
                 paths = await asyncio.to_thread(self.save)
@@ -265,6 +266,8 @@ class Session:
     def _have_changed(self) -> None:
         """Have everything worked out again, for the mission is another now."""
         self._changes += 1
+        self._told.forget()
+        self._alarm.look(self.mission)
         for watcher in self.watchers:
             if self._errands.end(watcher):
                 watcher.tell(refusal("something else has happened meanwhile; ask again", True))
@@ -324,8 +327,7 @@ class Session:
     async def _take_over(self) -> None:
         if self._offer is None:
             raise TeamformerError("there is no plan to take over; plan anew")
-        moment, plan = self._offer
-        self._offer = None
+        (moment, plan), self._offer = self._offer, None
         async with self.lock:
             if moment != self._moment():
                 raise TeamformerError("the mission has gone on since then; plan anew")

@@ -27,6 +27,7 @@ from teamformer.live.drawing.drafts import (
 )
 from teamformer.live.keeping.autosave import NAME, Autosave, Identity
 from teamformer.live.keeping.resuming import Kept, StartMission, play_again
+from teamformer.live.running.alarm import OnAlerts
 from teamformer.live.running.messages import Message, read_files, read_message
 from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.serving.watchers import Watcher
@@ -45,7 +46,7 @@ class Workshop:
     It offers what a `Session` does, so that the server need not know which of them it has. With a
     `mission`, that of the draft, it begins with running it; with `kept` it goes on with the mission
     of an autosave. `say` tells the person who started it how long the first plan of a mission
-    takes.
+    takes. `on_alerts` is given the alerts of missions.
     """
 
     def __init__(
@@ -57,13 +58,14 @@ class Workshop:
         mission: Mission | None = None,
         say: Callable[[str], None] = lambda _: None,
         kept: Kept | None = None,
+        on_alerts: OnAlerts = lambda new, past: None,
     ) -> None:
         self.session: Session | None = None
         self._lock = asyncio.Lock()
         self._start, self._folder, self._speed = start, folder, speed
         self._draft = draft or (Draft(EXAMPLE) if kept is None else kept.identity.draft)
         self._mission, self._kept = mission, kept
-        self._say = say
+        self._say, self._on_alerts = say, on_alerts
         self._is_starting = mission is not None or kept is not None
         self._refusal = ""  # why the latest mission could not be started
         self._doing = FIRST_PLAN  # while there is no mission yet
@@ -230,7 +232,7 @@ class Workshop:
 
     def _have_run(self, mission: RunningMission, autosave: Autosave) -> None:
         """Let time pass for a mission, and have all pages come to it."""
-        self.session = Session(mission, self._folder, self._speed, True, autosave)
+        self.session = Session(mission, self._folder, self._speed, True, autosave, self._on_alerts)
         self._clock = asyncio.create_task(self.session.run())
         self._have_all_come_again()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from teamformer.mission.model import Mission
@@ -13,6 +13,10 @@ FLEET = "fleet"
 HEARD = ("beat", "facts", "plan")
 """What the agents of a rehearsed fleet say to one another."""
 STATUSES = ("completed", "step limit", "infeasible", "interrupted")
+
+
+StartingTeam = tuple[int, tuple[int, ...], float, float]
+"""Slot, robots, x and y of a team before the first step."""
 
 
 class TeamAt(NamedTuple):
@@ -39,6 +43,17 @@ class SharedPlanMade(NamedTuple):
     coalitions: tuple[tuple[int, ...], ...]
 
 
+class Wants(NamedTuple):
+    """What a team decides in a step: the counts to have, by capability, and the task that it names.
+
+    Counts of None are its own: it stays as it is. The number of a task may be none that there is.
+    """
+
+    slot: int
+    counts: tuple[float, ...] | None = None
+    task: int | None = None
+
+
 @dataclass(frozen=True)
 class Step:
     """What one step changed; robots, tasks and slots are numbers."""
@@ -59,6 +74,9 @@ class Step:
     taken: tuple[tuple[int, int], ...] = ()  # loads taken up: task, team that carries it then
     left: tuple[TaskAt, ...] = ()  # loads that were set down on their way, and lie there
     pursued: tuple[tuple[int, int], ...] = ()  # slot, task that news took back before it was told
+    served: tuple[tuple[int, tuple[int, ...]], ...] = ()
+    """Task, robots that serve it from then on: they began, or are others; nobody: broken off."""
+    unloads: tuple[int, ...] = ()  # loads that are where they go: to be unloaded from then on
 
 
 @dataclass(frozen=True)
@@ -83,7 +101,7 @@ class Record:
     method: str
     seed: int
     orders: tuple[tuple[int, tuple[int, ...]], ...]  # steps made, open tasks in order
-    start: tuple[tuple[int, tuple[int, ...], float, float], ...]  # slot, robots, x, y
+    start: tuple[StartingTeam, ...]
     steps: tuple[Step, ...]
     end: Ending
     lower_bound: int | None = None
@@ -93,6 +111,11 @@ class Record:
     """Steps made, and robots by the plan made then that look first what a task needs."""
     foresight: str = "scouting"  # how needs were treated that nobody knew
     heeds: tuple[str, ...] = ()  # the news after which the coordinator is asked, if there is one
+    decisions: tuple[tuple[int, tuple[Wants, ...]], ...] = ()
+    """Steps by number, and what teams want from each on that do not want it already."""
+
+    memo: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
+    """What has been worked out of the rest, which `telling` keeps here."""
 
     @property
     def is_coordinated(self) -> bool:

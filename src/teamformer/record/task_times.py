@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from teamformer.mission.checks.costs import cost_in_steps, judged_by, weighed
 from teamformer.mission.checks.windows import latest_end, window_opens
+from teamformer.mission.model import Task
 from teamformer.mission.precedence import tasks_before
 from teamformer.record.record import Record
 from teamformer.world.rules.constants import NEVER
@@ -35,10 +36,13 @@ def over_steps(record: Record) -> dict[int, int]:
 
 def known_steps(record: Record) -> list[int]:
     """Return how many steps were made when each task became known; NEVER if it did not."""
-    return [
-        NEVER if task.cancelled is not None and task.cancelled <= task.appears else task.appears
-        for task in record.mission.tasks
-    ]
+    return [appears_after(task) for task in record.mission.tasks]
+
+
+def appears_after(task: Task) -> int:
+    """Return how many steps are made when a task becomes known; NEVER if it does not."""
+    is_called_off = task.cancelled is not None and task.cancelled <= task.appears
+    return NEVER if is_called_off else task.appears
 
 
 def opening_steps(record: Record) -> list[int]:

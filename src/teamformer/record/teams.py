@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from teamformer.mission.model import Robot
 from teamformer.mission.parts.grid import Place
-from teamformer.record.record import Record, Step
+from teamformer.record.record import Record, StartingTeam, Step
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -17,15 +18,14 @@ class Teams:
     holds the slot of each robot's team, NOBODY while the robot is lost.
     """
 
-    def __init__(self, record: Record) -> None:
-        """Begin where the record begins, before its first step."""
-        fleet = record.mission.robots
+    def __init__(self, fleet: Sequence[Robot], start: Sequence[StartingTeam]) -> None:
+        """Begin where a record begins, before its first step."""
         self.slot = [NOBODY] * len(fleet)
         self.robots: dict[int, tuple[int, ...]] = {}
         self.at: dict[int, Place] = {}
         self.task: dict[int, int] = {}
         self._left_at: list[Place] = [robot.at for robot in fleet]  # of robots that are lost
-        for _, robots, x, y in record.start:
+        for _, robots, x, y in start:
             self._found(robots, (x, y), NOBODY)
 
     def follow(self, step: Step) -> set[int]:
@@ -94,7 +94,7 @@ class Teams:
 
 def completions(record: Record) -> Iterator[tuple[int, int, tuple[int, ...]]]:
     """Yield step, task and robots of every task that was done, in the order of the record."""
-    teams = Teams(record)
+    teams = Teams(record.mission.robots, record.start)
     for number, step in enumerate(record.steps, start=1):
         teams.follow(step)
         for task, slot in step.done:

@@ -90,14 +90,38 @@ def run_experiment(
     poses, report = start_poses(mission, seed), ""
     if simulator == "plant":
         plant = Plant(poses, weather, seed)
-        outcome = fly(mission, policy, plant, with_daqp(), seed, watch, coordinator)
+        outcome = fly(
+            mission=mission,
+            policy=policy,
+            robots=plant,
+            solve=with_daqp(),
+            seed=seed,
+            watch=watch,
+            coordinator=coordinator,
+        )
         faults = plant.faults
     else:
         robots = RpsRobots(poses)
-        outcome = fly(mission, policy, robots, with_daqp(), seed, watch, coordinator)
+        outcome = fly(
+            mission=mission,
+            policy=policy,
+            robots=robots,
+            solve=with_daqp(),
+            seed=seed,
+            watch=watch,
+            coordinator=coordinator,
+        )
         faults, report = robots.faults, robots.finish()
     seconds = time.perf_counter() - begun
-    return Experiment(mission, method.name, seed, outcome, faults, seconds, report)
+    return Experiment(
+        mission=mission,
+        method=method.name,
+        seed=seed,
+        outcome=outcome,
+        faults=faults,
+        seconds=seconds,
+        report=report,
+    )
 
 
 def start_poses(mission: Mission, seed: int) -> Array:

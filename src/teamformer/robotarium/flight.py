@@ -87,7 +87,7 @@ def ticks_per_step(plane: Plane) -> int:
 
 
 def fly(
-    source: Mission,
+    mission: Mission,
     policy: Policy | None,
     robots: Robots,
     solve: Solver,
@@ -99,8 +99,8 @@ def fly(
 
     A policy decides for the teams, or, without one, the plans of a coordinator do.
     """
-    mission = _Mission(source, policy, coordinator, robots, solve, seed)
-    return mission.run(watch or (lambda moment: None))
+    flight = _Mission(mission, policy, coordinator, robots, solve, seed)
+    return flight.run(watch or (lambda moment: None))
 
 
 class _Mission:

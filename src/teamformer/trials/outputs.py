@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from teamformer.record.files.writing import record_to_tree, save_record
 from teamformer.record.record import Record
-from teamformer.record.writing import record_to_tree, save_record
 from teamformer.viewer.html import write_page
 
 

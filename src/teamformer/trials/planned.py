@@ -18,10 +18,10 @@ from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.record.critical_path.of_plan import path_of_plan
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.task_times import cost_of_record, lateness
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial

@@ -9,11 +9,13 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.mission.checks.rules import FORESIGHTS
+from teamformer.mission.coordination import NEWS
 from teamformer.mission.parts.capabilities import covers
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.reach import totals_by_region
 from teamformer.mission.truth import truth_until
-from teamformer.record.record import Ending, Record, SharedPlanMade, Step, TaskAt, TeamAt
+from teamformer.record.decisions import rows_of
+from teamformer.record.record import Ending, Record, SharedPlanMade, Step, TaskAt, TeamAt, Wants
 from teamformer.world.env import Tally, TeamFormation
 from teamformer.world.rules.constants import NOBODY
 
@@ -25,7 +27,9 @@ Groups = dict[int, tuple[int, ...]]
 class _Snapshot:
     teams: Array
     groups: Groups
+    has: Array  # (robots, caps)
     tally: Tally
+    served: dict[int, tuple[int, ...]]  # by task, who serves it
 
 
 class Recorder:
@@ -46,6 +50,8 @@ class Recorder:
         self._orders: list[tuple[int, tuple[int, ...]]] = []
         self._shared_plans: list[tuple[int, SharedPlanMade]] = []
         self._scouts: list[tuple[int, tuple[tuple[int, int], ...]]] = []
+        self._decisions: list[tuple[int, tuple[Wants, ...]]] = []
+        self._standing: dict[int, Wants] = {}
         self._orders_made = 0
         self._before = self._snapshot()
         self._start = tuple(
@@ -86,8 +92,14 @@ class Recorder:
                     for k in np.flatnonzero(tasks["left_at"] == steps)
                 ),
                 pursued=_pursued(before, after),
+                served=_served(before, after, tasks),
+                unloads=_unloads(tasks),
             )
         )
+        decided = self._decided(before)
+        if rows := rows_of(self._standing, decided, before.groups.keys()):
+            self._decisions.append((steps, rows))
+        self._standing = decided
         orders_made = self._env.worlds.count["orders"][0]
         if (tasks["ordered_at"] == steps).any() or self._orders_made < orders_made:
             self._write_order(steps)
@@ -125,12 +137,41 @@ class Recorder:
             truth=truth_until(self._mission, self._truth, made + 1) if is_uncertain else None,
             scouts=tuple(row for row in self._scouts if row[0] <= made),
             foresight=self._foresight,
-            heeds=self._env.heeds(),
+            heeds=tuple(word for word in NEWS if word in self._env.heeds()),
+            decisions=tuple(row for row in self._decisions if row[0] <= made),
         )
 
     def _snapshot(self) -> _Snapshot:
         groups = _groups(self._env.worlds.robots["team"][0])
-        return _Snapshot(self._env.worlds.teams[0].copy(), groups, self._env.tally())
+        worlds = self._env.worlds
+        server = worlds.tasks["server"][0]
+        served = {k: groups[server[k]] for k in np.flatnonzero(server != NOBODY).tolist()}
+        return _Snapshot(
+            teams=worlds.teams[0].copy(),
+            groups=groups,
+            has=worlds.has[0].copy(),
+            tally=self._env.tally(),
+            served=served,
+        )
+
+    def _decided(self, before: _Snapshot) -> dict[int, Wants]:
+        """Return what the teams that there were wanted in the latest step, but to stay as is."""
+        slots = sorted(before.groups)
+        wanted, named = (rows[: len(slots)] for rows in self._env.decided())
+        is_other = (wanted != before.has[slots]).any(axis=1)
+        return {
+            slots[row]: Wants(
+                slots[row],
+                self._counts(wanted[row]) if is_other[row] else None,
+                None if named[row] == NOBODY else int(named[row]),
+            )
+            for row in np.flatnonzero(is_other | (named != NOBODY)).tolist()
+        }
+
+    def _counts(self, wanted: Array) -> tuple[float, ...]:
+        caps = self._mission.capabilities
+        counts = dict(zip(caps, wanted.tolist(), strict=False))
+        return tuple(self._mission.out_of_units(counts).values())
 
     def _write_order(self, steps: int) -> None:
         worlds = self._env.worlds
@@ -245,6 +286,28 @@ def _pursued(before: _Snapshot, after: _Snapshot) -> tuple[tuple[int, int], ...]
     pursued, now, was = after.teams["pursued"], after.teams["task"], before.teams["task"]
     is_untold = (pursued != NOBODY) & (now == NOBODY) & (was != pursued)
     return tuple((slot, int(pursued[slot])) for slot in sorted(after.groups) if is_untold[slot])
+
+
+def _served(
+    before: _Snapshot, after: _Snapshot, tasks: Array
+) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """Return the tasks that others serve since a step, or nobody any more, and who does."""
+    rows: list[tuple[int, tuple[int, ...]]] = []
+    for task in sorted(before.served.keys() | after.served.keys()):
+        was, now = before.served.get(task, ()), after.served.get(task, ())
+        is_new = tasks["served"][task] == 0 and not tasks["is_carried"][task]
+        is_over = tasks["done_at"][task] == after.tally.steps
+        if was and not is_over and (not now or is_new):
+            rows.append((task, ()))
+        if now and (was != now or is_new):
+            rows.append((task, now))
+    return tuple(rows)
+
+
+def _unloads(tasks: Array) -> tuple[int, ...]:
+    """Return the loads that have got to where they go in the latest step, and are not done."""
+    is_there = tasks["is_carried"] & (tasks["served"] == 1)
+    return tuple(np.flatnonzero(is_there & (tasks["server"] != NOBODY)).tolist())
 
 
 def _changed_teams(

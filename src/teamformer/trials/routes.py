@@ -13,7 +13,7 @@ def routes_of(record: Record) -> tuple[Route, ...]:
     A robot arrives in the step in which it comes to the task's place; work begins when it has the
     whole team there, as many steps before the end, or before the load is up, as the task takes.
     """
-    teams = Teams(record)
+    teams = Teams(record.mission.robots, record.start)
     robots = range(len(record.mission.robots))
     place, since = [teams.place(robot) for robot in robots], [0 for _ in robots]
     stops: list[list[Stop]] = [[] for _ in robots]

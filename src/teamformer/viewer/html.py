@@ -8,38 +8,12 @@ import html
 import json
 import math
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from pathlib import Path
 from string import Template
 
 from teamformer.base.whole_files import own_number, write_whole
+from teamformer.viewer.modules import joined, page_file
 from teamformer.viewer.page_keys import keys_script
-
-SCRIPTS = (
-    *("record/mission", "record/plane", "record/counts", "record/history", "record/services"),
-    *("record/scene", "record/ways", "record/phases", "record/story", "record/words"),
-    *("record/reasons", "record/critical_path", "record/over_time", "record/checking"),
-    *("draw/packing", "draw/placing", "draw/palette", "draw/camera", "draw/world", "draw/tasks"),
-    *("draw/teams", "draw/groups", "draw/legend", "draw/extras", "draw/names", "draw/map"),
-    *("views/time_canvas", "views/bars", "views/critical_path", "views/gantt"),
-    *("views/plots", "views/columns", "views/table", "panel/dom", "panel/notice"),
-    *("panel/attempt", "panel/chips", "panel/waiting"),
-    *("panel/inspector", "panel/rows", "panel/lists", "panel/header", "panel/playback"),
-    *("panel/timeline", "panel/saving", "panel/files", "panel/controls"),
-    *("compared/curves", "compared/panel", "compared/companion"),
-    *("player", "app", "look"),
-)
-"""The scripts of every page in the order in which they are put together."""
-
-LIVE_SCRIPTS = (
-    *("live/link", "live/player", "live/alerts", "live/panel", "live/app", "live/starting"),
-    *("editor/draft", "editor/panel", "editor/app", "live/main"),
-)
-"""What the page of a live mission has besides; they open it, as `main` opens that of a record."""
-
-
-PLAN_SCRIPTS = ("panel/dom", "panel/saving", "plan/plan")
-"""What the page of a plan has."""
 
 
 def plain_page(title: str, style: str, body: str) -> str:
@@ -49,11 +23,16 @@ def plain_page(title: str, style: str, body: str) -> str:
 
 def plan_page(title: str, style: str, body: str, plan: Mapping[str, object]) -> str:
     """Return the page of a plan, with the plan and the scripts that tell of it."""
-    script = "\n".join(_read(f"{name}.js") for name in PLAN_SCRIPTS)
     held = f'<script type="application/json" id="plan">{_json_for_html(plan)}</script>'
+    return script_page(title, style, f"{body}{held}", "plan/plan")
+
+
+def script_page(title: str, style: str, body: str, opener: str, allowed: str = "") -> str:
+    """Return a small page that the module `opener` works on, with whatever else is `allowed`."""
+    script = joined(opener)
     run = f'<script type="module">{script}</script>'
-    policy = f"style-src {_fingerprint(style)}; script-src {_fingerprint(script)}"
-    return _small_page(title, style, f"{body}{held}{run}", policy)
+    policy = f"{allowed}style-src {_fingerprint(style)}; script-src {_fingerprint(script)}"
+    return _small_page(title, style, f"{body}{run}", policy)
 
 
 def _small_page(title: str, style: str, body: str, policy: str) -> str:
@@ -70,7 +49,7 @@ def record_page(tree: Mapping[str, object]) -> str:
 
     The page needs nothing else: it loads nothing, and its own policy forbids it to.
     """
-    return _page(_title(tree), (*SCRIPTS, "main"), tree, "")
+    return _page(_title(tree), "main", tree, "")
 
 
 def comparison_page(
@@ -83,18 +62,19 @@ def comparison_page(
     methods = ", ".join(dict.fromkeys(str(tree["method"]) for tree in trees))
     title = f"{_name(trees[0])}, {methods}"
     shown = {"compared": [_without_infinity(tree) for tree in trees], "failed": list(failed)}
-    return _page(title, (*SCRIPTS, "main"), shown, "")
+    return _page(title, "main", shown, "")
 
 
 def live_page(name: str) -> str:
     """Return the page of a live mission, which asks the server that it came from for the rest."""
-    return _page(f"{name}, live", (*SCRIPTS, *LIVE_SCRIPTS), None, "connect-src 'self'; ")
+    return _page(f"{name}, live", "live/main", None, "connect-src 'self'; ")
 
 
-def _page(title: str, scripts: Sequence[str], tree: object, allowed: str) -> str:
-    style = _read("page.css") + _read("compared/compared.css")
-    script = "\n".join([keys_script(), *(_read(f"{name}.js") for name in scripts)])
-    return Template(_read("page.html")).substitute(
+def _page(title: str, opener: str, tree: object, allowed: str) -> str:
+    """Return a page that the module `opener` opens."""
+    style = page_file("page.css") + page_file("compared/compared.css")
+    script = f"{keys_script()}\n{joined(opener)}"
+    return Template(page_file("page.html")).substitute(
         title=html.escape(title),
         policy=allowed + _content_policy(style, script),
         style=style,
@@ -115,10 +95,6 @@ def write_comparison(
 ) -> None:
     """Write one page of several records to a file."""
     write_whole(path, comparison_page(trees, failed))
-
-
-def _read(name: str) -> str:
-    return (files("teamformer.viewer") / "page" / name).read_text(encoding="utf-8")
 
 
 def _title(tree: Mapping[str, object]) -> str:

@@ -93,7 +93,8 @@ class TeamFormation:
         self.missions = tuple(with_arrivals(mission, truth) for mission, truth in both)
         coordinators = _for_each(coordinator, len(self.missions))
         is_coordinated = [coordinator is not None for coordinator in coordinators]
-        self._start = pack_worlds(self.missions, self.truths, is_coordinated, new_tasks, foresight)
+        self._rules = (new_tasks, foresight)
+        self._start = pack_worlds(self.missions, self.truths, is_coordinated, *self._rules)
         self._has_order = not all(is_coordinated)
         self._guide = (
             Guide(self._start, self.missions, coordinators) if any(is_coordinated) else None
@@ -112,14 +113,24 @@ class TeamFormation:
         if any(mission.arrivals for mission in self.missions):  # nobody knows how many
             tasks = max(tasks, NEXT_TASKS)
         has_loads = bool(self.worlds.rules["has_loads"].any())
-        self._room = make_view(count, robots, tasks, caps, hides_needs, hides_places, has_loads)
+        self._room = make_view(
+            worlds=count,
+            robots=robots,
+            tasks=tasks,
+            caps=caps,
+            hides_needs=hides_needs,
+            hides_places=hides_places,
+            has_loads=has_loads,
+        )
+        self._shown = self._room  # as many rows of it as the latest view had
         self._first_row = np.zeros(count + 1, dtype=np.int64)
         self._first_member = np.zeros(count + 1, dtype=np.int64)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
         edges = [count * thread // threads for thread in range(threads + 1)]
         self._chunks = list(itertools.pairwise(edges))
         self.rewards = np.zeros((count, robots))
-        self._is_viewed = False
+        self._is_viewed = self._is_forked = False
+        self._decided = np.zeros((0, caps), np.int32), np.zeros(0, np.int32)
         rules = self.worlds.rules
         moves = (rules["hides_places"] | rules["has_loads"]) & rules["has_walls"]
         self._are_ways_fixed = not moves.any()  # to a task elsewhere, or with a load, lead others
@@ -149,16 +160,37 @@ class TeamFormation:
         self.rewards[:] = 0.0
         self._is_viewed = False
 
+    def restart(self, w: int, mission: Mission, truth: Mission) -> None:
+        """Put a world back to the start of a mission, the same as before or one of the same sizes.
+
+        `truth` is what the mission really is. Raises ValueError for a mission of other sizes, for
+        coordinated worlds, and where forks share the ways of worlds.
+        """
+        if self._guide is not None or (self._is_forked and self.worlds.fields.size):
+            raise ValueError("worlds with a coordinator or with forks start again by reset()")
+        mission = with_arrivals(mission, truth)
+        packed = pack_worlds([mission], [truth], [False], *self._rules)
+        self._bring_up_to_date(packed)
+        for array, start, new in zip(self.worlds, self._start, packed, strict=True):
+            if array.shape[1:] != new.shape[1:]:
+                raise ValueError(f"the mission {mission.name} has other sizes than the world")
+            array[w] = start[w] = new[0]
+        self.missions = (*self.missions[:w], mission, *self.missions[w + 1 :])
+        self.truths = (*self.truths[:w], truth, *self.truths[w + 1 :])
+        self.rewards[w] = 0.0
+        self._is_viewed = False
+
     def fork(self) -> TeamFormation:
         """Return another environment in the same state that goes its own way, without threads."""
         twin = copy.copy(self)
         shared = self.worlds.fields if self._are_ways_fixed else None
         twin.worlds = Worlds(*(a if a is shared else a.copy() for a in self.worlds))
-        twin._room = View(*(part.copy() for part in self._room))
+        twin._room = twin._shown = View(*(part.copy() for part in self._room))
         twin._first_row, twin._first_member = self._first_row.copy(), self._first_member.copy()
         twin.rewards = self.rewards.copy()
         twin._guide = self._guide.fork() if self._guide else None
         twin._pool, twin._is_viewed = None, False
+        self._is_forked = twin._is_forked = True
         return twin
 
     def view(self) -> View:
@@ -170,12 +202,15 @@ class TeamFormation:
         self._in_chunks(self._fill_views)
         self._is_viewed = True
         rows, members = int(self._first_row[-1]), int(self._first_member[-1])
-        short = {
-            "first_member": self._room.first_member[: rows + 1],
-            "member": self._room.member[:members],
-            "member_counts": self._room.member_counts[:members],
-        }
-        return View(*(short.get(f, getattr(self._room, f)[:rows]) for f in View._fields))
+        if (len(self._shown.slot), len(self._shown.member)) != (rows, members):
+            short = {
+                "first_member": self._room.first_member[: rows + 1],
+                "member": self._room.member[:members],
+                "member_counts": self._room.member_counts[:members],
+            }
+            fields = (short.get(f, getattr(self._room, f)[:rows]) for f in View._fields)
+            self._shown = View(*fields)
+        return self._shown
 
     def step(self, decision: Decision) -> None:
         """Make one step in every running world, with a row for each row of the latest view.
@@ -243,6 +278,13 @@ class TeamFormation:
         done_at = self.worlds.tasks["done_at"][w]
         return {task: int(done_at[task]) for task in np.flatnonzero(done_at != NOBODY).tolist()}
 
+    def decided(self) -> tuple[Array, Array]:
+        """Return what the teams wanted in the latest step, (teams, caps), and named, (teams,).
+
+        There is a row for each team that there was before it, in world and slot order.
+        """
+        return self._decided
+
     def exchanges(self) -> Array:
         """Return the robot whose part of the first world's plan each has just taken, (robots,)."""
         if self._guide is None:
@@ -276,7 +318,7 @@ class TeamFormation:
         if not self._is_viewed:
             raise ValueError("the state has changed since the latest view: call view() first")
         read = read_decision(decision, int(self._first_row[-1]), self.worlds.has.shape[2])
-        self._is_viewed = False
+        self._is_viewed, self._decided = False, read
         return read
 
     @property

@@ -11,6 +11,7 @@ from teamformer.base.kernels.jit import entry, kernel
 from teamformer.world.phases.beliefs import expected_rest
 from teamformer.world.phases.delays import chance_of_delay
 from teamformer.world.phases.formation import is_in_reach, is_in_same_place
+from teamformer.world.phases.reach import any_fly, can_go_with, has_to_part
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.rules.coverage import fills_gap
 from teamformer.world.state.arrays import RUNNING, world_at
@@ -56,6 +57,7 @@ class View(NamedTuple):
     task: Array  # (teams,) int32, the task it heads for, or NOBODY
     is_at_task: Array  # (teams,) bool, whether it is at the place of this task
     is_serving: Array  # (teams,) bool, whether it serves; it must then maintain
+    has_to_part: Array  # (teams,) bool, whether it keeps who flies over walls from a task
     rest: Array  # (teams,) int32, steps until its service should end; 0 if it has none
     unit: Array  # (teams,) float32, the length that counts as one cell: 1 on a grid
     arrival_radius: Array  # (teams,) float32, places this near are the same: 0 on a grid
@@ -67,6 +69,7 @@ class View(NamedTuple):
     seen_task: Array  # (teams, seen) int32, their assignments or NOBODY
     is_here: Array  # (teams, seen) bool, in the same place as this team
     can_join: Array  # (teams, seen) bool, whether wanting its counts more is legal
+    can_go_with: Array  # (teams, seen) bool, whether the union of those here would not have to part
     task_number: Array  # (teams, tasks) int32, the numbers of open tasks
     task_place: Array  # (teams, tasks, 2) float64, where they are
     task_to_place: Array  # (teams, tasks, 2) float64, where loads are brought, or (teams, 0, 2)
@@ -104,12 +107,13 @@ def fill_views(
         world = world_at(worlds, w)
         list_teams_by_cell(world)
         _write_members(world, view, first_row[w], first_member[w])
-        row = first_row[w]
+        row, is_mixed = first_row[w], any_fly(world)
         for team in range(world.rules.robots):
             if world.teams[team].size > 0:
                 view.world[row] = w
                 _write_own(world, view, row, team)
-                _write_seen(world, view, row, team)
+                view.has_to_part[row] = is_mixed and has_to_part(world, team)
+                _write_seen(world, view, row, team, is_mixed)
                 _write_tasks(world, view, row, team)
                 row += 1
         forget_cells(world)
@@ -154,7 +158,7 @@ def _write_own(world: World, view: View, row: int, team: int) -> None:
 
 
 @kernel
-def _write_seen(world: World, view: View, row: int, team: int) -> None:
+def _write_seen(world: World, view: View, row: int, team: int, is_mixed: bool) -> None:
     found = find_near(world, team, world.rules.sensing_radius)
     kept = _nearest_first(world, team, found, view.seen_slot.shape[1])
     for column in range(view.seen_slot.shape[1]):
@@ -171,6 +175,8 @@ def _write_seen(world: World, view: View, row: int, team: int) -> None:
         view.is_here[row, column] = is_in_same_place(world, team, other)
         is_busy = world.teams[team].serves > 0 or world.teams[other].serves > 0
         view.can_join[row, column] = not is_busy and is_in_reach(world, team, other)
+        is_asked = is_mixed and view.is_here[row, column]
+        view.can_go_with[row, column] = not is_asked or can_go_with(world, team, other)
 
 
 @kernel
@@ -182,6 +188,7 @@ def _pad_seen(view: View, row: int, column: int) -> None:
     view.seen_task[row, column] = NOBODY
     view.is_here[row, column] = False
     view.can_join[row, column] = False
+    view.can_go_with[row, column] = False
 
 
 @kernel
@@ -295,6 +302,7 @@ def make_view(
         task=np.zeros(teams, dtype=np.int32),
         is_at_task=np.zeros(teams, dtype=np.bool_),
         is_serving=np.zeros(teams, dtype=np.bool_),
+        has_to_part=np.zeros(teams, dtype=np.bool_),
         rest=np.zeros(teams, dtype=np.int32),
         unit=np.zeros(teams, dtype=np.float32),
         arrival_radius=np.zeros(teams, dtype=np.float32),
@@ -306,6 +314,7 @@ def make_view(
         seen_task=np.zeros((teams, seen), dtype=np.int32),
         is_here=np.zeros((teams, seen), dtype=np.bool_),
         can_join=np.zeros((teams, seen), dtype=np.bool_),
+        can_go_with=np.zeros((teams, seen), dtype=np.bool_),
         task_number=np.zeros((teams, shown), dtype=np.int32),
         task_place=np.zeros((teams, shown, 2)),
         task_to_place=np.zeros((teams, shown if has_loads else 0, 2)),

@@ -1,13 +1,20 @@
-"""Says that compiling begins, so that nobody takes the wait for a fault.
+"""Says that compiling begins, or that a call takes long, so that nobody takes the wait for a fault.
 
 It is said where compiling happens, so whatever compiles says so: verbs, scripts and notebooks.
 """
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 import time
+from collections.abc import Callable
+from threading import Timer
+from typing import ParamSpec, TypeVar
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
 QUIET = "TEAMFORMER_QUIET"
 """The variable of the environment that, if it is set, has nothing said."""
@@ -15,12 +22,14 @@ QUIET = "TEAMFORMER_QUIET"
 PAUSE = 5.0
 """Seconds without compiling after which what was said is said again."""
 
+LONG = 2.0
+"""Seconds after which a call is said to take long."""
+
 PARTS = {
     "planning": "the planner",
-    "policies": "the policy",
-    "rules": "the simulator",
-    "sim": "the simulator",
-    "train": "the training",
+    "methods": "the policy",
+    "world": "the simulator",
+    "learning": "the training",
 }
 """By folder of the package, what it is that one has to wait for."""
 
@@ -67,3 +76,20 @@ def _now() -> float:
 
 
 ANNOUNCER = Announcer()
+
+
+def says_if_long(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+    """Return a function that says on stderr, once a call takes long, that it is at work."""
+
+    @functools.wraps(function)
+    def said(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+        text = f"teamformer.{function.__name__} is at work; it takes more than {LONG:g} seconds ..."
+        timer = Timer(LONG, ANNOUNCER.say, [text])
+        timer.daemon = True
+        timer.start()
+        try:
+            return function(*args, **kwargs)
+        finally:
+            timer.cancel()
+
+    return said

@@ -2,8 +2,9 @@
 
 numba compiles on one core. So while this process compiles a planner, which it needs first,
 `python -m teamformer.cli.terminal.compiling METHOD` compiles what comes after it into the cache;
-with `--simulator` only the step, as by a shared plan no policy has to think. With `--everything` it
-compiles what any first run needs, for a wheel that brings it along.
+with `--simulator` only the step and the bound, as by a shared plan no policy has to think. With
+`--planner` it compiles the shared plan, as `make run` has it do while pip installs what that does
+not need. With `--everything` it compiles what any first run needs, for a wheel that brings it.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from teamformer.cli.terminal.console import say
+from teamformer.cli.terminal.console import Waiting, say
 
 if TYPE_CHECKING:
     from teamformer.methods.by_name import Method
@@ -41,7 +42,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     has_new_planner = "plan" in wanted and needs_compiling(anneal)
     is_new = needs_compiling(step_worlds)
     if has_new_planner and is_new and (os.cpu_count() or 1) > 1:
-        _compile_beside("--simulator")
+        compile_beside("--simulator")
     if (
         is_new
         or has_new_planner
@@ -74,12 +75,13 @@ def _compile(methods: Iterable[Method]) -> None:
 
     begun = time.perf_counter()
     ours = [method for method in methods if ":" not in method.name]
-    for method in ours or [load_method("join-all")]:
-        run_trial(smallest_mission(), method)
+    with Waiting("compiling"):
+        for method in ours or [load_method("join-all")]:
+            run_trial(smallest_mission(), method)
     say(f"compiled in {time.perf_counter() - begun:.0f} s")
 
 
-def _compile_beside(what: str) -> None:
+def compile_beside(what: str) -> None:
     """Let another process compile the simulator or a method too; it ends with this one."""
     nowhere = subprocess.DEVNULL
     helper = subprocess.Popen(
@@ -101,17 +103,29 @@ def main() -> None:
         _compile_everything(smallest)
     elif names == ["--simulator"]:
         _make_a_step(smallest)
+    elif names == ["--planner"]:
+        _make_a_plan(smallest)
     else:
         _play([smallest], names)
 
 
 def _make_a_step(smallest: Mission) -> None:
-    """Make one step by plans that hold nothing."""
+    """Make one step by plans that hold nothing, and work out what no plan beats."""
     from teamformer.methods.coordinators.on_command import OnCommand
+    from teamformer.planning.bounds.makespan import lower_bound
     from teamformer.world.env import TeamFormation
 
     env = TeamFormation([smallest], coordinator=OnCommand())
     env.step(env.planned_decision(env.view()))
+    lower_bound(smallest)
+
+
+def _make_a_plan(smallest: Mission) -> None:
+    """Make the first plan of robots that share one."""
+    from teamformer.methods.coordinators.shared_plan import SharedPlan
+    from teamformer.world.env import TeamFormation
+
+    TeamFormation([smallest], coordinator=SharedPlan()).view()
 
 
 def _play(worlds: Iterable[Mission], names: Iterable[str]) -> None:

@@ -15,8 +15,10 @@ from rich.progress import (
     BarColumn,
     Progress,
     ProgressColumn,
+    SpinnerColumn,
     Task,
     TextColumn,
+    TimeElapsedColumn,
     TimeRemainingColumn,
 )
 from rich.text import Text
@@ -117,6 +119,15 @@ class _Bar:
     def __exit__(self, *_: object) -> None:
         if self._bar.live.is_started:
             self._bar.stop()
+
+
+class Waiting(_Bar):
+    """A line that moves on a terminal for as long as something takes: what it is, and seconds."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(SpinnerColumn("line"), TextColumn(what), TimeElapsedColumn())
+        if err.is_terminal:
+            self._bar.start()
 
 
 class StepProgress(_Bar):

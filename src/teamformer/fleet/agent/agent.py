@@ -309,7 +309,15 @@ class Agent:
         is_serving = service.phase == SERVE
         if is_serving and self._has_load(service.goal):
             pace = min(self.mission.paces[robot] for robot in service.team_here(now))
-        new = Command(leg, place, service.goal, service.team, is_serving, duration, pace)
+        new = Command(
+            leg=leg,
+            place=place,
+            task=service.goal,
+            team=service.team,
+            serve=is_serving,
+            duration=duration,
+            pace=pace,
+        )
         if new != command:
             self.command = new
 

@@ -88,28 +88,28 @@ class Voice:
         membership, knowledge = agent.membership, agent.knowledge
         membership.count += 1
         word = Word(
-            agent.me,
-            membership.version,
-            place[0],
-            place[1],
-            service.team,
-            service.goal,
-            service.phase,
-            membership.is_fit,
-            service.hold,
-            service.echoes(now),
+            robot=agent.me,
+            version=membership.version,
+            x=place[0],
+            y=place[1],
+            team=service.team,
+            goal=service.goal,
+            phase=service.phase,
+            is_fit=membership.is_fit,
+            hold=service.hold,
+            echoes=service.echoes(now),
         )
         knowledge.words[agent.me] = word
         service.said(word.version, now)
         return Beat(
-            word,
-            self._others(),
-            knowledge.news(now),
-            knowledge.digest,
-            agent.keeper.plan.version,
-            agent.age(now),
-            self.nonce,
-            self.uptime(now),
+            word=word,
+            others=self._others(),
+            news=knowledge.news(now),
+            digest=knowledge.digest,
+            plan=agent.keeper.plan.version,
+            age=agent.age(now),
+            nonce=self.nonce,
+            uptime=self.uptime(now),
         )
 
     def _others(self) -> tuple[Word, ...]:

@@ -17,20 +17,23 @@ from pathlib import Path
 from teamformer.base.errors import TeamformerError
 from teamformer.fleet.fleet_mission import row_of
 from teamformer.fleet.messages import EVERYBODY, OPERATOR, Beat, Notice, Offer, Post, TaskFact
-from teamformer.fleet.observer.alerts import Alerts
 from teamformer.fleet.observer.mission_clock import MissionClock
 from teamformer.fleet.observer.silence import Silence
 from teamformer.fleet.observer.troubles import troubles
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.transports.transport import Transport
+from teamformer.live.running.alarm import OnAlerts
+from teamformer.live.running.alerts import Alerts
 from teamformer.live.running.incidents import NewTask
 from teamformer.live.running.messages import read_incident, read_message
 from teamformer.live.running.page_trees import Tree, record_so_far
 from teamformer.live.serving.refusals import or_refuse
 from teamformer.live.serving.watchers import Watcher
+from teamformer.record.files.writing import save_record, step_to_tree
 from teamformer.record.record import Record
-from teamformer.record.writing import save_record, step_to_tree
+from teamformer.record.telling.latest import LatestTold
+from teamformer.record.telling.trees import news_to_tree
 
 LISTENS = 3.0
 """Seconds that agents have to tell what was done before."""
@@ -45,7 +48,8 @@ PATIENCE = 20.0
 class ObserverSession:
     """Hears a fleet, writes down a step each so many seconds and tells everybody.
 
-    `say` tells the person who started it of alerts, which pages show as well.
+    `say` tells the person who started it of alerts, which pages show as well; `on_alerts` is given
+    them too.
     """
 
     def __init__(
@@ -55,6 +59,7 @@ class ObserverSession:
         post: Post,
         folder: Path,
         say: Callable[[str], None] = lambda _: None,
+        on_alerts: OnAlerts = lambda new, past: None,
     ) -> None:
         self.watch, self.folder = watch, folder
         self.lock = asyncio.Lock()
@@ -64,10 +69,11 @@ class ObserverSession:
         self._watchers: set[Watcher] = set()
         self._operators: dict[int, Operator] = {}
         self._incidents: list[tuple[int, str]] = []
-        self._say_aloud = say
+        self._say_aloud, self._on_alerts = say, on_alerts
         self.on_step: Callable[[Record], None] | None = None  # given what was seen so far
         names = tuple(robot.name for robot in watch.mission.source.robots)
         self._silence, self._alerts = Silence(names, time.monotonic()), Alerts(names)
+        self._told = LatestTold()
         self._step, self._clock = watch.mission.step, MissionClock(MOST_PAST * watch.mission.step)
         self._has_begun = False  # to write down steps
         transport.listen_to(range(watch.mission.robots))
@@ -189,6 +195,7 @@ class ObserverSession:
         """Tell everybody what is wrong, and what no longer is, until all is done."""
         if self.watch.is_over:  # then robots leave
             if self._alerts.held:
+                self._on_alerts([], self._alerts.held)
                 self._alerts.clear()
                 self._tell_all("state", self._state())
             return
@@ -202,6 +209,7 @@ class ObserverSession:
             if not alert.is_return:
                 self._say_aloud(f"no longer: {alert.what}")
         if new or past:
+            self._on_alerts(new, past)
             self._tell_all("state", self._state())
 
     def _ask_for_facts(self) -> None:
@@ -223,9 +231,12 @@ class ObserverSession:
 
     def _make_step(self) -> None:
         step = self.watch.step()
-        self._tell_all("step", {"at": len(self.watch.steps), "step": step_to_tree(step)})
+        record = self.watch.record()
+        told = news_to_tree(self._told.of(record))
+        news = {"at": len(self.watch.steps), "step": step_to_tree(step), "told": told}
+        self._tell_all("step", news)
         if self.on_step is not None:
-            self.on_step(self.watch.record())
+            self.on_step(record)
 
     def _tell_of_task(self, text: str) -> None:
         self._incidents.append((len(self.watch.steps), text))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.fleet.observer.alerts import ALL, Alert, robot_key
+from teamformer.live.running.alerts import ALL, Alert, robot_key
 
 SILENCE = 10.0
 """Seconds without any word of a robot after which it counts as not heard."""

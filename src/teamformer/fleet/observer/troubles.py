@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.observer.alerts import END, Alert, robot_key
 from teamformer.fleet.observer.watch import Watch
+from teamformer.live.running.alerts import END, Alert, robot_key
 from teamformer.mission.parts.capabilities import describe, missing, total
 
 SLACK = 10.0

@@ -32,6 +32,7 @@ from teamformer.fleet.rehearsal.record import (
     teams_shown,
     who_did,
 )
+from teamformer.fleet.rehearsal.services_seen import ServicesSeen
 from teamformer.fleet.rehearsal.trace import Finished
 from teamformer.mission.model import Task
 from teamformer.mission.parts.grid import Grid, Place
@@ -70,6 +71,7 @@ class Watch:
         self.words: dict[int, Word] = {}
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
         self.steps: list[Step] = []
+        self._seen = ServicesSeen(self.source)
         self.tellers: set[int] = set()  # who has told it what was done before it came
         self._number = {task.key: number for number, task in enumerate(mission.tasks)}
         self._done: dict[int, int] = {}  # task -> step in which that was heard of
@@ -155,11 +157,12 @@ class Watch:
         places = {robot: at.at for robot, at in enumerate(self.source.robots)}
         for deeds in rows:
             said = {robot: (robot, place) for robot, place in places.items()}
-            self.steps.append(self._drawn(said, {}, deeds))
+            self._seen.add(self.steps, self._drawn(said, {}, deeds), self.source)
             places |= {robot: deed.at for deed in deeds for robot in deed.robots}
         written = {deed.task for deeds in rows for deed in deeds}
         self._news = [key for key in self._news if self._number[key] not in written]
-        self.steps += [Step()] * (past - len(rows))
+        for _ in range(past - len(rows)):
+            self._seen.add(self.steps, Step(), self.source)
         self._done = dict.fromkeys(self._done, past + 1)
         self._served = {
             r: service._replace(since=past, step=past) for r, service in self._served.items()
@@ -191,8 +194,8 @@ class Watch:
         made = self._drawn(said, goals, deeds, self._taking(lifted), lost)
         self._news = [key for key in self._news if not said or key not in ripe]
         left, self._left = tuple(self._left.values()), {}
-        self.steps.append(replace(made, back=tuple(back), left=left))
-        return self.steps[-1]
+        made = replace(made, back=tuple(back), left=left)
+        return self._seen.add(self.steps, made, self.source)
 
     def _drawn(
         self,
@@ -226,23 +229,26 @@ class Watch:
         return replace(made, taken=tuple(taken.items()))
 
     def record(self) -> Record:
-        """Return what has been seen so far."""
+        """Return what has been seen so far; it ends with the step in which all tasks are done."""
         tasks, steps = self.source.tasks, len(self.steps)
-        done = sum(len(step.done) for step in self.steps)
+        ends = [number for number, step in enumerate(self.steps, 1) for _ in step.done]
+        is_complete = len(ends) == len(tasks)
+        if is_complete:
+            steps = max(ends, default=0)
         return Record(
             mission=replace(self.source, teams=()),
             method=FLEET,
             seed=0,
             orders=((0, tuple(k for k, task in enumerate(tasks) if task.appears == 0)),),
             start=tuple((r, (r,), *at.at) for r, at in enumerate(self.source.robots)),
-            steps=tuple(self.steps),
+            steps=tuple(self.steps[:steps]),
             end=Ending(
-                status="completed" if done == len(tasks) else "interrupted",
-                makespan=steps if done == len(tasks) else None,
+                status="completed" if is_complete else "interrupted",
+                makespan=steps if is_complete else None,
                 steps=steps,
-                tasks_done=done,
-                joins=sum(len(step.joins) for step in self.steps),
-                splits=sum(len(step.splits) for step in self.steps),
+                tasks_done=len(ends),
+                joins=sum(len(step.joins) for step in self.steps[:steps]),
+                splits=sum(len(step.splits) for step in self.steps[:steps]),
                 illegal_decisions=0,
             ),
         )

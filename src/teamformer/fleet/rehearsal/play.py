@@ -243,14 +243,14 @@ class Rehearsal:
     def _start(self, robot: int, remembered: Remembered | None) -> Agent:
         nonce = robot + 1000 * len(self.trace.events)
         return Agent(
-            self.mission,
-            robot,
-            self._planner,
-            self._plan,
-            self._clock(robot),
-            remembered,
-            nonce,
-            self._make_policy(robot),
+            mission=self.mission,
+            me=robot,
+            planner=self._planner,
+            plan=self._plan,
+            now=self._clock(robot),
+            remembered=remembered,
+            nonce=nonce,
+            policy=self._make_policy(robot),
         )
 
     def _plan_happenings(self) -> None:

@@ -17,6 +17,7 @@ from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.fleet.rehearsal.services_seen import with_services
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
@@ -56,7 +57,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     source = replace(mission.source, tasks=tasks, robots=robots, teams=())
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: step for robot, step in ends if step is not None}
-    rows = _Teller(source, mission.step, number).tell(events, deeds, lost)
+    rows = with_services(source, _Teller(source, mission.step, number).tell(events, deeds, lost))
     is_complete, steps = outcome.status == "ended", len(rows)
     return Record(
         mission=source,

@@ -2,7 +2,7 @@
 
 After Boehme and Hollinger's Teamformer (ICRA 2026, section IV): capabilities have learned
 embeddings, an encoder attends among the tokens of teams and tasks, and a decoder generates the
-wanted capabilities one at a time. `nets.grammar` says what may come next.
+wanted capabilities one at a time. `nets.action_mask` says what may come next.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from teamformer.live.drawing.drafts import Draft
 from teamformer.live.running.happening_trees import happening_to_tree
 from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.page_trees import Tree
-from teamformer.record.writing import step_to_tree
+from teamformer.record.files.writing import step_to_tree
 
 NAME = "autosave.jsonl"
 """The file's name, in the folder of results."""

@@ -21,7 +21,7 @@ from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.page_trees import Tree
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
-from teamformer.record.writing import step_to_tree
+from teamformer.record.files.writing import step_to_tree
 
 StartMission = Callable[..., RunningMission]
 """Has a mission run, by the plans that were made for it before, if any were."""

@@ -111,6 +111,11 @@ class RunningMission:
         """Return the plans that were made since the step before the latest."""
         return [plan for made, plan in self._env.plans() if made == self.steps]
 
+    @property
+    def truth(self) -> Mission:
+        """Return what the mission really is, with all that has happened to it."""
+        return self._env.truths[0]
+
     def tally(self) -> Tally:
         """Return how the mission stands."""
         return self._env.tally()

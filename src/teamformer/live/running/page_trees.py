@@ -8,22 +8,26 @@ from typing import Any
 from teamformer.live.running.forecasts import Forecast
 from teamformer.live.running.incidents import Happening, LostRobot
 from teamformer.live.running.mission_with_past import RunningMission
+from teamformer.record.files.writing import record_to_tree, step_to_tree
 from teamformer.record.record import Record
-from teamformer.record.writing import record_to_tree, step_to_tree
+from teamformer.record.telling.latest import LatestTold
+from teamformer.record.telling.trees import news_to_tree, path_to_tree
+from teamformer.record.telling.whole import path_of_record
 
 Tree = dict[str, Any]
 
 
-def news_of_step(record: Record, is_running: bool) -> Tree:
-    """Return what the latest step of a record changed, as pages are told."""
-    made = len(record.steps)
-    news: Tree = {"at": made, "step": step_to_tree(record.steps[-1])}
+def news_of_step(mission: RunningMission, latest: LatestTold) -> Tree:
+    """Return what the latest step of a mission changed, and what is told of it, for pages."""
+    record = mission.record()
+    made, told = len(record.steps), news_to_tree(latest.of(record))
+    news: Tree = {"at": made, "step": step_to_tree(record.steps[-1]), "told": told}
     for key in ("orders", "plans"):
-        latest = [plan for plan in getattr(record, key) if plan[0] == made]
-        if latest:
-            news[key] = latest
-    if not is_running:
+        if plans := [plan for plan in getattr(record, key) if plan[0] == made]:
+            news[key] = plans
+    if not mission.is_running:
         news["end"] = vars(record.end)
+        told["path"] = path_to_tree(path_of_record(record))
     return news
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from teamformer.base.extras import require
 from teamformer.files.mission_files import write_mission
 from teamformer.record.export.csv_tables import write_tables
+from teamformer.record.files.writing import record_to_tree, save_record
 from teamformer.record.record import Record
-from teamformer.record.writing import record_to_tree, save_record
 from teamformer.viewer.html import write_page
 
 

@@ -26,6 +26,7 @@ from teamformer.live.running.messages import LARGEST
 from teamformer.live.serving.doors import Doors, KeepApart, PromptRequests
 from teamformer.live.serving.downloads import DOWNLOADS, make_download
 from teamformer.live.serving.errands import Conversation
+from teamformer.live.serving.openapi import openapi_text
 from teamformer.live.serving.watchers import Watcher
 from teamformer.record.record import Record
 
@@ -82,6 +83,12 @@ def make_app(
             return _plain(refusal, 403)
         return await _download(session, request.path_params["name"])
 
+    async def description(request: Request) -> Response:
+        refusal = doors.refusal(request)
+        if refusal is not None:
+            return _plain(refusal, 403)
+        return Response(openapi_text(), media_type="application/json")
+
     async def talk(connection: WebSocket) -> None:
         if doors.refusal(connection) is not None:
             await connection.close(POLICY_VIOLATION)
@@ -109,6 +116,7 @@ def make_app(
 
     routes = [
         Route("/", home),
+        Route("/openapi.json", description),
         Route("/download/{name}", download),
         WebSocketRoute("/socket", talk),
     ]

@@ -8,9 +8,9 @@ from functools import partial
 from itertools import chain
 
 from teamformer.methods.central.plan_from_play import CoalitionLog, plan_from_play
-from teamformer.methods.central.plan_player import PlanPlayer
 from teamformer.methods.central.players import Player
 from teamformer.methods.central.plays import CentralPlan, Plays
+from teamformer.methods.central.variations import vary
 from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.joining import JoinAll
@@ -24,7 +24,6 @@ from teamformer.planning.problem.coalition_plan import (
     CoalitionPlan,
     keep_order,
     plan_of_lists,
-    routes_of,
 )
 from teamformer.planning.problem.relaxed_problem import Relaxed, relax
 from teamformer.planning.race import Race
@@ -43,6 +42,9 @@ from teamformer.world.rules.constants import FAR
 
 SEARCHES = 5
 """How many plans are searched for and played, each from another seed, while there is time."""
+
+VARYING = 0.5
+"""Share of the time that is left to changes of the best plan if a search ends early."""
 
 RELAXING = 0.3
 """Share of the time for the relaxed schedule and its proof, on one thread."""
@@ -89,11 +91,11 @@ def plan_centrally(
         plays.add_as_believed(name, default, believed)
     given = None if start is None else _team_plan(start)
     if given is not None:
-        plays.add("start", _player(mission, given))
+        plays.add_plan("start", given)
     situation = situation_in_hindsight(mission)
     first = _first_plan(mission, situation)
     if first is not None:
-        plays.add("search", _player(mission, first.plan))
+        plays.add_plan("search", first.plan)
     plays.add_simple_rules()
     if first is None or time_limit == 0:
         solution = solve(mission, plays.seconds_left, seed=seed)
@@ -108,7 +110,9 @@ def plan_centrally(
         solution, bound, searched = _search(mission, situation, race.plan, plays, seed, workers)
     if time_limit > 0 and solution.schedule is not None:
         order = keep_order(situation.problem.before, list(solution.schedule.order))
-        plays.add("schedule", _player(mission, plan_of_lists(order, solution.schedule.coalitions)))
+        plays.add_plan("schedule", plan_of_lists(order, solution.schedule.coalitions))
+    if time_limit > 0:
+        vary(situation.problem, plays, bound, seed)
     return plays.report(solution, bound, searched, is_first=time_limit == 0)
 
 
@@ -134,7 +138,7 @@ def _follow(
     plan = plan_from_play(mission, followed, plays.begun + plays.limit)
     if plan is not None:
         race.offer(time_team_plan(situation, plan))
-        plays.add(name, _player(mission, plan))
+        plays.add_plan(name, plan)
 
 
 def _search(
@@ -151,13 +155,13 @@ def _search(
     searches in small worlds end early. Then it is searched again from another seed.
     """
     solution, race = _improve(mission, situation, first, plays, seed, workers)
-    plays.add("search", _player(mission, race.plan.plan))
+    plays.add_plan("search", race.plan.plan)
     bound, curve = race.bound, race.curve
     for number in range(1, SEARCHES):
-        if plays.is_proven(bound) or plays.seconds_left == 0.0:
+        if plays.is_proven(bound) or plays.seconds_left <= VARYING * plays.limit:
             break
         _, race = _improve(mission, situation, first, plays, seed + number, workers)
-        plays.add("search", _player(mission, race.plan.plan))
+        plays.add_plan("search", race.plan.plan)
         bound, curve = max(bound, race.bound), curve + race.curve
     return solution, bound, curve
 
@@ -216,7 +220,3 @@ def _relax_and_search(
 def _team_plan(plan: Plan) -> CoalitionPlan:
     coalition_of = dict(zip(plan.order, plan.coalitions, strict=True))
     return plan_of_lists(plan.order, [coalition_of[task] for task in range(len(coalition_of))])
-
-
-def _player(mission: Mission, plan: CoalitionPlan) -> PlanPlayer:
-    return PlanPlayer(mission, routes_of(plan, len(mission.robots)), plan.order.tolist())

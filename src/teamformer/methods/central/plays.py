@@ -18,6 +18,7 @@ from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.coordination import Coordinator
 from teamformer.mission.model import Mission
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, routes_of
 from teamformer.planning.relaxation.solve import RelaxedSolution
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NEVER, NOBODY
@@ -26,6 +27,12 @@ Script = list[dict[int, tuple[Array, int]]]
 """For each step and slot, the counts wanted and the task named."""
 
 Curve = tuple[tuple[float, int], ...]
+
+Rank = tuple[float, int]
+"""What a play costs, infinite if it does not do all tasks, and less the more of them it does."""
+
+WORST: Rank = (math.inf, 1)
+"""The rank of a play that nobody waited for."""
 
 SIMPLE_RULES: tuple[tuple[str, Policy], ...] = (("join-all", JoinAll()), ("heuristic", Heuristic()))
 """Rules that the plan must not be slower than."""
@@ -39,6 +46,9 @@ BELIEVED_SECONDS = 5.0
 That is far more than it takes in small missions, where so much is uncertain that every step makes
 another plan.
 """
+
+LOOK = 20
+"""Every so many steps of a play in a mission with a cost it is asked whether it is beaten."""
 
 MARGIN = 0.1
 """Seconds kept back at the end, besides what the last plays take."""
@@ -73,6 +83,7 @@ class Plays:
     def __init__(self, mission: Mission, begun: float, time_limit: float) -> None:
         self.begun = begun
         self.makespan: int | None = None
+        self.best_plan: tuple[Rank, CoalitionPlan] | None = None
         self._cost = math.inf  # of the best play: its makespan, if that alone counts
         self._weights = judged_by(mission)
         self.limit = time_limit
@@ -81,7 +92,7 @@ class Plays:
         self._coordinator: Coordinator | None = None
         self._tasks_done = -1  # of the best play
         self._curve: list[tuple[float, int]] = []
-        self._longest = 0.0  # seconds that a play took
+        self._longest = 0.0  # seconds that the play of a plan took
 
     @property
     def seconds(self) -> float:
@@ -104,15 +115,23 @@ class Plays:
 
         That may be better than what the default does when it knows all.
         """
-        longest = self._longest  # this is never played last
         until = max(self.limit, self.seconds + BELIEVED_SECONDS)
         self.add(name, default, until=until, mission=believed)
-        self._longest = longest
 
     @property
     def _end(self) -> float:
         """Return the second at which time is up; without a limit there is none."""
         return self.limit or math.inf
+
+    def add_plan(self, name: str, plan: CoalitionPlan) -> Rank:
+        """Play a plan; the plan whose play is the best is kept in `best_plan`."""
+        begun, order = self.seconds, plan.order.tolist()
+        routes = routes_of(plan, len(self._source.robots))
+        rank = self.add(name, PlanPlayer(self._source, routes, order))
+        self._longest = max(self._longest, self.seconds - begun)
+        if self.best_plan is None or rank < self.best_plan[0]:
+            self.best_plan = rank, plan
+        return rank
 
     def add(
         self,
@@ -121,28 +140,29 @@ class Plays:
         until: float | None = None,
         log: CoalitionLog | None = None,
         mission: Mission | None = None,
-    ) -> None:
+    ) -> Rank:
         """Play a plan, a policy or a coordinator, and keep what it decides if it is the best.
 
         That is the fastest or, in a mission with windows or a cost, the one that costs least.
 
-        Until one does all tasks, that is the one that does most.
+        Until one does all tasks, that is the one that does most. Returns what it is compared by.
 
         What is done is noted in `log`. With a `mission` it is played by robots that know no more
         than that: it is the mission with what is uncertain left open.
 
-        Once there is a play to show, others end early: when they are no faster, or at the second
+        Once there is a play to show, others end early: when they are no better, or at the second
         `until`, when time is up if left out.
         """
         mission = mission or self._source
         env = stage_for(player, mission, self._source)
-        begun = self.seconds
         end = self._end if until is None else until
         most = NEVER if self.makespan is None or self._weights else self.makespan
         script: Script = []
         while env.is_running[0] and len(script) < most:
             if self.makespan is not None and self.seconds > end:
-                return
+                return WORST
+            if self._weights and len(script) % LOOK == 0 and self._cost_at_least(env) > self._cost:
+                return WORST
             script.append(_step(env, player))
             if log is not None:
                 log.note(env)
@@ -157,13 +177,20 @@ class Plays:
             self._tasks_done = tally.tasks_done
             self._played_by, self._script, self._mission = name, script, mission
             self._coordinator = _again(player, env)
-        self._longest = max(self._longest, self.seconds - begun)
+        return cost, -tally.tasks_done
 
     def _cost_of(self, env: TeamFormation) -> float:
         """Return what a play that has done everything costs: its makespan, if that alone counts."""
         if self._weights is None:
             return env.tally().steps
         return weighed(self._source, self._weights, env.ends(), env.tally().steps)
+
+    def _cost_at_least(self, env: TeamFormation) -> float:
+        """Return what a play costs if all that is not done is done at once; weights count here."""
+        assert self._weights is not None
+        steps, ends = env.tally().steps, env.ends()
+        soonest = {task: ends.get(task, steps) for task in range(len(self._source.tasks))}
+        return weighed(self._source, self._weights, soonest, steps)
 
     def is_proven(self, bound: int) -> bool:
         """Say whether nothing can be better than the best play."""
@@ -184,15 +211,15 @@ class Plays:
             if is_better and self.makespan is not None and steps >= self.makespan:
                 curve.append((round(seconds, 3), steps))
         return CentralPlan(
-            solution,
-            bound,
-            self.makespan,
-            self._played_by,
-            script,
-            self._mission,
-            self._coordinator,
-            tuple(curve),
-            is_first,
+            solution=solution,
+            bound=bound,
+            makespan=self.makespan,
+            played_by=self._played_by,
+            script=script,
+            mission=self._mission,
+            coordinator=self._coordinator,
+            curve=tuple(curve),
+            is_first=is_first,
         )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.methods.scripted.pairing import pair_by_slot
+from teamformer.methods.scripted.pairing import keep_first_half, pair_by_slot
 from teamformer.mission.model import Mission
 from teamformer.world.env import Decision
 from teamformer.world.rules.constants import NOBODY
@@ -42,10 +42,10 @@ def _decide(view: View, wanted: Array) -> None:
     for row in range(len(wanted)):
         if view.is_serving[row]:
             continue
-        if view.is_at_task[row]:
+        if view.is_at_task[row] and not view.has_to_part[row]:
             _join_at_task(view, row, wanted[row])
         elif view.size[row] > 1:
-            _keep_first_half(view, row, wanted[row])
+            keep_first_half(view, row, wanted[row])
 
 
 @kernel
@@ -54,12 +54,3 @@ def _join_at_task(view: View, row: int, wanted: Array) -> None:
     if other != NOBODY:
         for cap in range(len(wanted)):
             wanted[cap] += view.seen_counts[row, other, cap]
-
-
-@kernel
-def _keep_first_half(view: View, row: int, wanted: Array) -> None:
-    first = view.first_member[row]
-    for cap in range(len(wanted)):
-        wanted[cap] = 0
-        for member in range(first, first + view.size[row] // 2):
-            wanted[cap] += view.member_counts[member, cap]

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.methods.scripted.pairing import is_partner, pair_by_slot
+from teamformer.methods.scripted.pairing import is_partner, keep_first_half, pair_by_slot
 from teamformer.mission.model import Mission
 from teamformer.world.env import Decision
 from teamformer.world.rules.constants import NOBODY
@@ -22,7 +22,7 @@ class JoinFitting:
     Nothing is wasted if the union has no more of what the other brings than some task in view
     needs, or than one: a task out of view may need it. At its own task a team joins others with
     the same assignment in any case, if they bring what is missing there: so none of them waits
-    for ever. Teams in one place pair off by slot. Never splits.
+    for ever. Teams in one place pair off by slot. Splits as join-all does.
     """
 
     needs_everything = False
@@ -42,6 +42,9 @@ def _decide(view: View, wanted: Array) -> None:
     most = np.zeros(view.counts.shape[1], dtype=np.int32)
     for row in range(len(wanted)):
         if view.is_serving[row]:
+            continue
+        if view.has_to_part[row]:
+            keep_first_half(view, row, wanted[row])
             continue
         _find_most_needed(view, row, most)
         chosen = _fitting(view, row, most)

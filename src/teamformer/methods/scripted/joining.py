@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
-from teamformer.methods.scripted.pairing import is_partner, pair_by_slot
+from teamformer.methods.scripted.pairing import is_partner, keep_first_half, pair_by_slot
 from teamformer.mission.model import Mission
 from teamformer.world.env import Decision
 from teamformer.world.rules.constants import NOBODY
@@ -16,11 +16,12 @@ from teamformer.world.view import View
 
 
 class JoinAll:
-    """Joins a team in the same place whenever it adds what an open task needs; never splits.
+    """Joins a team in the same place whenever it adds what an open task needs; splits hardly ever.
 
     Useful means: some task in view needs more of a capability than the own team has, and the
     other team has it. Teams in one place pair off by slot, first with second, third with fourth,
-    so that many become one in few steps.
+    so that many become one in few steps. Who flies over walls joins others only where no task
+    that they cannot get to waits for it, and halves its team with them where one does.
     """
 
     needs_everything = False
@@ -40,6 +41,9 @@ def _decide(view: View, wanted: Array) -> None:
     lacks = np.empty(view.counts.shape[1], dtype=np.bool_)
     for row in range(len(wanted)):
         if view.is_serving[row]:
+            continue
+        if view.has_to_part[row]:
+            keep_first_half(view, row, wanted[row])
             continue
         _mark_lacks(view, row, lacks)
         chosen = pair_by_slot(view, row, False)

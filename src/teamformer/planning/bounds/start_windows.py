@@ -2,7 +2,7 @@
 
 Tours of the robots with a capability narrow the steps in which tasks start. A task that needs
 several capabilities starts when all of these are there, so each narrows the others. For missions
-in continuous time `continuous/bounds/makespan.py` does the same.
+in continuous time `continuous_bounds/makespan.py` does the same.
 """
 
 from __future__ import annotations

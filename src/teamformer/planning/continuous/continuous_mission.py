@@ -157,7 +157,16 @@ def pose_mission(mission: Mission) -> ContinuousMission:
     )
     if is_linked(mission):
         problem = problem._replace(links=_links(mission, scale))
-    return ContinuousMission(mission, ways, home, origin, pace, carry, scale, problem)
+    return ContinuousMission(
+        source=mission,
+        ways=ways,
+        home=home,
+        origin=origin,
+        pace=pace,
+        carry=carry,
+        scale=scale,
+        problem=problem,
+    )
 
 
 def rounding_of(mission: Mission) -> int:

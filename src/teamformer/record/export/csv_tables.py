@@ -12,12 +12,12 @@ from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.model import Task
 from teamformer.mission.parts.capabilities import describe
-from teamformer.record.export.events import events
 from teamformer.record.export.moments import Moment, moments
-from teamformer.record.export.services import begun_steps
-from teamformer.record.phases import PHASES
+from teamformer.record.happenings import events
+from teamformer.record.phases import LOADING, PHASES, SERVING
 from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, known_steps, lateness
+from teamformer.record.telling.whole import told_of
 from teamformer.world.rules.constants import NEVER, NOBODY
 
 Row = Sequence[object]
@@ -82,7 +82,8 @@ def _tasks(record: Record) -> Iterable[Row]:
     yield (*WANTED, *(key.name for key in more), *BECAME)
     done = {event.task: event for event in events(record) if event.kind == "done"}
     known, late = known_steps(record), lateness(record)
-    begun, cancelled = begun_steps(record), cancelled_steps(record)
+    begun = {it.task: it.begun for it in told_of(record).services if it.doing in (SERVING, LOADING)}
+    cancelled = cancelled_steps(record)
     for number, task in enumerate(record.true_mission.tasks):
         event = done.get(number)
         who = () if event is None else (_name(record, robot) for robot in event.robots)

@@ -47,8 +47,8 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.grid import Grid as GridWorld
 from teamformer.mission.parts.grid import Place
-from teamformer.record.export.events import Event, events
 from teamformer.record.export.moments import Moment, moments
+from teamformer.record.happenings import Event, events
 from teamformer.record.record import Record
 from teamformer.record.task_times import known_steps, over_steps
 from teamformer.world.rules.constants import NOBODY

@@ -6,10 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from teamformer.mission.parts.grid import Place
-from teamformer.record.export.services import Services
-from teamformer.record.phases import IDLE, is_same_place, phase_of
-from teamformer.record.record import Record, Step
-from teamformer.record.teams import Teams
+from teamformer.record.record import Record
+from teamformer.record.telling.unrolled import Unrolled
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -31,58 +29,22 @@ class Moment:
 
 def moments(record: Record) -> Iterator[Moment]:
     """Yield the moments of a record, the start first."""
-    count = len(record.mission.robots)
-    activities = _Activities(record)
-    yield activities.moment(0, [NOBODY] * count, [IDLE] * count)
-    for number, step in enumerate(record.steps, start=1):
-        yield activities.moment(number, *activities.make(step, number))
+    unrolled = Unrolled(record)
+    yield _moment(unrolled)
+    for _ in record.steps:
+        unrolled.go_on(record)
+        yield _moment(unrolled)
 
 
-class _Activities:
-    """What each robot was about in a step."""
-
-    def __init__(self, record: Record) -> None:
-        self._mission = record.true_mission
-        self.teams = Teams(record)
-        self._services = Services(record, self.teams)
-
-    def moment(self, number: int, pursued: list[int], phase: list[str]) -> Moment:
-        slots = tuple(self.teams.slot)
-        told, task_at = (tuple(pursued), tuple(phase)), self._services.task_places()
-        return Moment(number, slots, self._places(), self._tasks(), *told, task_at)
-
-    def _places(self) -> tuple[Place, ...]:
-        return tuple(self.teams.place(robot) for robot in range(len(self.teams.slot)))
-
-    def _tasks(self) -> tuple[int, ...]:
-        task = self.teams.task
-        return tuple(NOBODY if slot == NOBODY else task[slot] for slot in self.teams.slot)
-
-    def make(self, step: Step, number: int) -> tuple[list[int], list[str]]:
-        """Make a step; return the task that each robot was about in it, and what it did."""
-        was_at, was_for = self._places(), self._tasks()
-        forming = self.teams.follow(step)
-        by_slot = self._services.work(number)
-        work = [by_slot.get(slot) for slot in self.teams.slot]
-        self._services.go_on(step, number)
-        phases, told = [], dict(step.pursued)
-        pursued = [
-            NOBODY if slot == NOBODY else told.get(slot, before if now == NOBODY else now)
-            for slot, before, now in zip(self.teams.slot, was_for, self._tasks(), strict=True)
-        ]
-        for robot, (slot, task) in enumerate(zip(self.teams.slot, pursued, strict=True)):
-            place = self.teams.place(robot)
-            is_lost = slot == NOBODY or robot in step.back
-            phases.append(
-                phase_of(
-                    *(is_lost, robot in forming, work[robot], place != was_at[robot], task),
-                    is_there=self._is_at(place, task),
-                )
-            )
-        return pursued, phases
-
-    def _is_at(self, place: Place, task: int) -> bool:
-        """Say whether a place is where a team heads for that is to do a task."""
-        if task == NOBODY:
-            return False
-        return is_same_place(self._mission, place, self._services.goal_of(task))
+def _moment(now: Unrolled) -> Moment:
+    teams = now.teams
+    deeds = [now.phases.of(teams, robot) for robot in range(len(teams.slot))]
+    return Moment(
+        now.steps,
+        tuple(teams.slot),
+        tuple(teams.place(robot) for robot in range(len(teams.slot))),
+        tuple(NOBODY if slot == NOBODY else teams.task[slot] for slot in teams.slot),
+        tuple(task for _, task in deeds),
+        tuple(phase for phase, _ in deeds),
+        now.task_places(),
+    )

@@ -1,6 +1,6 @@
-"""The referee: judges records by the rules alone, with none of the simulator's code."""
+"""The referee: judges records by the reference step, with none of the simulator's kernels."""
 
 from teamformer.record.referee.judge import judge
-from teamformer.record.referee.rules.verdict import Finding, Verdict
+from teamformer.record.referee.verdict import Finding, Verdict
 
 __all__ = ["Finding", "Verdict", "judge"]

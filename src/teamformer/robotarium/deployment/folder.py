@@ -1,8 +1,8 @@
 """Makes the flat folder that Robotarium's testbed takes: the same code, with its libraries alone.
 
-The modules that a mission needs are copied with their imports made flat. The testbed has no numba,
-so kernels run as plain Python there; no ONNX Runtime, so networks run in NumPy; no daqp, so the
-safety filter asks cvxopt.
+The modules that a mission needs are copied as they are; the testbed finds them by `testbed.txt`. It
+has no numba, so kernels run as plain Python there; no ONNX Runtime, so networks run in NumPy; no
+daqp, so the safety filter asks cvxopt. It takes flat files of Python and NumPy, so no zip.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from teamformer.robotarium.mission_checks import check_mission
 
 ROOT = Path(__file__).parents[2]
 SHIMS = Path(__file__).parent / "testbed"
-IMPORT = re.compile(r"from teamformer\.([\w.]+) import (\([^)]*\)|[^\n]*)")
+IMPORT = re.compile(r"from teamformer\.([\w.]+) import ")
 TYPES_ONLY = r"^if TYPE_CHECKING:\n(?: +from [\w.]+ import (?:\([^)]*\)|[^\n(]*)\n)+"
 FOR_TYPES = re.compile(TYPES_ONLY, re.MULTILINE)
-"""Imports for readers and type checkers only; the testbed needs none of them."""
+"""Imports for readers and type checkers only; the testbed needs no modules for them."""
 
 MAIN, WEIGHTS = "main.py", "weights.npy"
 OURS = re.compile(r"tf_\w+\.py")
@@ -70,9 +70,10 @@ def deploy(mission: Mission, name: str, seed: int, folder: Path) -> list[Path]:
             raise TeamformerError("the testbed is too slow for plans: it has no numba", hint)
         raise TeamformerError(f"method '{name}' cannot be deployed", hint)
     module, maker = DEPLOYED[name].split(":")
-    texts = {f"{_flat(name)}.py": _text(name) for name in sorted(_needed(module))}
-    texts["tf_mission.py"] = _mission_text(mission, start_poses(mission, seed), seed)
-    texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", _flat(module)).replace("MAKER", maker)
+    texts = {f"{_flat(name)}.py": _source(name) for name in sorted(_needed(module))}
+    texts["tf_testbed.py"] = _shim("testbed.txt")
+    texts["tf_experiment.py"] = _mission_text(mission, start_poses(mission, seed), seed)
+    texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", module).replace("MAKER", maker)
     contents: dict[str, str | bytes] = {**texts}
     if name == NETWORK:
         graph = read_graph(shipped(f"{NETWORK}.onnx"))
@@ -88,7 +89,7 @@ def deploy(mission: Mission, name: str, seed: int, folder: Path) -> list[Path]:
 def _earlier_files(folder: Path) -> list[Path]:
     """Return what a deployment has left; raises `TeamformerError` if something else is there."""
     found = sorted(path for path in folder.glob("*") if path.name != "__pycache__")
-    is_ours = folder.joinpath("tf_mission.py").exists()
+    is_ours = folder.joinpath("tf_experiment.py").exists()
     for path in found:
         if not (is_ours and (path.name in (MAIN, WEIGHTS) or OURS.fullmatch(path.name))):
             what = f"{folder}: holds what is no deployment's, {path.name} for example"
@@ -119,7 +120,7 @@ def verify(folder: Path) -> dict[str, object]:
 
 
 FENCE = (
-    "blocked = ('teamformer', 'numba', 'onnxruntime', 'daqp', 'ortools', 'torch'); "
+    "blocked = ('numba', 'onnxruntime', 'daqp', 'ortools', 'torch'); "
     "sys.modules.update(dict.fromkeys(blocked)); runpy.run_path('main.py', run_name='__main__')"
 )
 """What is not on the testbed, or not needed, cannot be imported; None in sys.modules does that."""
@@ -132,22 +133,15 @@ def _needed(policy_module: str) -> set[str]:
         name = waiting.pop()
         if name not in found:
             found.add(name)
-            waiting += [module for module, _ in IMPORT.findall(_source(name))]
+            waiting += IMPORT.findall(FOR_TYPES.sub("", _source(name)))
     return found
 
 
 def _source(name: str) -> str:
-    """Return a module's text as the testbed gets it, with imports as they are here."""
+    """Return a module's text as the testbed gets it."""
     if name in REPLACED:
         return _shim(REPLACED[name])
-    return FOR_TYPES.sub("", ROOT.joinpath(*name.split(".")).with_suffix(".py").read_text())
-
-
-def _text(name: str) -> str:
-    """Return a module's text with flat imports."""
-    flat = IMPORT.sub(lambda match: f"from {_flat(match[1])} import {match[2]}", _source(name))
-    text = flat.replace("import numba as nb\n", "import tf_base_kernels_jit as nb\n")
-    return text + _shim("packing.txt") if name == "world.state.packing" else text
+    return ROOT.joinpath(*name.split(".")).with_suffix(".py").read_text()
 
 
 def _flat(name: str) -> str:
@@ -162,9 +156,10 @@ def _mission_text(mission: Mission, poses: np.ndarray, seed: int) -> str:
     return (
         '"""The mission, where its robots start, and the seed."""\n\n'
         "from math import inf\n\n"  # which a radius may be
-        "from tf_mission_parts_grid import Grid\n"
-        "from tf_mission_model import Mission, Robot, Task\n"
-        "from tf_mission_parts_plane import Plane\n\n"
+        "import tf_testbed  # by which the package's modules are found\n"
+        "from teamformer.mission.model import Mission, Robot, Task\n"
+        "from teamformer.mission.parts.grid import Grid\n"
+        "from teamformer.mission.parts.plane import Plane\n\n"
         f"MISSION = {mission!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
     )
 

@@ -17,9 +17,9 @@ from teamformer.mission.truth import expected_mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.record.critical_path.of_plan import path_of_plan
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.task_times import cost_of_record
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.trial import run_trial
 
 

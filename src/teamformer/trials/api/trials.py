@@ -14,15 +14,15 @@ from teamformer.mission.checks.rules import rules_not_played
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
-from teamformer.record.referee.rules.truth import wrong_truths
-from teamformer.record.referee.rules.verdict import Verdict
-from teamformer.record.writing import record_to_tree
+from teamformer.record.referee.truth import wrong_truths
+from teamformer.record.referee.verdict import Verdict
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.api.arguments import (
     PathOrName,
     known_seconds,

@@ -1,16 +1,46 @@
 // The page as a whole: one record, one clock, one selection; perhaps others beside it, in step.
 
+import { Companion, sameByName } from "./compared/companion.js";
+import { Compared, MOST_MAPS } from "./compared/panel.js";
+import { recordItem } from "./compared/titles.js";
+import { TrialMap } from "./draw/map.js";
+import { capabilityColours, shortLabels } from "./draw/palette.js";
+import { attempt } from "./panel/attempt.js";
+import { connectControls } from "./panel/controls.js";
+import { byId } from "./panel/dom.js";
+import { connectFiles, openRecordFile, ownDownloads } from "./panel/files.js";
+import { showFigures, showHeader } from "./panel/header.js";
+import { showDetails } from "./panel/inspector.js";
+import { Lists } from "./panel/lists.js";
+import { VIEWS, showPlayback, showSwitches } from "./panel/playback.js";
+import { Timeline } from "./panel/timeline.js";
+import { Player } from "./player.js";
+import { frames } from "./record/history.js";
+import { rememberLast } from "./record/keeping.js";
+import { describeSpan } from "./record/lengths.js";
+import { sceneAt, teamOfRobot } from "./record/scene.js";
+import { describeAt, describeEvent, robotName, taskName } from "./record/words.js";
+import { ROBOT_COLUMNS, TASK_COLUMNS } from "./views/columns.js";
+import { Gantt } from "./views/gantt.js";
+import { Plots } from "./views/plots.js";
+import { Table } from "./views/table.js";
+import { Shown } from "./shown.js";
+
 const LINES_UP_TO = 30; // teams; with more, the lines to assignments are off at first
 const ADDRESS_EVERY = 300; // milliseconds, while it plays
 const REST = 4; // lists rest so many times as long as they took, while it plays
 
-class App {
-  constructor(record, player = new Player(0)) {
-    this.player = player;
+const OPTIONS = { lines: true, trails: false, order: false, names: true, rings: "team", messages: true, bars: "phase", dim: false };
+
+export class App extends Shown {
+  /** @type {HistoryEvent[]} */ events; // all but where teams head for
+  /** @type {Selected} */ selection = {};
+
+  constructor(/** @type {RecordTree} */ record, player = new Player(0)) {
+    super(player, { ...OPTIONS });
     player.changed = (isNewStep) => this.show(isNewStep);
     this.restUntil = 0;
-    this.options = { lines: true, trails: false, order: false, names: true, rings: "team" };
-    Object.assign(this.options, { messages: true, bars: "phase", dim: false });
+    /** @type {MediaRecorder | null} */ this.recorder = null;
     this.view = "map";
     this.map = new TrialMap(this, byId("map"));
     this.lists = new Lists(this);
@@ -21,17 +51,17 @@ class App {
       tasks: new Table(this, "task", TASK_COLUMNS, byId("stage-tasks")),
       robots: new Table(this, "robot", ROBOT_COLUMNS, byId("stage-robots")),
     };
-    this.trials = [undefined]; // all records in the order in which they were opened
-    this.companions = [];
-    this.failed = []; // {method, seed, why}: trials that left no record
+    /** @type {Trial[]} */ this.trials = []; // all records in the order in which they were opened
+    /** @type {Companion[]} */ this.companions = [];
+    /** @type {{method: string, seed: number, why: string}[]} */ this.failed = []; // trials that left no record
     this.compared = new Compared(this, byId("compared"));
     this.load(record);
   }
 
   // Show a record in place of the one in front; what cannot be read throws before anything has changed.
-  load(record) {
+  load(/** @type {RecordTree} */ record) {
     const trial = readTrial(record);
-    this.trials = this.trials.map((other) => (other === this.trial ? trial : other));
+    this.trials = this.trial ? this.trials.map((other) => (other === this.trial ? trial : other)) : [trial];
     this.showTrial(trial);
     this.lineUp();
     this.player.reset(this.lastStep());
@@ -39,11 +69,11 @@ class App {
   }
 
   // Show one of the records as that which panel, lists, tables and timeline are about.
-  showTrial(trial) {
-    Object.assign(this, trial, { trial });
+  showTrial(/** @type {Trial} */ trial) {
+    this.put(trial);
     const { mission } = trial.history;
     this.events = trial.history.events.filter(({ kind }) => kind !== "heads");
-    this.selection = {}; // {robot}, {task}, {cap} or nothing
+    this.selection = {};
     this.options.lines = mission.robots.length <= LINES_UP_TO;
     this.options.names = mission.tasks.length <= 2 * LINES_UP_TO;
     this.options.rings = "team";
@@ -59,7 +89,7 @@ class App {
     this.stretch();
   }
 
-  remove(trial) {
+  close(/** @type {Trial} */ trial) {
     this.trials = this.trials.filter((other) => other !== trial);
     this.lineUp();
     this.stretch();
@@ -84,7 +114,7 @@ class App {
   }
 
   // Show another record's details; the two exchange their places.
-  bringToFront(trial) {
+  bringToFront(/** @type {Trial} */ trial) {
     if (trial === this.trial) return;
     const [was, { options }] = [this.trial, this];
     const kept = { ...options };
@@ -122,12 +152,12 @@ class App {
   }
 
   // A file that was chosen or dropped.
-  openFiles([file], isBeside) {
-    return openRecordFile(this, file, isBeside);
+  openFiles(/** @type {File[]} */ [file], isBeside) {
+    openRecordFile(this, file, isBeside);
   }
 
   // Open another record in place of all that are shown.
-  open(record) {
+  open(/** @type {RecordTree} */ record) {
     this.trials = [this.trial];
     this.failed = [];
     this.load(record);
@@ -144,22 +174,32 @@ class App {
     return Math.max(...this.trials.map(({ history }) => history.last));
   }
 
+  // What can be done with a robot or a task while a mission is under way.
+  /** @returns {HTMLElement[]} */
+  actionsFor(robot) {
+    return [];
+  }
+
+  /** @returns {HTMLElement[]} */
+  actionsForTask(task) {
+    return [];
+  }
+
+  // Whether it is of a fleet that nobody has heard yet.
+  isUnheard() {
+    return false;
+  }
+
   // How a mission stands that is not over; of a record there is nothing to add.
   statusText() {
     return "";
   }
 
-  scene() {
-    return this.sceneAt(Math.min(this.player.step, this.history.last));
-  }
-
   selectedTeam() {
-    return this.selection.robot === undefined
-      ? null
-      : teamOfRobot(this.scene(), this.selection.robot);
+    return teamOfRobot(this.scene(), this.selection.robot);
   }
 
-  select(selection) {
+  select(/** @type {Selected} */ selection) {
     this.selection = selection;
     this.show(true);
   }
@@ -170,14 +210,14 @@ class App {
   }
 
   // What was clicked on the map; where that is nothing, the place is for those who can add there.
-  pick(thing) {
+  pick(/** @type {Thing} */ thing, /** @type {Place} */ place) {
     this.select(thing);
   }
 
   // What holds a thing on the map, drags it and lets it go; here nothing does, and the map moves.
-  hold() {}
+  hold(/** @type {Thing} */ thing, /** @type {Place} */ place) {}
 
-  drag() {
+  drag(/** @type {Place} */ place) {
     return false;
   }
 
@@ -206,7 +246,7 @@ class App {
   }
 
   // All charts show the time that one of them shows.
-  alignGantts(gantt) {
+  alignGantts(/** @type {Gantt} */ gantt) {
     for (const other of this.gantts()) if (other !== gantt) other.alignWith(gantt);
     this.redraw();
   }
@@ -226,11 +266,9 @@ class App {
     this.player.go(step);
   }
 
-  goToEvent(event) {
+  goToEvent(/** @type {HistoryEvent} */ event) {
     if (event.task !== undefined) this.selection = { task: event.task };
-    else if (event.kind === "join") this.selection = { robot: event.joiner };
-    else if (event.kind === "split") this.selection = { robot: event.stay[0] };
-    else if (event.robot !== undefined) this.selection = { robot: event.robot };
+    else if (event.robots) this.selection = { robot: event.robots[0] };
     this.go(event.step);
     this.show(true);
   }
@@ -249,18 +287,18 @@ class App {
     const { robots, tasks, capabilities } = this.history.mission;
     const task = tasks.findIndex(({ name }) => name === wanted.get("task"));
     const robot = robots.findIndex(({ name }) => name === wanted.get("robot"));
-    const cap = capabilities.indexOf(wanted.get("capability"));
+    const cap = capabilities.findIndex((name) => name === wanted.get("capability"));
     if (task >= 0) this.select({ task });
     else if (robot >= 0) this.select({ robot });
     else if (cap >= 0) this.select({ cap });
-    this.look(VIEWS.includes(wanted.get("view")) ? wanted.get("view") : "map");
+    this.look(VIEWS.find((view) => view === wanted.get("view")) ?? "map");
     if (wanted.has("step")) this.go(Math.round(Number(wanted.get("step"))) || 0);
   }
 
   // The address follows, so that a copy of it opens the page at this moment.
   writeAddress() {
     this.addressTimer ??= setTimeout(() => {
-      this.addressTimer = null;
+      this.addressTimer = undefined;
       window.history.replaceState(null, "", `#${this.address()}`);
     }, ADDRESS_EVERY);
   }
@@ -268,7 +306,7 @@ class App {
   address() {
     const { mission } = this.history;
     const { task, robot, cap } = this.selection;
-    const parts = new URLSearchParams({ step: this.player.step });
+    const parts = new URLSearchParams({ step: String(this.player.step) });
     if (task !== undefined) parts.set("task", taskName(mission, task));
     if (robot !== undefined) parts.set("robot", robotName(mission, robot));
     if (cap !== undefined) parts.set("capability", mission.capabilities[cap]);
@@ -288,7 +326,8 @@ class App {
 
   // What is drawn on canvases in this view, that of the record in front first; tables are not drawn.
   drawings() {
-    return { map: this.maps(), gantt: this.gantts(), plots: [this.plots] }[this.view] ?? [];
+    if (this.view === "map") return this.maps();
+    return this.view === "gantt" ? this.gantts() : this.view === "plots" ? [this.plots] : [];
   }
 
   // Bring the page to the moment and the selection that hold now.
@@ -336,7 +375,7 @@ class App {
 const SCENES_KEPT = 40;
 
 // A record with what is worked out from it once.
-function readTrial(record) {
+function readTrial(/** @type {RecordTree} */ record) {
   const history = frames(record);
   const { capabilities } = history.mission;
   return {
@@ -349,13 +388,13 @@ function readTrial(record) {
 }
 
 // Returns what gives the scene after a step, the last few of which are kept.
-function sceneKeeper(history) {
-  let [leaving, scenes] = [null, null];
+function sceneKeeper(/** @type {TrialHistory} */ history) {
+  const keep = () => rememberLast(SCENES_KEPT, (at) => sceneAt(history, at));
+  let { leaving } = history;
+  let scenes = keep();
   return (step) => {
-    if (history.leaving !== leaving) {
-      leaving = history.leaving;
-      scenes = rememberLast(SCENES_KEPT, (at) => sceneAt(history, at));
-    }
+    if (history.leaving !== leaving) scenes = keep();
+    leaving = history.leaving;
     return scenes(step);
   };
 }

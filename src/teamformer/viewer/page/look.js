@@ -1,6 +1,14 @@
 // For tests and the curious: look, do not touch.
 
-function lookInto(app) {
+import { ringColour, taskColour } from "./draw/palette.js";
+import { robotSpot } from "./draw/shapes.js";
+import { needsThatFit, taskBox } from "./draw/tasks.js";
+import { curvesOf } from "./record/over_time.js";
+import { NOBODY } from "./record/state.js";
+import { describeDoing, robotName, taskName } from "./record/words.js";
+import { ROBOT_COLUMNS, TASK_COLUMNS, momentOf } from "./views/columns.js";
+
+export function lookInto(/** @type {App} */ app) {
   return Object.freeze({
     get step() {
       return app.player.step;
@@ -31,8 +39,8 @@ function lookInto(app) {
     groups: () => app.map.shown.groups.map(({ x, y, count }) => ({ x, y, count })),
     told: () => toldOf(app.history),
     tables: () => tablesOf(app),
-    incidents: () => app.state.incidents,
-    criticalPath: () => criticalPath(app.history),
+    incidents: () => /** @type {any} */ (app).state.incidents,
+    criticalPath: () => app.history.told.path,
     bars: (robot) => ganttRow(app, robot),
     curves: () => curvesOf(app.history),
     lineOf: (step, part) => ({ x: app.compared.curves.x(step), y: app.compared.curves.y(part) }),
@@ -44,21 +52,21 @@ function lookInto(app) {
 }
 
 // A robot's row of the Gantt view, once that has been drawn: bars, with what they are about, and marks.
-function ganttRow({ gantt, history }, robot) {
+function ganttRow(/** @type {Shown} */ { gantt, history }, robot) {
   const nameOf = (task) => (task === NOBODY ? "" : taskName(history.mission, task));
   const place = (step) => gantt.x(step);
   return {
-    bars: gantt.runs[robot].map(({ phase, task, from, to }) => ({
-      ...{ phase: PHASE_NAMES[PHASES[phase]], task: nameOf(task), from, to },
+    bars: gantt.runsOf(robot).map(({ phase, task, from, to }) => ({
+      ...{ phase, task: nameOf(task), from, to },
       ...{ left: place(from), right: place(to) },
     })),
-    marks: gantt.deeds[robot].map(({ task, step }) => ({ task: nameOf(task), step })),
+    marks: (gantt.deeds?.[robot] ?? []).map(({ task, step }) => ({ task: nameOf(task), step })),
     rowHeight: gantt.rowHeight(),
   };
 }
 
 // What the tables say of the moment that is shown: a row for each task and each robot, by column.
-function tablesOf(app) {
+function tablesOf(/** @type {App} */ app) {
   const moment = momentOf(app);
   const { tasks, robots } = app.history.mission;
   const rowsOf = (things, columns) =>
@@ -67,7 +75,7 @@ function tablesOf(app) {
 }
 
 // Who did what and when: [step, what, the robots' names, the task's name].
-function toldOf({ mission, doneAt, doers, events }) {
+function toldOf(/** @type {TrialHistory} */ { mission, doneAt, doers, events }) {
   const namesOf = (robots) => robots.map((robot) => robotName(mission, robot)).join(", ");
   const lines = [];
   doers.forEach((robots, task) => {
@@ -75,9 +83,9 @@ function toldOf({ mission, doneAt, doers, events }) {
       lines.push([doneAt[task], "done", namesOf(robots), taskName(mission, task)]);
     }
   });
-  for (const { step, kind, robot, task } of events) {
+  for (const { step, kind, robots, task } of events) {
     if (kind === "appears" || kind === "cancelled") lines.push([step, kind, "", taskName(mission, task)]);
-    if (kind === "lost" || kind === "back") lines.push([step, kind, namesOf([robot]), ""]);
+    if (kind === "lost" || kind === "back") lines.push([step, kind, namesOf([robots[0]]), ""]);
   }
   return lines;
 }

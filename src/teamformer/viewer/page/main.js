@@ -1,5 +1,9 @@
 // Opens the page of a record.
 
+import { App } from "./app.js";
+import { lookInto } from "./look.js";
+import { byId } from "./panel/dom.js";
+
 // Of several records the first is shown, the others beside it.
 const shown = JSON.parse(byId("record").textContent);
 const { compared: [first, ...others], failed } = shown.compared ? shown : { compared: [shown] };

@@ -1,12 +1,17 @@
 // The clock of the page: which moment is shown, and how fast it moves on.
 
-const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32, 64]; // steps a second
+export const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32, 64]; // steps a second
 const SECONDS_AT_START = 25; // about how long a record takes at the speed it opens with
 
-class Player {
-  // `changed(isNewStep)`, set from outside, is called whenever another moment is to be shown.
+export class Player {
+  last = 0;
+  time = 0; // in steps
+  speed = 2; // steps a second
+  isFollowing = false; // the latest step of a mission that is under way
+
   constructor(last) {
-    this.changed = () => {};
+    // Set from outside, it is called whenever another moment is to be shown.
+    /** @type {(isNewStep: boolean) => void} */ this.changed = () => {};
     this.isPlaying = false;
     this.isStill = matchMedia("(prefers-reduced-motion: reduce)");
     this.reset(last);
@@ -17,8 +22,7 @@ class Player {
     this.isPlaying = false;
     this.last = last;
     this.time = 0;
-    this.speed =
-      SPEEDS.find((speed) => speed >= 2 && last / speed <= SECONDS_AT_START) ?? SPEEDS.at(-1);
+    this.speed = SPEEDS.find((speed) => speed >= 2 && last / speed <= SECONDS_AT_START) ?? SPEEDS[SPEEDS.length - 1];
   }
 
   shorten(last) {

@@ -13,7 +13,7 @@ from typing import Any
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.world.guidance.parts import Parts
+from teamformer.world.guidance.parts import Parts, parts_at
 from teamformer.world.phases.assignment import find_earliest_tasks
 from teamformer.world.phases.formation import choose_stayers, is_in_reach
 from teamformer.world.rules.constants import NOBODY
@@ -29,18 +29,7 @@ def follow_plans(worlds: Worlds, parts: Parts, is_new: Array) -> None:
         if world.rules.is_coordinated and world.count.status != RUNNING:
             parts.took[w] = NOBODY  # what robots exchanged before the end they did not after it
         elif world.rules.is_coordinated:
-            own = Parts(
-                parts.first[w],
-                parts.task[w],
-                parts.part[w],
-                parts.scouts[w],
-                parts.took[w],
-                parts.kind[w],
-                parts.is_parting[w],
-                parts.waiting[w],
-                parts.wanted[w],
-            )
-            _follow(world, own, is_new[w])
+            _follow(world, parts_at(parts, w), is_new[w])
 
 
 @kernel

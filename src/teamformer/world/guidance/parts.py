@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from teamformer.base.array_types import Array
+from teamformer.base.kernels.rows import row_taker
 
 
 class Parts(NamedTuple):
@@ -19,3 +20,7 @@ class Parts(NamedTuple):
     is_parting: Array  # (worlds, robots) bool, the robots of the team have different next tasks
     waiting: Array  # (worlds, tasks) int32, a team that waits there for others, or NOBODY
     wanted: Array  # (worlds, robots, caps) int32, the counts that each team is to have, by slot
+
+
+parts_at = row_taker(Parts)
+"""Return the plan of one world of a batch; writing to it writes to the batch."""

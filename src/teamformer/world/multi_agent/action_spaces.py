@@ -34,11 +34,22 @@ def wanted_from_action(counts: Array, action: int) -> Array:
     Bit c of the action names capability c; bit |C| says whether these are removed, once each, or
     added. No capability named is to maintain.
     """
-    caps = len(counts)
-    if not 0 <= action < count_actions(caps):
-        raise ValueError(f"action {action} is not among 0 to {count_actions(caps) - 1}")
-    named = (action >> np.arange(caps)) & 1  # (caps,)
-    wanted: Array = counts + (-named if action >> caps else named)
+    wanted: Array = wanted_from_actions(counts[None], np.array([action]))[0]
+    return wanted
+
+
+def wanted_from_actions(counts: Array, actions: Array) -> Array:
+    """Return the counts (teams, caps) that original actions (teams,) want of teams with `counts`.
+
+    Raises ValueError for a number that is no action.
+    """
+    caps = counts.shape[1]
+    if not ((actions >= 0) & (actions < count_actions(caps))).all():
+        wrong = next(it for it in actions.tolist() if not 0 <= it < count_actions(caps))
+        raise ValueError(f"action {wrong} is not among 0 to {count_actions(caps) - 1}")
+    named = (actions[:, None] >> np.arange(caps)) & 1  # (teams, caps)
+    removes = (actions >> caps)[:, None] == 1
+    wanted: Array = counts + np.where(removes, -named, named)
     return wanted
 
 

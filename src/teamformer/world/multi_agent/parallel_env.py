@@ -11,35 +11,26 @@ from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import how_to_install
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.mission.arrivals import most_tasks
-from teamformer.mission.checks.checks import LARGEST_COUNT
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.world.env import Decision, TeamFormation
-from teamformer.world.multi_agent.action_spaces import (
-    count_actions,
-    legal_actions,
-    wanted_from_action,
-)
+from teamformer.world.multi_agent.action_spaces import wanted_from_action
+from teamformer.world.multi_agent.observing import observe_rows, observed
 from teamformer.world.reward import Reward
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.state.arrays import RUNNING
-from teamformer.world.view import View
 
 try:
     from gymnasium import spaces
     from pettingzoo import ParallelEnv
+
+    from teamformer.world.multi_agent.spaces import space_of_actions, space_of_observations
 except ImportError as error:
     hint = how_to_install("env")
     raise TeamformerError("PettingZoo and Gymnasium are not installed", hint) from error
 
 Observation = dict[str, Array]
 Everyone = dict[str, dict[str, Any]]
-
-OF_TEAM = tuple(name for name in View._fields if name not in ("world", "first_member"))
-"""The arrays of a view that are observed: what places a row in the batch is not."""
-
-BOX_TYPES = {np.dtype(np.float64): np.float32, np.dtype(np.bool_): np.int8}
-"""Learners take single floats, and flags as numbers; whole numbers stay what they are."""
 
 
 class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore[misc]
@@ -72,11 +63,14 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         self.render_mode = None
         self._rng = np.random.default_rng(0)
         self._env = self._make_env()
-        self._look()
         self.possible_agents = [robot.name for robot in self._env.missions[0].robots]
+        self._look()
         self.agents: list[str] = []
-        self._observation_space = self._make_observation_space()
-        self._action_space = self._make_action_space()
+        self._names = observed(self._view)
+        self._observation_space = space_of_observations(
+            self._observe_rows()[0], self._env.missions[0]
+        )
+        self._action_space = space_of_actions(self._env, source, self._has_original_actions)
         self.state_space = spaces.Box(NOBODY, np.inf, self.state().shape, np.float32)
 
     def observation_space(self, agent: str) -> spaces.Dict:
@@ -184,61 +178,14 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
 
     def _observe(self) -> dict[str, Observation]:
         """Return what each robot sees that is in a team; members share the arrays."""
-        seen: dict[str, Observation] = {}
-        for row in range(len(self._view.slot)):
-            observation = self._observe_row(row)
-            first, end = self._view.first_member[row : row + 2]
-            for robot in self._view.member[first:end]:
-                seen[self.possible_agents[robot]] = observation
-        return seen
+        rows = self._observe_rows()
+        slots = {slot: row for row, slot in enumerate(self._view.slot.tolist())}
+        teams = zip(self.possible_agents, self._env.worlds.robots["team"][0].tolist(), strict=True)
+        return {agent: rows[slots[slot]] for agent, slot in teams if slot != NOBODY}
 
-    def _observe_row(self, row: int) -> Observation:
-        view, robots = self._view, len(self._env.missions[0].robots)
-        first, end = view.first_member[row : row + 2]
-        arrays = {name: getattr(view, name)[row] for name in OF_TEAM}
-        for name in ("task_may_need", "task_within", "task_to_place"):
-            if not getattr(view, name).size:
-                del arrays[name]
-        arrays["member"] = np.full(robots, NOBODY, dtype=np.int32)  # (robots,)
-        arrays["member"][: end - first] = view.member[first:end]
-        arrays["member_counts"] = np.zeros((robots, view.counts.shape[1]), dtype=np.int32)
-        arrays["member_counts"][: end - first] = view.member_counts[first:end]
-        if self._has_original_actions:
-            arrays["action_mask"] = legal_actions(view, row)
-        return {
-            name: np.array(array, dtype=BOX_TYPES.get(array.dtype, array.dtype), ndmin=1)
-            for name, array in arrays.items()
-        }
-
-    def _make_observation_space(self) -> spaces.Dict:
-        boxes: dict[str, spaces.Space[Any]] = {}
-        for name, array in self._observe_row(0).items():
-            low, high = self._bounds(name, array)
-            boxes[name] = spaces.Box(low, high, array.shape, array.dtype.type)
-        return spaces.Dict(boxes)
-
-    def _bounds(self, name: str, array: Array) -> tuple[float, float]:
-        """Return the least and the largest value in an array of an observation."""
-        mission = self._env.missions[0]
-        if name.endswith("place"):
-            return 0, max(mission.world.corner)
-        if name.endswith("counts") or name in ("planned", "task_needs"):
-            return 0, LARGEST_COUNT
-        if array.dtype == np.int8 or name == "task_may_need":
-            return 0, 1
-        if name == "rest":
-            is_carried = any(task.to is not None for task in mission.tasks)
-            longest = int(max(task.longest for task in mission.tasks))
-            return 0, mission.step_limit if is_carried else longest
-        if array.dtype == np.float32:
-            return 0, np.inf
-        return NOBODY, max(len(mission.robots), most_tasks(mission))
-
-    def _make_action_space(self) -> spaces.Space[Any]:
-        brings = self._env.worlds.brings[0]  # (robots, caps)
-        if self._has_original_actions:
-            return spaces.Discrete(count_actions(brings.shape[1]))
-        most = brings.sum(axis=0, dtype=np.int64)  # (caps,)
-        if isinstance(self._source, Spec):
-            most[:] = most.max()  # evenly dealt: which capabilities are the frequent ones differs
-        return spaces.MultiDiscrete(most + 1)
+    def _observe_rows(self) -> list[Observation]:
+        """Return what each team sees, in the order of the view."""
+        robots = len(self.possible_agents)
+        arrays = observe_rows(self._view, self._names, robots, self._has_original_actions)
+        by_row = zip(*map(list, arrays.values()), strict=True)  # each a row of every array
+        return [dict(zip(arrays, row, strict=True)) for row in by_row]

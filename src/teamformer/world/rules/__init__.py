@@ -1,1 +1,1 @@
-"""Rules that simulator, planning and policies share; the referee has its own."""
+"""Rules that simulator, planning and policies share; the reference step has its own."""

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numba as nb
 import numpy as np
 
 from teamformer.base.array_types import Array
+from teamformer.base.kernels.rows import row_taker
 from teamformer.world.rules.constants import NEVER
 
 LATEST = NEVER - 1
@@ -207,66 +207,13 @@ class Worlds(NamedTuple):
 
 
 if TYPE_CHECKING:
-
-    class World(NamedTuple):
-        """One world as kernels see it: `world.teams[team].task`, as numba types its records."""
-
-        rules: Any
-        count: Any
-        robots: Any
-        teams: Any
-        tasks: Any
-        cells: Any
-        spots: Any
-        absences: Array
-        brings: Array
-        has: Array
-        needs: Array
-        sure_needs: Array
-        true_needs: Array
-        expected_needs: Array
-        may_need: Array
-        precedes: Array
-        demand: Array
-        order: Array
-        blocked: Array
-        fields: Array
-        near: Array
-        near_key: Array
-        room: Array
-        here: Array
-
+    World = Any
 else:
     World = Worlds
-    """The same fields for one world, without the leading axis."""
+"""The same fields for one world, without the leading axis: `world.teams[team].task`.
 
+What kernels read out of records has no type but numba's.
+"""
 
-@nb.njit(inline="always")
-def world_at(worlds, w):  # type: ignore[no-untyped-def]
-    """Return one world of a batch; writing to it writes to the batch."""
-    return Worlds(
-        worlds.rules[w],
-        worlds.count[w],
-        worlds.robots[w],
-        worlds.teams[w],
-        worlds.tasks[w],
-        worlds.cells[w],
-        worlds.spots[w],
-        worlds.absences[w],
-        worlds.brings[w],
-        worlds.has[w],
-        worlds.needs[w],
-        worlds.sure_needs[w],
-        worlds.true_needs[w],
-        worlds.expected_needs[w],
-        worlds.may_need[w],
-        worlds.precedes[w],
-        worlds.demand[w],
-        worlds.order[w],
-        worlds.blocked[w],
-        worlds.fields[w],
-        worlds.near[w],
-        worlds.near_key[w],
-        worlds.room[w],
-        worlds.here[w],
-    )
+world_at = row_taker(Worlds)
+"""Return one world of a batch; writing to it writes to the batch."""

@@ -19,9 +19,9 @@ from teamformer.methods.by_name import Method, load_method
 from teamformer.mission.checks.costs import LATENESS, judged_by
 from teamformer.mission.checks.rules import rules_not_played
 from teamformer.mission.model import Mission
+from teamformer.record.files.writing import record_to_tree, save_record
 from teamformer.record.record import Record
 from teamformer.record.task_times import cost_of_record, lateness
-from teamformer.record.writing import record_to_tree, save_record
 from teamformer.trials.comparison import Comparison, Failure, compare_methods
 from teamformer.trials.rows import Bars, percent_over, percent_over_least
 from teamformer.trials.trial import PlayedTrial

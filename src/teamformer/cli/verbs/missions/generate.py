@@ -18,6 +18,9 @@ from teamformer.mission.model import Mission, World
 from teamformer.mission.parts.grid import LARGEST_MAP, Grid
 from teamformer.mission.parts.plane import Plane
 
+FOR_EDITORS = "# yaml-language-server: $schema=mission.schema.json"
+"""The line by which editors find the schema, once `teamformer schema` has written it beside."""
+
 
 def generate(
     spec: Spec,
@@ -43,7 +46,7 @@ def generate_setting(setting: str, seed: int, path: Path) -> int:
 
 
 def _write(mission: Mission, path: Path) -> int:
-    write_mission(mission, path)
+    write_mission(mission, path, FOR_EDITORS)
     say(f"mission: {path}")
     return 0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import secrets
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,6 +26,7 @@ from teamformer.mission.model import Mission
 if TYPE_CHECKING:
     from teamformer.fleet.observer.session import ObserverSession
     from teamformer.live.keeping.resuming import StartMission
+    from teamformer.live.running.alarm import OnAlerts
     from teamformer.live.running.mission_with_past import RunningMission
     from teamformer.live.workshop import Workshop
 
@@ -38,13 +39,17 @@ TIME_LIMIT = 10.0
 
 @dataclass(frozen=True)
 class LiveOptions:
-    """What the command line says of a live mission; `resumes` one that was cut off."""
+    """What the command line says of a live mission; `resumes` one that was cut off.
+
+    `webhook` is an address to send alerts to.
+    """
 
     method: str | None
     seed: int
     address: HostAndPort
     folder: Path
     resumes: bool = False
+    webhook: str = ""
 
 
 def live(path: Path | None, options: LiveOptions) -> int:
@@ -55,13 +60,26 @@ def live(path: Path | None, options: LiveOptions) -> int:
     require("live")
     prepare_folder(options.folder)
     check_address(options.address)
-    if options.resumes:
-        session, name = _prepare_to_go_on(path, options)
-    else:
-        session, name = _prepare(path, options)
-        _put_aside(options.folder)
-    serve_page(session, name, options.address)
+    with sending_alerts(options.webhook, "a live mission" if path is None else path.stem) as tell:
+        if options.resumes:
+            session, name = _prepare_to_go_on(path, options, tell)
+        else:
+            session, name = _prepare(path, options, tell)
+            _put_aside(options.folder)
+        serve_page(session, name, options.address)
     return 0
+
+
+@contextlib.contextmanager
+def sending_alerts(url: str, mission: str) -> Iterator[OnAlerts]:
+    """Give what sends alerts to an address while the block runs; without one, what does nothing."""
+    from teamformer.live.serving.webhook import Webhook
+
+    if not url:
+        yield lambda new, past: None
+        return
+    with contextlib.closing(Webhook(url, mission, say)) as webhook:
+        yield webhook.tell
 
 
 def serve_page(session: Workshop | ObserverSession, name: str, at: HostAndPort) -> None:
@@ -102,7 +120,9 @@ def _put_aside(folder: Path) -> None:
         say(f"note: teamformer live {shlex.quote(str(kept))} --resume")
 
 
-def _prepare_to_go_on(path: Path | None, options: LiveOptions) -> tuple[Workshop, str]:
+def _prepare_to_go_on(
+    path: Path | None, options: LiveOptions, on_alerts: OnAlerts
+) -> tuple[Workshop, str]:
     """Return what goes on with a mission that was cut off: that of a file, or the latest one."""
     from teamformer.live.keeping.resuming import drop_half_line, find_autosave, read_autosave
     from teamformer.live.workshop import Workshop
@@ -118,7 +138,8 @@ def _prepare_to_go_on(path: Path | None, options: LiveOptions) -> tuple[Workshop
     compile_ahead([chosen], kept.mission)
     say(f"goes on: {kept.text()}")
     start = _starting(kept.method, kept.seed)
-    return Workshop(start, options.folder, SPEED, say=say, kept=kept), kept.mission.name
+    workshop = Workshop(start, options.folder, SPEED, say=say, kept=kept, on_alerts=on_alerts)
+    return workshop, kept.mission.name
 
 
 def _starting(method: str | None, seed: int) -> StartMission:
@@ -132,7 +153,7 @@ def _starting(method: str | None, seed: int) -> StartMission:
     return start
 
 
-def _prepare(path: Path | None, options: LiveOptions) -> tuple[Workshop, str]:
+def _prepare(path: Path | None, options: LiveOptions, on_alerts: OnAlerts) -> tuple[Workshop, str]:
     """Return what draws and runs missions; what is wrong with the file is refused at once."""
     from teamformer.live.drawing.drafts import Draft, draft_of_file
     from teamformer.live.workshop import Workshop
@@ -142,7 +163,8 @@ def _prepare(path: Path | None, options: LiveOptions) -> tuple[Workshop, str]:
     compile_ahead([chosen], mission)
     start = _starting(options.method, options.seed)
     if path is None or mission is None:
-        return Workshop(start, options.folder, SPEED, say=say), "editor"
+        return Workshop(start, options.folder, SPEED, say=say, on_alerts=on_alerts), "editor"
     text = path.read_text(encoding="utf-8") if path.suffix.lower() != ".json" else ""
     draft = Draft(draft_of_file(path, path.stem), path.name, text)
-    return Workshop(start, options.folder, SPEED, draft, mission, say), mission.name
+    workshop = Workshop(start, options.folder, SPEED, draft, mission, say=say, on_alerts=on_alerts)
+    return workshop, mission.name

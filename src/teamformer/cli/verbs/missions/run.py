@@ -25,13 +25,13 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.reasons import story_lines
 from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, cost_of_record, lateness
 from teamformer.record.teams import completions
+from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.rows import bars_of, result_row, seconds_of
 from teamformer.trials.trial import PlayedTrial, run_trial

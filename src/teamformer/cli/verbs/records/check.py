@@ -11,14 +11,14 @@ from teamformer.cli.terminal.console import out, print_json
 from teamformer.files.mission_files import read_mission
 from teamformer.mission.arrivals import without_arrivals
 from teamformer.mission.model import Mission
-from teamformer.record.critical_path.of_record import path_of_record
 from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 from teamformer.record.record import FLEET, Record
 from teamformer.record.referee import judge
+from teamformer.record.telling.whole import path_of_record
 
-GUARANTEE = "by the rules: every robot's way, every team that formed, every task that was done"
+GUARANTEE = "by playing every decision again: all places, teams, tasks and totals"
 
 
 def check(path: Path, mission: Path | None, as_json: bool) -> int:
@@ -88,7 +88,6 @@ def _claims(record: Record) -> dict[str, Any]:
     return {
         "method": record.method,
         "seed": record.seed,
-        "illegal_decisions": record.end.illegal_decisions,
         "lower_bound": record.lower_bound,
     }
 

@@ -8,20 +8,21 @@ from pathlib import Path
 from teamformer.base.entry_points import OURS, Brought, brought, find_brought
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import prepare_file, prepare_folder, refuse_existing, say
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 
 FOLDER = "folder"
 """The exporter for a name without an ending; the others are named by endings."""
 
-MISSIONS = (".yaml", ".yml", ".json")
-HINT = "name .mcap for Foxglove, .gif, .yaml for the mission, or a folder for tables"
+MISSIONS = ("yaml", "yml", "json")
+HINT = "name .mcap for Foxglove, .trace.json for Perfetto, .gif, .yaml, or a folder for tables"
 
 
 def export(source: Path, wanted: Sequence[Path]) -> int:
     """Write a record into each of the files wanted, as its ending says; return the exit status.
 
-    `.mcap` and `.gif` are as named, `.yaml`, `.yml` and `.json` the mission with all that happened
-    to it, and a name without an ending is a folder for CSV tables. Other packages may bring more.
+    `.mcap`, `.gif` and `.trace.json` are as named, `.yaml`, `.yml` and other `.json` the mission
+    with all that happened to it, and a name without an ending is a folder for CSV tables. Other
+    packages may bring more.
     Raises `TeamformerError` for other endings, for a library that is missing, for a mission that is
     there already, and for a record that cannot be read, before anything is written.
     """
@@ -46,11 +47,13 @@ def _is_folder(path: Path) -> bool:
 
 def _exporter_of(path: Path) -> Brought:
     """Return who writes a file; raise `TeamformerError` for what cannot be written by its name."""
-    ending = path.suffix.lower()
-    exporter = find_brought("exporter", FOLDER if _is_folder(path) else ending[1:])
+    last = path.suffixes[-2:] if not _is_folder(path) else []
+    endings = ["".join(last).lower()[1:], path.suffix.lower()[1:]] if last else [FOLDER]
+    found = (find_brought("exporter", ending) for ending in endings)
+    exporter = next((one for one in found if one is not None), None)
     if exporter is None:
         raise TeamformerError(f"{path}: what is to be in this file?", _hint())
-    if ending in MISSIONS and not _is_folder(path):
+    if exporter.name in MISSIONS:
         refuse_existing(path)
     exporter.load()
     return exporter

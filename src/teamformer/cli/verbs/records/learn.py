@@ -10,7 +10,7 @@ from rich.table import Table
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import out, prepare_file, refuse_existing, say
 from teamformer.files.mission_files import read_mission, write_mission
-from teamformer.record.reading import read_record
+from teamformer.record.files.reading import read_record
 from teamformer.trials.advice.experience import Experience, learn
 
 MOST_LINES = 15

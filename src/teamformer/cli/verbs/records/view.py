@@ -7,8 +7,8 @@ from pathlib import Path
 
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import prepare_file, say
-from teamformer.record.reading import read_record
-from teamformer.record.writing import record_to_tree
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import record_to_tree
 from teamformer.viewer.html import write_comparison, write_page
 
 PAGES = (".html", ".htm")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,41 +11,59 @@ from teamformer.base.extras import require
 from teamformer.cli.terminal.addresses import HostAndPort, check_address
 from teamformer.cli.terminal.console import prepare_folder, say
 from teamformer.cli.terminal.foxglove import check_foxglove, follow_in_foxglove
-from teamformer.cli.verbs.missions.live import serve_page
+from teamformer.cli.verbs.missions.live import sending_alerts, serve_page
 from teamformer.cli.verbs.robots.mesh import FleetAt, dial_as_operator, read_fleet_mission
 
 if TYPE_CHECKING:
+    from teamformer.fleet.fleet_mission import FleetMission
     from teamformer.fleet.observer.session import ObserverSession
+    from teamformer.live.running.alarm import OnAlerts
 
 
-def watch(
-    path: Path, fleet: FleetAt, address: HostAndPort, folder: Path, foxglove: int | None = None
-) -> int:
+@dataclass(frozen=True)
+class WatchOptions:
+    """What the command line says of watching a fleet.
+
+    `foxglove` is a port on which Foxglove may watch too, `webhook` an address to send alerts to.
+    """
+
+    address: HostAndPort
+    folder: Path
+    foxglove: int | None = None
+    webhook: str = ""
+
+
+def watch(path: Path, fleet: FleetAt, options: WatchOptions) -> int:
     """Serve the page of a running fleet until Ctrl-C; return the exit status.
 
-    What was seen by then is saved. `foxglove` is a port on which Foxglove may watch too.
+    What was seen by then is saved.
     """
     require("live")
-    prepare_folder(folder)
-    check_address(address)
-    if foxglove is not None:
-        check_foxglove(foxglove)
+    prepare_folder(options.folder)
+    check_address(options.address)
+    if options.foxglove is not None:
+        check_foxglove(options.foxglove)
+    mission = read_fleet_mission(path, "zenoh")
     with contextlib.ExitStack() as stack:
-        onlooker = stack.enter_context(contextlib.closing(_observe(path, fleet, folder)))
-        if foxglove is not None:
+        tell = stack.enter_context(sending_alerts(options.webhook, mission.source.name))
+        onlooker = stack.enter_context(
+            contextlib.closing(_observe(mission, fleet, options.folder, tell))
+        )
+        if options.foxglove is not None:
             follower = stack.enter_context(
-                contextlib.closing(follow_in_foxglove(onlooker.watch.source.name, foxglove))
+                contextlib.closing(follow_in_foxglove(mission.source.name, options.foxglove))
             )
             onlooker.on_step = follower.follow
-        serve_page(onlooker, "fleet", address)
+        serve_page(onlooker, "fleet", options.address)
     return 0
 
 
-def _observe(path: Path, fleet: FleetAt, folder: Path) -> ObserverSession:
+def _observe(
+    mission: FleetMission, fleet: FleetAt, folder: Path, on_alerts: OnAlerts
+) -> ObserverSession:
     """Return the session of a running fleet."""
-    mission = read_fleet_mission(path, "zenoh")
     from teamformer.fleet.observer.session import ObserverSession
     from teamformer.fleet.observer.watch import Watch
 
     transport, post = dial_as_operator(mission, fleet)
-    return ObserverSession(Watch(mission), transport, post, folder, say)
+    return ObserverSession(Watch(mission), transport, post, folder, say, on_alerts)

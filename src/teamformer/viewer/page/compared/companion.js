@@ -1,7 +1,17 @@
 // Another record beside the first one: its own map and Gantt view, the same clock and selection.
 
-class Companion {
-  constructor(app, trial) {
+import { TrialMap } from "../draw/map.js";
+import { connectCompanion } from "../panel/controls.js";
+import { byId, element } from "../panel/dom.js";
+import { describeProgress } from "../panel/header.js";
+import { teamOfRobot } from "../record/scene.js";
+import { Gantt } from "../views/gantt.js";
+import { recordColour, recordItem, titleOf } from "./titles.js";
+import { Shown } from "../shown.js";
+
+export class Companion extends Shown {
+  constructor(/** @type {App} */ app, /** @type {Trial} */ trial) {
+    super(app.player, app.options);
     this.app = app;
     this.parts = this.build();
     byId("stage-map").append(this.parts.box);
@@ -16,7 +26,7 @@ class Companion {
     const name = element("strong", {});
     const state = element("span", {});
     const dot = element("span", { class: "dot" });
-    const close = element("button", { type: "button", class: "link", on: () => this.app.remove(this.trial) }, "Close");
+    const close = element("button", { type: "button", class: "link", on: () => this.app.close(this.trial) }, "Close");
     const caption = element("p", { class: "caption" }, dot, name, " ", state, " ", close);
     const mapCanvas = element("canvas", { role: "img" });
     const ganttCanvas = element("canvas", { role: "img", tabindex: 0 });
@@ -29,8 +39,8 @@ class Companion {
   }
 
   // A world as large as the first one's is seen through the same camera: both move together.
-  showTrial(trial) {
-    Object.assign(this, trial, { trial });
+  showTrial(/** @type {Trial} */ trial) {
+    this.put(trial);
     const { world } = this.history.mission;
     this.map.look(world);
     if (isAsLarge(world, this.app.history.mission.world)) this.map.camera = this.app.map.camera;
@@ -41,33 +51,20 @@ class Companion {
     for (const part of ["box", "phases", "bars"]) this.parts[part].remove();
   }
 
-  get player() {
-    return this.app.player;
-  }
-
-  get options() {
-    return this.app.options;
-  }
-
   get selection() {
     return sameByName(this.app.history.mission, this.history.mission, this.app.selection);
   }
 
-  scene() {
-    return this.sceneAt(Math.min(this.player.step, this.history.last));
-  }
-
   selectedTeam() {
-    const { robot } = this.selection;
-    return robot === undefined ? null : teamOfRobot(this.scene(), robot);
+    return teamOfRobot(this.scene(), this.selection.robot);
   }
 
   // What is selected here is so in every record that has a thing of that name.
-  select(selection) {
+  select(/** @type {Selected} */ selection) {
     this.app.select(sameByName(this.history.mission, this.app.history.mission, selection));
   }
 
-  pick(thing) {
+  pick(/** @type {Thing} */ thing) {
     this.select(thing);
   }
 
@@ -83,7 +80,7 @@ class Companion {
     this.app.redraw();
   }
 
-  alignGantts(gantt) {
+  alignGantts(/** @type {Gantt} */ gantt) {
     this.app.alignGantts(gantt);
   }
 
@@ -106,23 +103,16 @@ class Companion {
   }
 }
 
-function isAsLarge(one, other) {
+function isAsLarge(/** @type {World} */ one, /** @type {World} */ other) {
   return ["width", "height", "isPlane", "yIsUp"].every((key) => one[key] === other[key]);
 }
 
 // A selection in one mission, in another one: what is called the same there, or nothing.
-function sameByName(from, to, selection) {
-  const found = {};
-  const lists = { robot: "robots", task: "tasks" };
-  for (const [key, list] of Object.entries(lists)) {
-    if (selection[key] === undefined) continue;
-    const { name } = from[list][selection[key]];
-    const number = to[list].findIndex((other) => other.name === name);
-    if (number >= 0) found[key] = number;
-  }
-  if (selection.cap !== undefined) {
-    const cap = to.capabilities.indexOf(from.capabilities[selection.cap]);
-    if (cap >= 0) found.cap = cap;
-  }
-  return found;
+/** @returns {Selected} */
+export function sameByName(/** @type {Mission} */ from, /** @type {Mission} */ to, /** @type {Selected} */ selection) {
+  const namesOf = (mission) => ({ robot: mission.robots.map(nameOf), task: mission.tasks.map(nameOf), cap: mission.capabilities });
+  const nameOf = ({ name }) => name;
+  const [names, others] = [namesOf(from), namesOf(to)];
+  const found = Object.entries(selection).map(([key, number]) => [key, others[key]?.indexOf(names[key][Number(number)])]);
+  return Object.fromEntries(found.filter(([, number]) => number >= 0));
 }

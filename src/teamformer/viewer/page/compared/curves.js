@@ -1,9 +1,15 @@
 // Tasks done over time, a line for each record, and where each one's makespan is.
 
+import { drawDisc, strokeAs, write } from "../draw/shapes.js";
+import { describeAmount } from "../record/lengths.js";
+import { doneAfterSteps } from "../record/over_time.js";
+import { TimeCanvas, traceSteps } from "../views/time_canvas.js";
+import { recordColour } from "./titles.js";
+
 const CURVES_BELOW = 16; // pixels, for the time
 
-class Curves extends TimeCanvas {
-  constructor(app, canvas) {
+export class Curves extends TimeCanvas {
+  constructor(/** @type {App} */ app, /** @type {HTMLCanvasElement} */ canvas) {
     super(app, canvas, 30, 10);
   }
 
@@ -21,37 +27,28 @@ class Curves extends TimeCanvas {
     this.drawNow(ctx, 2, this.y(0));
   }
 
-  drawAxes(ctx) {
+  drawAxes(/** @type {Canvas2D} */ ctx) {
     const { map, player, history } = this.app;
     const { theme } = map;
     const { world } = history.mission;
     const bottom = this.canvas.clientHeight;
     ctx.strokeStyle = theme.line;
     ctx.strokeRect(this.x(0) - 0.5, this.y(1) - 0.5, this.room() + 1, this.y(0) - this.y(1) + 1);
-    ctx.fillStyle = theme.muted;
-    ctx.font = `10px ${theme.font}`;
-    ctx.textAlign = "right";
-    ctx.textBaseline = "middle";
-    ctx.fillText("100%", this.left - 4, this.y(1) + 2);
-    ctx.fillText("0", this.left - 4, this.y(0) - 2);
-    ctx.textBaseline = "bottom";
-    ctx.fillText(describeAmount(world, player.last), this.x(player.last), bottom);
-    ctx.textAlign = "left";
-    ctx.fillText(world.isPlane ? "tasks done over seconds" : "tasks done over steps", this.left, bottom);
+    const say = (text, x, y, align, baseline) => write(ctx, text, x, y, theme.muted, `10px ${theme.font}`, align, baseline);
+    say("100%", this.left - 4, this.y(1) + 2, "right", "middle");
+    say("0", this.left - 4, this.y(0) - 2, "right", "middle");
+    say(describeAmount(world, player.last), this.x(player.last), bottom, "right", "bottom");
+    say(world.isPlane ? "tasks done over seconds" : "tasks done over steps", this.left, bottom, "left", "bottom");
   }
 
   // The line of what was done, and a dot at the makespan.
-  drawLine(ctx, trial) {
+  drawLine(/** @type {Canvas2D} */ ctx, /** @type {Trial} */ trial) {
     const { history } = trial;
     const [x, y] = [(step) => this.x(step), (count) => this.y(count / history.doneAt.length)];
-    ctx.strokeStyle = ctx.fillStyle = recordColour(this.app, trial);
-    ctx.lineWidth = trial === this.app.trial ? 2.5 : 1.5;
+    const colour = recordColour(this.app, trial);
     ctx.beginPath();
     traceSteps(ctx, doneAfterSteps(history), x, y);
-    ctx.stroke();
-    if (history.end.makespan === null) return;
-    ctx.beginPath();
-    ctx.arc(this.x(history.end.makespan), this.y(1), 3.5, 0, 2 * Math.PI);
-    ctx.fill();
+    strokeAs(ctx, colour, trial === this.app.trial ? 2.5 : 1.5);
+    if (history.end.makespan !== null) drawDisc(ctx, this.x(history.end.makespan), this.y(1), 3.5, colour);
   }
 }

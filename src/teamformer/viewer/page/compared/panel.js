@@ -1,9 +1,18 @@
 // Records in step: their table and their curves in the panel, and how their maps are laid out.
 
-const MOST_MAPS = 6; // beside each other; further records are rows of the table
+import { PHONE, scaleToFit } from "../draw/camera.js";
+import { byId, element, oneStop, refill } from "../panel/dom.js";
+import { costOf, weighedBy } from "../panel/header.js";
+import { describeAmount } from "../record/lengths.js";
+import { hasDueTimes, weightsOf } from "../record/mission.js";
+import { countDone } from "../record/scene.js";
+import { Curves } from "./curves.js";
+import { recordColour, recordItem, titleOf } from "./titles.js";
 
-class Compared {
-  constructor(app, box) {
+export const MOST_MAPS = 6; // beside each other; further records are rows of the table
+
+export class Compared {
+  constructor(/** @type {App} */ app, /** @type {HTMLElement} */ box) {
     this.app = app;
     this.box = box;
     this.table = element("div", {});
@@ -53,7 +62,7 @@ function columnsFor(count, used, width, height) {
 
 // What records are compared by: the columns that tell of it, and `judge`, what a record is judged by.
 // Where all missions are judged by more than the makespan, as plans of them are, records are, too.
-function measuresOf(trials) {
+function measuresOf(/** @type {Trial[]} */ trials) {
   const has = (isTrue) => trials.length > 0 && trials.every(({ history }) => isTrue(history.mission));
   const columns = [{ name: "makespan", of: describeMakespan }];
   if (has(({ cost }) => cost)) columns.push({ name: "cost", of: describeCost });
@@ -62,23 +71,23 @@ function measuresOf(trials) {
   return { columns, judge };
 }
 
-function describeMakespan({ mission, end: { makespan, status } }) {
+function describeMakespan(/** @type {TrialHistory} */ { mission, end: { makespan, status } }) {
   return makespan === null ? status : describeAmount(mission.world, makespan);
 }
 
-function describeCost(history) {
+function describeCost(/** @type {TrialHistory} */ history) {
   const cost = costOf(history);
   return cost === null ? "" : String(Number(cost.toPrecision(6)));
 }
 
 // How many tasks were late, and by how much in all.
-function describeAllLate({ mission, doneAt }) {
+function describeAllLate(/** @type {TrialHistory} */ { mission, doneAt }) {
   const late = mission.tasks.map(({ due }, task) => (doneAt[task] < Infinity ? doneAt[task] - due : 0)).filter((by) => by > 0);
   if (!late.length) return "-";
   return `${late.length} by ${describeAmount(mission.world, late.reduce((sum, by) => sum + by, 0))}`;
 }
 
-function comparedRow(app, trial, { columns, judge }) {
+function comparedRow(/** @type {App} */ app, /** @type {Trial} */ trial, { columns, judge }) {
   const { history } = trial;
   const title = titleOf(app.trials, trial);
   const all = app.trials.map((other) => judge(other.history)).filter((value) => value !== null);
@@ -101,34 +110,4 @@ function comparedRow(app, trial, { columns, judge }) {
 
 function failedRow({ method, seed, why }, columns) {
   return element("tr", {}, element("td", { colspan: columns, class: "why" }, `${method}, seed ${seed} failed: ${why}`));
-}
-
-function describeAmount(world, steps) {
-  return world.isPlane ? describeSpan(world, steps) : String(steps);
-}
-
-// What tells a record from the others: its method; its mission or seed where these differ.
-function titleOf(trials, { history }) {
-  const differs = (read) => new Set(trials.map((trial) => read(trial.history))).size > 1;
-  const { mission, record } = history;
-  const parts = [
-    differs((other) => other.mission.name) ? mission.name : "",
-    record.method,
-    differs((other) => other.record.seed) ? `seed ${record.seed}` : "",
-  ];
-  return parts.filter(Boolean).join(", ");
-}
-
-// The colour of a record in curves, tables and captions: by its place among those opened.
-function recordColour({ trials, map }, trial) {
-  return oklch(map.isDark ? 0.76 : 0.54, 0.15, 262 + trials.indexOf(trial) * GOLDEN_ANGLE);
-}
-
-// A record's title, over its Gantt chart and on its map, with how far it is.
-function recordItem(shown) {
-  const { history, player, trial } = shown;
-  const app = shown.app ?? shown;
-  const progress = describeProgress(history, player.step);
-  const dot = element("span", { class: "dot", colour: recordColour(app, trial) });
-  return element("li", { class: "of" }, dot, element("strong", {}, titleOf(app.trials, trial)), ` ${progress}`);
 }

@@ -5,16 +5,16 @@ const AROUND = [60, 72]; // pixels left and right, over and under a map that is 
 const LEAST_PIXELS_PER_CELL = 1.5;
 
 const AROUND_ON_PHONES = [44, 60];
-const PHONE = 480; // pixels across
+export const PHONE = 480; // pixels across
 
 // The pixels a cell at which what is used of a world fits into a box.
-function scaleToFit(used, width, height) {
+export function scaleToFit(used, width, height) {
   const [across, down] = width <= PHONE ? AROUND_ON_PHONES : AROUND;
   return Math.min((width - across) / used.width, (height - down) / used.height);
 }
 
-class Camera {
-  constructor(world) {
+export class Camera {
+  constructor(/** @type {World} */ world) {
     this.world = world;
     this.middle = world.isPlane ? 0 : 0.5; // whole numbers are the middles of cells
     this.cell = 1; // pixels
@@ -63,6 +63,7 @@ class Camera {
   }
 
   // The place under a pixel.
+  /** @returns {Place} */
   placeAt(px, py) {
     const y = (py - this.top) / this.cell - this.middle;
     return [(px - this.left) / this.cell - this.middle, this.turned(y)];

@@ -1,24 +1,26 @@
 // What can be switched on: lines to assignments, trails, the task order; and the selection.
 
+import { isFlying } from "../record/mission.js";
+import { orderAt, robotsWith, tasksNeeding } from "../record/scene.js";
+import { NOBODY, placeOf } from "../record/state.js";
+import { wayTo } from "../record/ways.js";
+import { ringColour } from "./palette.js";
+import { outlineDisc, robotSpot, shorten, strokeAs, teamSpot, traceLine, tracedSquare } from "./shapes.js";
+import { taskBox } from "./tasks.js";
+
 const TRAIL_STEPS = 12;
 
 // Only the selected team's line when the lines are off.
-function drawAssignments(view) {
-  const { ctx, scene, options, selectedTeam, selection } = view;
-  ctx.lineWidth = 1.5;
-  ctx.setLineDash([5, 4]);
+export function drawAssignments(/** @type {View} */ view) {
+  const { scene, options, selectedTeam, selection } = view;
   for (const team of scene.teams.values()) {
     if (team.assigned === NOBODY) continue;
     const isChosen = team === selectedTeam || team.assigned === selection.task;
-    if (!options.lines && !isChosen) continue;
-    ctx.globalAlpha = isChosen ? 1 : 0.55;
-    drawAssignment(view, team);
+    if (options.lines || isChosen) drawAssignment(view, team, isChosen ? 1 : 0.55);
   }
-  ctx.setLineDash([]);
-  ctx.globalAlpha = 1;
 }
 
-function drawAssignment(view, team) {
+function drawAssignment(/** @type {View} */ view, /** @type {Team} */ team, alpha) {
   const { ctx } = view;
   const from = teamSpot(view, team);
   const { at, isUp } = view.sites[team.assigned];
@@ -31,84 +33,44 @@ function drawAssignment(view, team) {
   const points = [from, ...corners, to];
   points[points.length - 1] = shorten(to, points.at(-2), to.half + 2);
   points[0] = shorten(from, points[1], from.r);
-  ctx.strokeStyle = ringColour(team, view.isDark, view.options.rings);
-  ctx.beginPath();
-  for (const { x, y } of points) ctx.lineTo(x, y);
-  ctx.stroke();
+  traceLine(ctx, points);
+  strokeAs(ctx, ringColour(team, view.isDark, view.options.rings), 1.5, { dash: [5, 4], alpha });
 }
 
-// The point so far from one towards another, at most halfway.
-function shorten(one, other, length) {
-  const apart = Math.hypot(other.x - one.x, other.y - one.y);
-  const part = apart ? Math.min(0.5, length / apart) : 0;
-  return { x: between(one.x, other.x, part), y: between(one.y, other.y, part) };
-}
-
-// A team's circle on the screen: the middle of its robots, and how far they reach.
-function teamSpot(view, team) {
-  const spots = team.robots.map((robot) => robotSpot(view, robot));
-  const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
-  const y = spots.reduce((sum, spot) => sum + spot.y, 0) / spots.length;
-  return { x, y, r: Math.max(...spots.map((s) => Math.hypot(s.x - x, s.y - y) + s.r)) };
-}
-
-function drawTrails(view) {
+export function drawTrails(/** @type {View} */ view) {
   const { ctx, history, scene, camera, blended } = view;
-  ctx.lineWidth = Math.max(1.5, Math.min(4, camera.cell * 0.09));
+  const width = Math.max(1.5, Math.min(4, camera.cell * 0.09));
   ctx.lineJoin = "round";
-  ctx.globalAlpha = 0.35;
   for (const team of scene.teams.values()) {
     const robot = team.slot;
-    ctx.beginPath();
-    ctx.moveTo(camera.x(blended.x[robot]), camera.y(blended.y[robot]));
-    for (let back = 0; back <= Math.min(TRAIL_STEPS, scene.step); back++) {
-      const { x, y } = placeOf(history.at(scene.step - back), robot);
-      ctx.lineTo(camera.x(x), camera.y(y));
-    }
-    ctx.strokeStyle = ringColour(team, view.isDark, view.options.rings);
-    ctx.stroke();
+    const places = [{ x: blended.x[robot], y: blended.y[robot] }];
+    for (let back = 0; back <= Math.min(TRAIL_STEPS, scene.step); back++) places.push(placeOf(history.at(scene.step - back), robot));
+    traceLine(ctx, places.map(({ x, y }) => ({ x: camera.x(x), y: camera.y(y) })));
+    strokeAs(ctx, ringColour(team, view.isDark, view.options.rings), width, { alpha: 0.35 });
   }
-  ctx.globalAlpha = 1;
 }
 
 // The order in which everybody would visit the open tasks.
-function drawOrder(view) {
+export function drawOrder(/** @type {View} */ view) {
   const { ctx, camera, sites, theme } = view;
-  const tasks = orderAt(view.history, view.scene.step);
-  ctx.beginPath();
-  for (const task of tasks) {
-    const [x, y] = sites[task].at;
-    ctx.lineTo(camera.x(x), camera.y(y));
-  }
-  ctx.strokeStyle = theme.muted;
-  ctx.globalAlpha = 0.6;
-  ctx.lineWidth = 1.5;
-  ctx.setLineDash([1.5, 4]);
-  ctx.lineCap = "round";
-  ctx.stroke();
-  ctx.lineCap = "butt";
-  ctx.setLineDash([]);
-  ctx.globalAlpha = 1;
+  const places = orderAt(view.history, view.scene.step).map((task) => sites[task].at);
+  traceLine(ctx, places.map(([x, y]) => ({ x: camera.x(x), y: camera.y(y) })));
+  strokeAs(ctx, theme.muted, 1.5, { alpha: 0.6, dash: [1.5, 4], cap: "round" });
 }
 
 // Who heard whom: each message is the half of the way that is its sender's, so that a link which
 // works one way only looks like half a line. Heartbeats are faint, plans and facts are not.
-function drawMessages(view) {
+export function drawMessages(/** @type {View} */ view) {
   const { ctx, history, scene, theme } = view;
   for (const [sender, receiver, what] of history.record.steps[scene.step - 1]?.heard ?? []) {
     const [from, to] = [robotSpot(view, sender), robotSpot(view, receiver)];
-    ctx.globalAlpha = what === "beat" ? 0.25 : 0.9;
-    ctx.strokeStyle = what === "beat" ? theme.muted : theme.accent;
-    ctx.lineWidth = what === "beat" ? 1 : 2;
-    ctx.beginPath();
-    ctx.moveTo(from.x, from.y);
-    ctx.lineTo((from.x + to.x) / 2, (from.y + to.y) / 2);
-    ctx.stroke();
+    traceLine(ctx, [from, { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 }]);
+    if (what === "beat") strokeAs(ctx, theme.muted, 1, { alpha: 0.25 });
+    else strokeAs(ctx, theme.accent, 2, { alpha: 0.9 });
   }
-  ctx.globalAlpha = 1;
 }
 
-function drawSelection(view) {
+export function drawSelection(/** @type {View} */ view) {
   const { ctx, theme, selection, selectedTeam, mission } = view;
   ctx.strokeStyle = theme.accent;
   ctx.lineWidth = 2;
@@ -121,28 +83,22 @@ function drawSelection(view) {
   if (mission.sensingRadius < Infinity) drawSensing(view, x, y);
 }
 
-function outlineTask(view, task) {
+function outlineTask(/** @type {View} */ view, task) {
   const { x, y, half } = taskBox(view, task);
   tracedSquare(view.ctx, x, y, half + 5);
   view.ctx.stroke();
 }
 
 // A place where something may be added.
-function outlinePlace({ ctx, camera }, [x, y]) {
+function outlinePlace(/** @type {View} */ { ctx, camera }, [x, y]) {
   const half = Math.max(6, 0.44 * camera.cell);
   ctx.setLineDash([4, 3]);
   ctx.strokeRect(camera.x(x) - half, camera.y(y) - half, 2 * half, 2 * half);
   ctx.setLineDash([]);
 }
 
-function outlineDisc(ctx, x, y, r) {
-  ctx.beginPath();
-  ctx.arc(x, y, r, 0, 2 * Math.PI);
-  ctx.stroke();
-}
-
 // Who brings a capability and what still needs it.
-function outlineCapability(view, cap) {
+function outlineCapability(/** @type {View} */ view, cap) {
   const { history, scene } = view;
   for (const robot of robotsWith(history, cap, scene.step)) {
     const { x, y, r } = robotSpot(view, robot);
@@ -151,11 +107,8 @@ function outlineCapability(view, cap) {
   for (const task of tasksNeeding(history, cap, scene.step)) outlineTask(view, task);
 }
 
-function drawSensing({ ctx, mission, camera }, x, y) {
-  ctx.globalAlpha = 0.4;
-  ctx.lineWidth = 1;
-  ctx.setLineDash([3, 3]);
-  outlineDisc(ctx, x, y, mission.sensingRadius * camera.cell);
-  ctx.setLineDash([]);
-  ctx.globalAlpha = 1;
+function drawSensing(/** @type {View} */ { ctx, mission, camera, theme }, x, y) {
+  ctx.beginPath();
+  ctx.arc(x, y, mission.sensingRadius * camera.cell, 0, 2 * Math.PI);
+  strokeAs(ctx, theme.accent, 1, { alpha: 0.4, dash: [3, 3] });
 }

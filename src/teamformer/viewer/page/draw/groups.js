@@ -1,23 +1,30 @@
 // Robots too small to tell apart: groups with their number, or how dense they lie.
 
+import { ACTIVITIES } from "../panel/inspector.js";
+import { plural } from "../record/lengths.js";
+import { cellKey } from "../record/mission.js";
+import { NOBODY, placeOf } from "../record/state.js";
+import { between } from "./placing.js";
+import { drawDisc, isOnScreen, lazily, strokeAs, write } from "./shapes.js";
+import { drawLostRobots, drawTeam } from "./teams.js";
+
 const GROUPS_FROM = 40; // robots; fewer are always drawn one by one
 const DENSITY_FROM = 300;
 const ROBOTS_ABOVE = 13; // pixels a cell that leave room for each robot
 const DENSITY_BELOW = 9;
 const GROUP_SIDE = 44; // pixels
-const DENSE_SIDE = 9;
-const DIMMED = 0.35; // how strong dimmed tasks are drawn
+export const DENSE_SIDE = 9;
 const LONE_ROBOTS = 2; // in a group's square, drawn as robots
 
 // How much of each robot is drawn at a zoom: "robots", "groups" or "density".
-function detailAt(mission, cell) {
+export function detailAt(/** @type {Mission} */ mission, cell) {
   const count = mission.robots.length;
   if (count < GROUPS_FROM || cell >= ROBOTS_ABOVE) return "robots";
   return count >= DENSITY_FROM && cell < DENSITY_BELOW ? "density" : "groups";
 }
 
 // Squares of the screen that hold teams: [{x, y, teams, count}], fixed to the map when it is moved.
-function gatherGroups(view, side) {
+function gatherGroups(/** @type {View} */ view, side) {
   const { camera, scene, part } = view;
   const next = part > 0 ? view.sceneAfter : scene;
   const squares = new Map();
@@ -45,7 +52,7 @@ function gatherGroups(view, side) {
   return [...squares.values()];
 }
 
-function drawGroups(view) {
+function drawGroups(/** @type {View} */ view) {
   view.groups = gatherGroups(view, GROUP_SIDE).filter(({ count, teams }) => {
     if (count > LONE_ROBOTS) return true;
     for (const team of teams) drawTeam(view, team);
@@ -56,26 +63,20 @@ function drawGroups(view) {
 }
 
 // A disc with the number of robots; its ring says what their teams do.
-function drawGroup({ ctx, theme }, { x, y, r, count, teams }) {
+function drawGroup(/** @type {View} */ { ctx, theme }, /** @type {Group} */ { x, y, r, count, teams }) {
   drawDisc(ctx, x, y, r, theme.surface);
   let start = -Math.PI / 2;
   for (const [activity, robots] of countActivities(teams)) {
     const end = start + (2 * Math.PI * robots) / count;
     ctx.beginPath();
     ctx.arc(x, y, r - 2, start, end);
-    ctx.strokeStyle = theme[ACTIVITY_COLOURS[activity]];
-    ctx.lineWidth = 4;
-    ctx.stroke();
+    strokeAs(ctx, theme[ACTIVITY_COLOURS[activity]], 4);
     start = end;
   }
-  ctx.font = `600 ${Math.min(13, r * 0.9)}px ${theme.font}`;
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  ctx.fillStyle = theme.ink;
-  ctx.fillText(String(count), x, y + 0.5);
+  write(ctx, String(count), x, y + 0.5, theme.ink, `600 ${Math.min(13, r * 0.9)}px ${theme.font}`);
 }
 
-const ACTIVITY_COLOURS = {
+export const ACTIVITY_COLOURS = {
   walks: "accent",
   waits: "wait",
   serves: "good",
@@ -92,7 +93,7 @@ function countActivities(teams) {
 }
 
 // The more robots in a small square, the stronger its colour.
-function drawDensity(view) {
+function drawDensity(/** @type {View} */ view) {
   const { ctx, camera, theme } = view;
   const squares = gatherGroups(view, DENSE_SIDE);
   const most = squares.reduce((found, { count }) => Math.max(found, count), 1);
@@ -100,44 +101,32 @@ function drawDensity(view) {
   view.mostInSquare = most;
   for (const { column, row, count } of squares) {
     ctx.globalAlpha = densityStrength(count, most);
-    ctx.fillRect(
-      camera.left + column * DENSE_SIDE,
-      camera.top + row * DENSE_SIDE,
-      DENSE_SIDE - 1,
-      DENSE_SIDE - 1,
-    );
+    ctx.fillRect(camera.left + column * DENSE_SIDE, camera.top + row * DENSE_SIDE, DENSE_SIDE - 1, DENSE_SIDE - 1);
   }
   ctx.globalAlpha = 1;
   lazily(view, "groups", () => gatherGroups(view, GROUP_SIDE));
 }
 
 // How strong the colour of a square with so many robots is, of which others have at most `most`.
-function densityStrength(count, most) {
+export function densityStrength(count, most) {
   return 0.25 + (0.75 * Math.log(1 + count)) / Math.log(1 + most);
 }
 
-// A task as a small square: full while it is open, pale once it is over; dimmed, paler still.
-function drawTaskDot(view, task, { x, y, half }, standing) {
-  const { ctx, theme, options } = view;
-  const isPast = standing === "done" || standing === "cancelled";
-  ctx.globalAlpha = (isPast ? 0.3 : view.detail === "density" ? 0.5 : 0.85) * (options.dim ? DIMMED : 1);
-  ctx.fillStyle = isPast ? theme.lost : standing === "served" ? theme.good : theme.task;
-  ctx.fillRect(x - half, y - half, 2 * half, 2 * half);
-  ctx.globalAlpha = 1;
-}
-
 // The group under a pixel: one click comes nearer to it.
-function groupUnder(view, x, y) {
+export function groupUnder(/** @type {View} */ view, x, y) {
   const reach = ({ r }) => (view.detail === "density" ? GROUP_SIDE / 2 : r);
-  const found = (view.groups ?? []).find(
-    (group) => Math.hypot(group.x - x, group.y - y) <= reach(group),
-  );
+  const found = (view.groups ?? []).find((group) => Math.hypot(group.x - x, group.y - y) <= reach(group));
   return found ? { group: found } : null;
 }
 
-function describeGroup({ count, teams }) {
-  const parts = [...countActivities(teams)]
-    .filter(([, robots]) => robots)
-    .map(([activity, robots]) => `${robots} ${ACTIVITIES[activity]}`);
+export function describeGroup(/** @type {Group} */ { count, teams }) {
+  const parts = [...countActivities(teams)].filter(([, robots]) => robots).map(([activity, robots]) => `${robots} ${ACTIVITIES[activity]}`);
   return [plural(count, "robot"), parts.join(", ")];
+}
+
+export function drawTeams(/** @type {View} */ view) {
+  if (view.detail === "groups") return drawGroups(view);
+  if (view.detail === "density") return drawDensity(view);
+  for (const team of view.scene.teams.values()) drawTeam(view, team);
+  drawLostRobots(view);
 }

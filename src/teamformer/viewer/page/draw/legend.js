@@ -1,12 +1,18 @@
 // What the colours of a crowd say: how dense robots lie, or what those of a group do.
 
+import { ACTIVITIES } from "../panel/inspector.js";
+import { plural } from "../record/lengths.js";
+import { ACTIVITY_COLOURS, DENSE_SIDE, densityStrength } from "./groups.js";
+import { strokeAs, write } from "./shapes.js";
+import { drawTaskDot } from "./tasks.js";
+
 const LEGEND_ROW = 18; // pixels
 const LEGEND_MARK = 20; // with the space before its text
 const LEGEND_GAP = 14;
 
 // Over the map, where robots are not drawn one by one; pictures have it too. Returns its pixels down
 // that do not fit into what is free around a map that is fitted.
-function drawCrowdLegend(view) {
+export function drawCrowdLegend(/** @type {View} */ view) {
   if (view.detail === "robots") return 0;
   const { ctx, theme } = view;
   ctx.font = `11px ${theme.font}`;
@@ -19,17 +25,14 @@ function drawCrowdLegend(view) {
   for (const { text, draw, x, y } of items) {
     draw(x, y);
     ctx.globalAlpha = 1;
-    ctx.fillStyle = theme.ink;
-    ctx.textAlign = "left";
-    ctx.textBaseline = "middle";
-    ctx.fillText(text, x + LEGEND_MARK - 6, y + 0.5);
+    write(ctx, text, x + LEGEND_MARK - 6, y + 0.5, theme.ink, ctx.font, "left");
   }
   view.legend = items;
   return Math.max(0, height - LEGEND_ROW);
 }
 
 // The items with the places of their marks: one after the other, a new row where there is no room.
-function inRows(ctx, items, width) {
+function inRows(/** @type {Canvas2D} */ ctx, items, width) {
   let [left, row] = [0, 0];
   return items.map((item) => {
     const wide = LEGEND_MARK + ctx.measureText(item.text).width;
@@ -40,12 +43,12 @@ function inRows(ctx, items, width) {
   });
 }
 
-function crowdItems(view) {
+function crowdItems(/** @type {View} */ view) {
   return view.detail === "density" ? densityItems(view) : groupItems(view);
 }
 
 // One robot in a square, as many as anywhere, and what is between them.
-function densityItems({ ctx, theme, mostInSquare: most }) {
+function densityItems(/** @type {View} */ { ctx, theme, mostInSquare: most }) {
   const counts = [...new Set([1, Math.round(Math.sqrt(most)), most])];
   return counts.map((count) => ({
     text: `${plural(count, "robot")} in a square`,
@@ -58,20 +61,18 @@ function densityItems({ ctx, theme, mostInSquare: most }) {
 }
 
 // Parts of the rings of groups; who serves and who has just done a task have one colour.
-function groupItems({ ctx, theme }) {
+function groupItems(/** @type {View} */ { ctx, theme }) {
   return ["walks", "waits", "serves", "idle"].map((activity) => ({
     text: `robots ${ACTIVITIES[activity]}`,
     draw: (x, y) => {
-      ctx.strokeStyle = theme[ACTIVITY_COLOURS[activity]];
-      ctx.lineWidth = 4;
       ctx.beginPath();
       ctx.arc(x, y, 5, 0, 2 * Math.PI);
-      ctx.stroke();
+      strokeAs(ctx, theme[ACTIVITY_COLOURS[activity]], 4);
     },
   }));
 }
 
-function taskItems(view) {
+function taskItems(/** @type {View} */ view) {
   const words = { open: "open task", served: "served", done: "done" };
   return Object.entries(words).map(([standing, text]) => ({
     text,

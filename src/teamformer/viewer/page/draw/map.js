@@ -1,17 +1,38 @@
 // The map: a canvas as large as its box that shows a moment and knows what is under a pixel.
 
+import { attemptOn } from "../panel/attempt.js";
+import { sitesAt } from "../record/history.js";
+import { standingOf } from "../record/scene.js";
+import { Camera } from "./camera.js";
+import { drawAssignments, drawMessages, drawOrder, drawSelection, drawTrails } from "./extras.js";
+import { detailAt, drawTeams, groupUnder } from "./groups.js";
+import { drawCrowdLegend } from "./legend.js";
+import { drawNames } from "./names.js";
+import { blendPlaces, placeEverybody } from "./placing.js";
+import { lazily, onto, penOf, robotSpot } from "./shapes.js";
+import { drawDestinations, drawRegions, drawTasks, partTasks, taskBox } from "./tasks.js";
+import { drawWorld } from "./world.js";
+
 const THEME = [
   ...["paper", "surface", "ground", "grid", "wall", "edge", "line", "ink", "muted", "faint"],
   ...["accent", "soft", "good", "bad", "lost", "wait", "form", "load", "carry", "task"],
 ];
 
-class TrialMap {
-  constructor(app, canvas) {
+export class TrialMap {
+  /** @type {Camera} */ camera;
+  /** @type {View} */ shown; // as drawn last
+  /** @type {Theme} */ theme;
+
+  constructor(/** @type {Shown} */ app, /** @type {HTMLCanvasElement} */ canvas) {
     this.app = app;
     this.canvas = canvas;
-    this.placed = new Map(); // scene -> places, at one zoom
-    this.images = new Map(); // of tasks, at one zoom
+    /** @type {Map<Scene, Places>} */ this.placed = new Map(); // at one zoom
+    /** @type {Map<string, HTMLCanvasElement>} */ this.images = new Map(); // of tasks, at one zoom
+    /** @type {{key: string, canvas: HTMLCanvasElement, changing: number[]} | null} */ this.still = null;
     this.keptFor = "";
+    this.width = this.height = 0; // pixels; none until it is seen
+    this.above = 0; // pixels over the map that stay free
+    this.frames = 0;
     this.readTheme();
     new ResizeObserver(() => this.resize()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
@@ -21,7 +42,7 @@ class TrialMap {
   }
 
   // Another world from now on.
-  look(world) {
+  look(/** @type {World} */ world) {
     this.camera = new Camera(world);
     this.above = 0;
     if (this.width) this.camera.fit(this.width, this.height);
@@ -84,7 +105,7 @@ class TrialMap {
     layer("the selection", drawSelection);
     layer("the names", drawNames);
     this.shown = view;
-    this.frames = (this.frames ?? 0) + 1;
+    this.frames++;
     const legend = drawCrowdLegend(view);
     if (legend > this.above) this.makeRoom(legend);
   }
@@ -99,7 +120,7 @@ class TrialMap {
 
   // What stands still between two steps, drawn once for both: {canvas, changing}, the ground with
   // the tasks around which nothing moves, and the tasks that are left.
-  stillLayer(view) {
+  stillLayer(/** @type {View} */ view) {
     const { camera, scene, part, sharpness } = view;
     const where = [camera.left, camera.top, this.width, this.height].join(" ");
     const key = `${this.keptFor} ${where} ${scene.step} ${part > 0} ${view.history.last} ${view.options.dim}`;
@@ -107,7 +128,7 @@ class TrialMap {
     const canvas = this.still?.canvas ?? document.createElement("canvas");
     canvas.width = this.canvas.width;
     canvas.height = this.canvas.height;
-    const ctx = canvas.getContext("2d");
+    const ctx = penOf(canvas);
     ctx.setTransform(sharpness, 0, 0, sharpness, 0, 0);
     const [still, changing] = partTasks(view);
     attemptOn(ctx, "the world", () => drawWorld(onto(view, ctx)));
@@ -125,8 +146,8 @@ class TrialMap {
     this.forgetUnless(`${camera.cell} ${sharpness} ${this.isDark}`);
     const scene = app.scene();
     const part = scene.step < history.last ? app.player.part : 0;
-    const view = {
-      ctx: this.canvas.getContext("2d"),
+    /** @type {any} */ const view = {
+      ctx: penOf(this.canvas),
       width: this.width,
       height: this.height,
       camera,
@@ -151,7 +172,7 @@ class TrialMap {
   }
 
   // Where each robot is drawn is worked out when it is asked for: crowds do without.
-  withPlaces(view) {
+  withPlaces(/** @type {View} */ view) {
     const { scene, part } = view;
     lazily(view, "places", () => this.placesAt(scene.step));
     lazily(view, "placesAfter", () => (part > 0 ? this.placesAt(scene.step + 1) : view.places));
@@ -176,7 +197,8 @@ class TrialMap {
     return this.placed.get(scene);
   }
 
-  // What is under a pixel: {robot}, {task}, {group} or {}.
+  // What is under a pixel, if anything is.
+  /** @returns {Thing} */
   thingAt(x, y) {
     const view = this.shown;
     if (view.detail !== "robots") return groupUnder(view, x, y) ?? taskUnder(view, x, y) ?? {};
@@ -184,23 +206,8 @@ class TrialMap {
   }
 }
 
-// A property that is worked out once, when it is asked for first.
-function lazily(object, key, make) {
-  const get = () => {
-    const value = make();
-    Object.defineProperty(object, key, { value });
-    return value;
-  };
-  Object.defineProperty(object, key, { get, configurable: true });
-}
-
-// The same view, drawn on another canvas.
-function onto(view, ctx) {
-  return Object.create(view, { ctx: { value: ctx } });
-}
-
-function robotUnder(view, x, y) {
-  let best = null;
+function robotUnder(/** @type {View} */ view, x, y) {
+  /** @type {Thing | null} */ let best = null;
   let nearest = Infinity;
   for (let robot = 0; robot < view.mission.robots.length; robot++) {
     const spot = robotSpot(view, robot);
@@ -212,7 +219,7 @@ function robotUnder(view, x, y) {
   return best;
 }
 
-function taskUnder(view, x, y) {
+function taskUnder(/** @type {View} */ view, x, y) {
   const task = view.mission.tasks.findIndex((_, number) => {
     if (standingOf(view.history, number, view.scene.step) === "hidden") return false;
     const box = taskBox(view, number);

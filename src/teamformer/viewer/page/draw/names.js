@@ -1,12 +1,20 @@
 // Names under tasks and over places with teams; one that would cover another is left out.
 
+import { robotsLostAt } from "../record/history.js";
+import { cellKey } from "../record/mission.js";
+import { isOver, standingOf } from "../record/scene.js";
+import { MANY, robotName, taskName } from "../record/words.js";
+import { ringColour } from "./palette.js";
+import { fillAs, isOnScreen, robotSpot, strokeAs, teamSpot, write } from "./shapes.js";
+import { taskBox } from "./tasks.js";
+
 const NAMES_FROM = 20; // pixels a cell
 const TEAMS_NAMED = 3; // in one place
 const BADGE_FROM = 12; // robots
 const LONGEST_NAME = 40; // letters
 const LOST_NAMED = 12; // robots, whatever the zoom
 
-function drawNames(view) {
+export function drawNames(/** @type {View} */ view) {
   const { ctx, theme, camera, options } = view;
   const taken = [];
   view.names = taken;
@@ -21,14 +29,14 @@ function drawNames(view) {
   const discs = view.detail === "robots" ? discsByCell(view) : new Map();
   if (isRoomy || lost.length <= LOST_NAMED) drawLostNames(view, taken, lost, discs);
   if (view.detail !== "robots") return;
-  for (const teams of teamsByPlace(view.scene).values()) {
+  for (const teams of Map.groupBy(view.scene.teams.values(), ({ x, y }) => cellKey(x, y)).values()) {
     const named = isRoomy ? teams : teams.filter((team) => team === view.selectedTeam);
     if (named.length) drawTeamNames(view, taken, named, discs);
     if (!isRoomy) drawBadges(view, teams);
   }
 }
 
-function drawTaskName(view, taken, task) {
+function drawTaskName(/** @type {View} */ view, taken, task) {
   const { theme, mission, sites, history, scene } = view;
   const standing = standingOf(history, task, scene.step);
   if (standing === "hidden") return;
@@ -40,13 +48,13 @@ function drawTaskName(view, taken, task) {
 }
 
 // One line for all tasks in one place.
-function namesOfPlace(mission, task, mates) {
+function namesOfPlace(/** @type {Mission} */ mission, task, mates) {
   if (mates.length === 1) return taskName(mission, task);
   const shown = mates.slice(0, MANY).map((mate) => taskName(mission, mate));
   return shown.join(", ") + (mates.length > MANY ? ` + ${mates.length - MANY} more` : "");
 }
 
-function drawLostNames(view, taken, lost, discs) {
+function drawLostNames(/** @type {View} */ view, taken, lost, discs) {
   const { mission, theme } = view;
   for (const robot of lost) {
     const { x, y, r } = robotSpot(view, robot);
@@ -58,19 +66,9 @@ function drawLostNames(view, taken, lost, discs) {
   }
 }
 
-function teamsByPlace(scene) {
-  const places = new Map();
-  for (const team of scene.teams.values()) {
-    const key = cellKey(team.x, team.y);
-    if (places.has(key)) places.get(key).push(team);
-    else places.set(key, [team]);
-  }
-  return places;
-}
-
 // One line over all that is in a place, or over the task that is there; under it where other robots
 // are over it.
-function drawTeamNames(view, taken, teams, discs) {
+function drawTeamNames(/** @type {View} */ view, taken, teams, discs) {
   const { mission, theme, camera } = view;
   if (!isOnScreen(view, camera.x(teams[0].x), camera.y(teams[0].y), 2 * camera.cell)) return;
   const texts = teams.slice(0, TEAMS_NAMED).map(({ slot, robots }) => {
@@ -91,18 +89,13 @@ function drawTeamNames(view, taken, teams, discs) {
 }
 
 // The robots on the map by the cell that they are drawn in.
-function discsByCell({ blended, mission }) {
-  const cells = new Map();
-  mission.robots.forEach((_, robot) => {
-    const key = cellKey(Math.round(blended.x[robot]), Math.round(blended.y[robot]));
-    if (cells.has(key)) cells.get(key).push(robot);
-    else cells.set(key, [robot]);
-  });
-  return cells;
+/** @returns {Map<string, number[]>} */
+function discsByCell(/** @type {View} */ { blended, mission }) {
+  return Map.groupBy(mission.robots.keys(), (robot) => cellKey(Math.round(blended.x[robot]), Math.round(blended.y[robot])));
 }
 
 // Whether a line of text would lie over a robot that is not one of its own.
-function isOverDisc(view, discs, own, { x, y, half }) {
+function isOverDisc(/** @type {View} */ view, discs, own, { x, y, half }) {
   const [[left, one], [right, other]] = [[x - half, y - 6], [x + half, y + 6]].map(([px, py]) => view.camera.placeAt(px, py));
   const [low, high] = [Math.round(Math.min(one, other)), Math.round(Math.max(one, other))];
   for (let column = Math.round(left) - 1; column <= Math.round(right) + 1; column++) {
@@ -118,7 +111,7 @@ function isOverDisc(view, discs, own, { x, y, half }) {
 }
 
 // The upper edge of the task whose square a pixel is in; teams walk through such squares too.
-function topOfTaskAround(view, x, y) {
+function topOfTaskAround(/** @type {View} */ view, x, y) {
   const [column, row] = view.camera.placeAt(x, y).map(Math.round);
   const [task] = view.mission.tasksAt.get(cellKey(column, row)) ?? [];
   if (task === undefined || standingOf(view.history, task, view.scene.step) === "hidden") return y;
@@ -126,12 +119,12 @@ function topOfTaskAround(view, x, y) {
   return Math.max(Math.abs(box.x - x), Math.abs(box.y - y)) <= box.half ? box.y - box.half : y;
 }
 
-function drawBadges(view, teams) {
+function drawBadges(/** @type {View} */ view, teams) {
   for (const team of teams) if (team.robots.length >= BADGE_FROM) drawBadge(view, team);
 }
 
 // The number of robots of a large team, at its upper right.
-function drawBadge(view, team) {
+function drawBadge(/** @type {View} */ view, /** @type {Team} */ team) {
   const { ctx, theme } = view;
   const spot = teamSpot(view, team);
   const [x, y] = [spot.x + spot.r * 0.72, spot.y - spot.r * 0.72];
@@ -139,16 +132,13 @@ function drawBadge(view, team) {
   const half = ctx.measureText(text).width / 2 + 5;
   ctx.beginPath();
   ctx.roundRect(x - half, y - 8, 2 * half, 16, 8);
-  ctx.fillStyle = theme.surface;
-  ctx.fill();
-  ctx.strokeStyle = ringColour(team, view.isDark, view.options.rings);
-  ctx.lineWidth = 2;
-  ctx.stroke();
+  fillAs(ctx, theme.surface);
+  strokeAs(ctx, ringColour(team, view.isDark, view.options.rings), 2);
   ctx.fillStyle = theme.ink;
   ctx.fillText(text, x, y + 0.5);
 }
 
-function drawName(view, taken, name, { x, y }, colour) {
+function drawName(/** @type {View} */ view, taken, name, { x, y }, colour) {
   const { ctx, theme } = view;
   if (!isOnScreen(view, x, y, 60)) return;
   const text = name.length > LONGEST_NAME ? `${name.slice(0, LONGEST_NAME - 1)}…` : name;
@@ -156,10 +146,5 @@ function drawName(view, taken, name, { x, y }, colour) {
   const covers = (box) => Math.abs(box.x - x) < box.half + half && Math.abs(box.y - y) < 13;
   if (taken.some(covers)) return;
   taken.push({ text, x, y, half });
-  ctx.lineWidth = 3;
-  ctx.lineJoin = "round";
-  ctx.strokeStyle = theme.ground;
-  ctx.strokeText(text, x, y);
-  ctx.fillStyle = colour;
-  ctx.fillText(text, x, y);
+  write(ctx, text, x, y, colour, ctx.font, "center", "middle", theme.ground);
 }

@@ -1,17 +1,11 @@
 // How robots and teams that are in one cell are laid out side by side. One robot has radius 1.
 
+import { rememberLast } from "../record/keeping.js";
+
 const SPACING = 2.16; // between the middles of two robots of one team
-const TEAM_MARGIN = 0.42; // around the robots of a team
+export const TEAM_MARGIN = 0.42; // around the robots of a team
 
-const robotSites = remember((count) => (count <= 6 ? ringSites(count) : hexagonSites(count)));
-
-function remember(make) {
-  const known = new Map();
-  return (key) => {
-    if (!known.has(key)) known.set(key, make(key));
-    return known.get(key);
-  };
-}
+export const robotSites = rememberLast(Infinity, (count) => (count <= 6 ? ringSites(count) : hexagonSites(count)));
 
 // Two side by side, three in a triangle, four in a square, and so on up to six.
 function ringSites(count) {
@@ -38,13 +32,13 @@ function hexagonSites(count) {
   return centred(sites.slice(0, count).map((site) => ({ ...site, r: 1 }))).circles;
 }
 
-const teamRadius = remember((count) => {
+const teamRadius = rememberLast(Infinity, (count) => {
   const reach = Math.max(...robotSites(count).map(({ x, y }) => Math.hypot(x, y)));
   return reach + 1 + TEAM_MARGIN;
 });
 
 // Lay out teams of the given sizes, largest first: {circles: [{x, y, r}], radius} of the whole.
-const packTeams = remember((sizes) => {
+export const packTeams = rememberLast(Infinity, (sizes) => {
   const circles = [];
   for (const size of sizes.split(",")) {
     const r = teamRadius(Number(size));
@@ -58,9 +52,7 @@ function nextPlace(circles, r) {
   if (circles.length === 0) return { x: 0, y: 0 };
   if (circles.length === 1) return { x: circles[0].r + r, y: 0 };
   for (let late = circles.length - 1; late > 0; late--) {
-    const places = circles
-      .flatMap((circle, index) => (index === late ? [] : touching(circles[late], circle, r)))
-      .filter((place) => isFree(circles, place, r));
+    const places = circles.flatMap((circle, index) => (index === late ? [] : touching(circles[late], circle, r))).filter((place) => isFree(circles, place, r));
     if (places.length) return nearestTo(middleOf(circles), places);
   }
   throw new Error("circles in the plane always leave room beside them");

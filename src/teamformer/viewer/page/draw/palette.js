@@ -1,7 +1,9 @@
 // Colours and short labels. Discs have their own, few and colour-blind-aware; rings of teams are
 // muted and tasks are vivid, so that a ring that takes its task's colour is seen to change.
 
-const GOLDEN_ANGLE = 137.508;
+import { NOBODY } from "../record/state.js";
+
+export const GOLDEN_ANGLE = 137.508;
 
 // After Okabe and Ito's palette, which stays apart for the common kinds of colour blindness.
 const FEW_COLOURS = [
@@ -15,7 +17,7 @@ const FEW_COLOURS = [
   { fill: "#8b93a0", ink: "#0d1116" },
 ];
 
-function capabilityColours(count) {
+export function capabilityColours(count) {
   if (count <= FEW_COLOURS.length) return FEW_COLOURS.slice(0, count);
   return Array.from({ length: count }, (_, cap) => {
     const lightness = [0.72, 0.62, 0.82][cap % 3];
@@ -27,19 +29,19 @@ function teamColour(slot, isDark) {
   return oklch(isDark ? 0.74 : 0.5, 0.105, 265 + slot * GOLDEN_ANGLE);
 }
 
-function taskColour(task, isDark) {
+export function taskColour(task, isDark) {
   return oklch(isDark ? 0.7 : 0.58, 0.2, 15 + task * GOLDEN_ANGLE);
 }
 
-function oklch(lightness, chroma, hue) {
+export function oklch(lightness, chroma, hue) {
   return `oklch(${lightness} ${chroma} ${(hue % 360).toFixed(1)})`;
 }
 
-const RINGS = { team: "Teams", coalition: "Coalitions" };
+export const RINGS = { team: "Teams", coalition: "Coalitions" };
 
 // The colour of a team's outer ring. Of teams, its own, or its task's once it brings all that is
 // needed; of coalitions, that of the task that several teams may head for.
-function ringColour(team, isDark, rings = "team") {
+export function ringColour(/** @type {Team} */ team, isDark, rings = "team") {
   if (rings === "coalition") {
     return team.goal === NOBODY ? idleColour(isDark) : taskColour(team.goal, isDark);
   }
@@ -51,7 +53,7 @@ function idleColour(isDark) {
 }
 
 // One to three letters for each name, all different; the number for names such as `skill-17`.
-function shortLabels(names) {
+export function shortLabels(names) {
   const numbers = names.map((name) => /^\D*(\d{1,3})$/.exec(name)?.[1]);
   if (names.length > 1 && new Set(numbers).size === names.length && !numbers.includes(undefined)) {
     return numbers;

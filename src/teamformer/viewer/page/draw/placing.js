@@ -1,11 +1,16 @@
 // Where everything is drawn after a step: robots packed around the middles of their cells.
 
+import { placeLost, robotsLostAt } from "../record/history.js";
+import { cellKey } from "../record/mission.js";
+import { NOBODY } from "../record/state.js";
+import { TEAM_MARGIN, packTeams, robotSites } from "./packing.js";
+
 const ROBOT_RADIUS = 0.33; // of a robot alone in its cell, in cells
-const TASK_HALF = 0.44; // half a task's side, in cells
+export const TASK_HALF = 0.44; // half a task's side, in cells
 
 // By robot {x, y, r}, by slot {x, y, r} of the team, by cell the radius of all that is in it; in
 // cells, with y downwards on the screen turned by the camera. `cell` is a cell's side in pixels.
-function placeEverybody(history, scene, cell) {
+export function placeEverybody(/** @type {TrialHistory} */ history, /** @type {Scene} */ scene, cell) {
   const { robots } = history.mission;
   const places = {
     x: new Float64Array(robots.length),
@@ -19,31 +24,14 @@ function placeEverybody(history, scene, cell) {
 }
 
 // Robots lost in a cell lie there like a team of their own, with no slot.
-function groupsByCell(history, scene) {
-  const cells = new Map();
-  const add = (x, y, group) => {
-    const key = cellKey(x, y);
-    if (cells.has(key)) cells.get(key).push(group);
-    else cells.set(key, [group]);
-  };
-  for (const team of scene.teams.values()) add(team.x, team.y, team);
-  for (const [key, robots] of lostByCell(history, scene.step)) {
-    const [x, y] = absenceAt(history, robots[0], scene.step).place;
-    add(x, y, { key, slot: NOBODY, robots, x, y });
-  }
-  return cells;
+function groupsByCell(/** @type {TrialHistory} */ history, /** @type {Scene} */ scene) {
+  const placeIn = (robot) => placeLost(history, robot, scene.step);
+  const lost = Map.groupBy(robotsLostAt(history, scene.step), (robot) => cellKey(...placeIn(robot)));
+  const lying = [...lost.values()].map((robots) => ({ slot: NOBODY, robots, x: placeIn(robots[0])[0], y: placeIn(robots[0])[1] }));
+  return Map.groupBy([...scene.teams.values(), ...lying], ({ x, y }) => cellKey(x, y));
 }
 
-function lostByCell(history, step) {
-  const cells = new Map();
-  for (const robot of robotsLostAt(history, step)) {
-    const key = cellKey(...absenceAt(history, robot, step).place);
-    cells.set(key, [...(cells.get(key) ?? []), robot]);
-  }
-  return cells;
-}
-
-function placeCell(places, groups, cell) {
+function placeCell(/** @type {Places} */ places, groups, cell) {
   groups.sort((one, other) => other.robots.length - one.robots.length || one.slot - other.slot);
   const layout = packTeams(groups.map(({ robots }) => robots.length).join(","));
   const count = groups.reduce((sum, { robots }) => sum + robots.length, 0);
@@ -64,7 +52,7 @@ function robotRadius(layoutRadius, count, cell) {
   return Math.max(Math.min(ROBOT_RADIUS, room / layoutRadius), visible);
 }
 
-function placeRobots(places, robots, middle, scale) {
+function placeRobots(/** @type {Places} */ places, robots, middle, scale) {
   const sites = robotSites(robots.length);
   robots.forEach((robot, index) => {
     places.x[robot] = middle.x + sites[index].x * scale;
@@ -76,7 +64,7 @@ function placeRobots(places, robots, middle, scale) {
 // Where a task's square is, in cells from the middle of its own: {right, down, half}. It opens to
 // embrace the robots that stand there; tasks that share a cell share it out, and line up below
 // the robots that come. `least` is half a side in pixels.
-function taskSquare(places, { at, mates }, task, cell, least) {
+export function taskSquare(/** @type {Places} */ places, /** @type {Site} */ { at, mates }, task, cell, least) {
   const inside = places.cells.get(cellKey(...at)) ?? 0;
   if (mates.length === 1) {
     return { right: 0, down: 0, half: Math.max(TASK_HALF, least / cell, inside + 2 / cell) };
@@ -92,12 +80,12 @@ function taskSquare(places, { at, mates }, task, cell, least) {
   return { right: (column - middle) * pitch, down: down + row * pitch, half };
 }
 
-function between(from, to, part) {
+export function between(from, to, part) {
   return from + (to - from) * part;
 }
 
 // The places at a moment between two steps.
-function blendPlaces(from, to, part) {
+export function blendPlaces(from, to, part) {
   if (part === 0 || from === to) return from;
   const blend = (key) => from[key].map((value, robot) => between(value, to[key][robot], part));
   return { ...from, x: blend("x"), y: blend("y"), r: blend("r") };

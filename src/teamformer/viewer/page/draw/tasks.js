@@ -1,10 +1,20 @@
 // Tasks: a tinted square in the task's own colour, outlined in its requirements.
 
-function drawTasks(view, tasks) {
+import { attemptOn } from "../panel/attempt.js";
+import { piecesOf, sumCounts } from "../record/counts.js";
+import { needsAt } from "../record/history.js";
+import { cellKey } from "../record/mission.js";
+import { standingOf } from "../record/scene.js";
+import { serviceAfter } from "../record/told.js";
+import { taskColour } from "./palette.js";
+import { TASK_HALF, between, taskSquare } from "./placing.js";
+import { cornerOf, drawCross, fillAs, isOnScreen, onto, penOf, shorten, strokeAs, teamSpot, traceLine, tracedSquare, write } from "./shapes.js";
+
+export function drawTasks(/** @type {View} */ view, tasks) {
   for (const task of tasks) attemptOn(view.ctx, "the tasks", () => drawTaskAsItStands(view, task));
 }
 
-function drawTaskAsItStands(view, task) {
+function drawTaskAsItStands(/** @type {View} */ view, task) {
   const standing = standingOf(view.history, task, view.scene.step);
   const box = taskBox(view, task);
   if (!isOnScreen(view, box.x, box.y, box.half + 20)) return;
@@ -14,8 +24,8 @@ function drawTaskAsItStands(view, task) {
 }
 
 // The tasks that are there: those that stand still until the next step, and the others.
-function partTasks(view) {
-  const parts = [[], []];
+export function partTasks(/** @type {View} */ view) {
+  /** @type {number[][]} */ const parts = [[], []];
   view.mission.tasks.forEach((_, task) => {
     const standing = standingOf(view.history, task, view.scene.step);
     if (standing === "hidden") return;
@@ -26,41 +36,40 @@ function partTasks(view) {
 }
 
 // In crowds tasks are small squares, and wherever they are dimmed.
-function isDot({ detail, options }) {
+function isDot(/** @type {View} */ { detail, options }) {
   return detail !== "robots" || options.dim;
 }
 
-function drawTask(view, task, box, standing) {
+function drawTask(/** @type {View} */ view, task, /** @type {Box} */ box, standing) {
   if (standing === "done") drawDoneTask(view, task, box);
   else if (standing === "cancelled") drawCancelledTask(view, box);
   else drawOpenTask(view, task, box, standing);
 }
 
 // A task with no robots around looks the same from moment to moment.
-function isUnchanging({ history, sites, scene, places, placesAfter }, task, standing) {
+function isUnchanging(/** @type {View} */ { history, sites, scene, places, placesAfter }, task, standing) {
   if (sites[task].isUp) return false;
   const cell = cellKey(...sites[task].at);
   if (places.cells.has(cell) || placesAfter.cells.has(cell)) return false;
-  return (
-    standing === "open" || standing === "cancelled" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS)
-  );
+  return standing === "open" || standing === "cancelled" || (standing === "done" && scene.step >= history.doneAt[task] + FADE_STEPS);
 }
 
 // Such a task is drawn once and then copied: with a thousand tasks this is most of the work.
-function drawTaskImage(view, task, box, standing) {
+function drawTaskImage(/** @type {View} */ view, task, /** @type {Box} */ box, standing) {
   const { ctx, images, sharpness } = view;
   const key = `${task} ${standing}`;
   const reach = Math.ceil(box.half) + 4;
-  if (!images.has(key)) images.set(key, taskImage(view, task, box.half, reach, standing));
+  const image = images.get(key) ?? taskImage(view, task, box.half, reach, standing);
+  images.set(key, image);
   const left = Math.round((box.x - reach) * sharpness) / sharpness;
   const top = Math.round((box.y - reach) * sharpness) / sharpness;
-  ctx.drawImage(images.get(key), left, top, 2 * reach, 2 * reach);
+  ctx.drawImage(image, left, top, 2 * reach, 2 * reach);
 }
 
-function taskImage(view, task, half, reach, standing) {
+function taskImage(/** @type {View} */ view, task, half, reach, standing) {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = Math.round(2 * reach * view.sharpness);
-  const ctx = canvas.getContext("2d");
+  const ctx = penOf(canvas);
   ctx.scale(view.sharpness, view.sharpness);
   drawTask(onto(view, ctx), task, { x: reach, y: reach, half }, standing);
   return canvas;
@@ -70,7 +79,7 @@ const FEW_TASKS = 40; // of so many each may be a little larger than its cell, s
 const ROOMY_CELL = 12; // pixels
 
 // The square of a task in pixels.
-function taskBox(view, task) {
+export function taskBox(/** @type {View} */ view, task) {
   const { camera, sites, places, placesAfter, part, detail, mission } = view;
   const { cell } = camera;
   const { at, isUp } = sites[task];
@@ -78,100 +87,65 @@ function taskBox(view, task) {
   const [x, y] = [camera.x(at[0]), camera.y(at[1])];
   if (detail !== "robots") return { x, y, half: Math.max(1.5, 0.3 * cell) };
   const least = mission.tasks.length <= FEW_TASKS && cell >= ROOMY_CELL ? 8 : 6;
-  const [from, to] = [places, placesAfter].map((known) =>
-    taskSquare(known, sites[task], task, cell, least),
-  );
+  const [from, to] = [places, placesAfter].map((known) => taskSquare(known, sites[task], task, cell, least));
   const pixels = (key) => between(from[key], to[key], part) * cell;
   return { x: x + pixels("right"), y: y + pixels("down"), half: pixels("half") };
 }
 
 // A load goes with the robots that carry it, and embraces them.
-function loadBox(view, task) {
+function loadBox(/** @type {View} */ view, task) {
   const { history, scene, camera } = view;
-  const { x, y, r } = teamSpot(view, serviceOf(history, task, scene.step));
+  const robots = serviceAfter(history, task, scene.step)?.robots ?? [];
+  const { x, y, r } = teamSpot(view, { robots });
   return { x, y, half: Math.max(TASK_HALF * camera.cell, r + 3) };
 }
 
 // Where loads go that are not there yet: a dashed square, and a line to it.
-function drawDestinations(view) {
+export function drawDestinations(/** @type {View} */ view) {
   const { ctx, camera, history, mission, scene } = view;
   mission.tasks.forEach(({ to }, task) => {
     const standing = standingOf(history, task, scene.step);
     if (!to || ["hidden", "done", "cancelled"].includes(standing)) return;
     const goal = { x: camera.x(to[0]), y: camera.y(to[1]), half: 0.3 * camera.cell };
     const from = taskBox(view, task);
-    ctx.strokeStyle = taskColour(task, view.isDark);
-    ctx.lineWidth = 1.5;
-    ctx.globalAlpha = 0.6;
-    ctx.setLineDash([4, 3]);
+    const colour = taskColour(task, view.isDark);
     tracedSquare(ctx, goal.x, goal.y, goal.half);
-    ctx.stroke();
-    if (Math.hypot(from.x - goal.x, from.y - goal.y) > from.half + goal.half) {
-      const [start, end] = [shorten(from, goal, from.half), shorten(goal, from, goal.half)];
-      ctx.globalAlpha = 0.3;
-      ctx.beginPath();
-      ctx.moveTo(start.x, start.y);
-      ctx.lineTo(end.x, end.y);
-      ctx.stroke();
-    }
-    ctx.setLineDash([]);
-    ctx.globalAlpha = 1;
+    strokeAs(ctx, colour, 1.5, { alpha: 0.6, dash: [4, 3] });
+    if (Math.hypot(from.x - goal.x, from.y - goal.y) <= from.half + goal.half) return;
+    traceLine(ctx, [shorten(from, goal, from.half), shorten(goal, from, goal.half)]);
+    strokeAs(ctx, colour, 1.5, { alpha: 0.3, dash: [4, 3] });
   });
 }
 
 // Robots stand in the middle of a task that has its place for itself.
-function isCovered({ places, sites }, task) {
+function isCovered(/** @type {View} */ { places, sites }, task) {
   const { at, mates, isUp } = sites[task];
   if (isUp) return true;
   return mates.length === 1 && places.cells.has(cellKey(...at));
 }
 
 // Around where a task may be that nobody has found, a circle; the square is where it is believed.
-function drawRegions(view) {
+export function drawRegions(/** @type {View} */ view) {
   const { ctx, history, mission, scene, camera } = view;
   mission.tasks.forEach(({ around, within }, task) => {
     const isHidden = ["hidden", "cancelled"].includes(standingOf(history, task, scene.step));
     if (isHidden || history.foundAt[task] <= scene.step) return;
     ctx.beginPath();
     ctx.arc(camera.x(around[0]), camera.y(around[1]), (within + 0.5) * camera.cell, 0, 2 * Math.PI);
-    ctx.fillStyle = ctx.strokeStyle = taskColour(task, view.isDark);
-    ctx.globalAlpha = 0.06;
-    ctx.fill();
-    ctx.globalAlpha = 0.5;
-    ctx.lineWidth = 1;
-    ctx.setLineDash([2, 4]);
-    ctx.stroke();
-    ctx.setLineDash([]);
-    ctx.globalAlpha = 1;
+    fillAs(ctx, taskColour(task, view.isDark), 0.06);
+    strokeAs(ctx, taskColour(task, view.isDark), 1, { alpha: 0.5, dash: [2, 4] });
   });
 }
 
-function isOnScreen({ width, height }, x, y, reach) {
-  return x > -reach && y > -reach && x < width + reach && y < height + reach;
-}
-
-function drawOpenTask(view, task, box, standing) {
+function drawOpenTask(/** @type {View} */ view, task, /** @type {Box} */ box, standing) {
   const { ctx } = view;
-  const colour = taskColour(task, view.isDark);
   tracedSquare(ctx, box.x, box.y, box.half);
-  ctx.globalAlpha = view.isDark ? 0.24 : 0.15;
-  ctx.fillStyle = colour;
-  ctx.fill();
-  ctx.globalAlpha = 1;
+  fillAs(ctx, taskColour(task, view.isDark), view.isDark ? 0.24 : 0.15);
   drawRequirements(view, task, box);
   drawOwnOutline(view, task, box);
   if (standing === "served") drawProgress(view, task, box);
   if (standing === "blocked") drawCross(view, box, box.half * 0.5, view.theme.bad);
   else if (!isCovered(view, task)) drawNeeds(view, task, box);
-}
-
-function cornerOf(half) {
-  return Math.min(half * 0.35, 9);
-}
-
-function tracedSquare(ctx, x, y, half) {
-  ctx.beginPath();
-  ctx.roundRect(x - half, y - half, 2 * half, 2 * half, cornerOf(half));
 }
 
 function squareLength(half) {
@@ -184,72 +158,56 @@ function outlineWidth(half) {
 
 // One piece of the outline for each count of each requirement, in the capability's colour; one for
 // all of what is measured, such as kilograms.
-function drawRequirements(view, task, { x, y, half }) {
+function drawRequirements(/** @type {View} */ view, task, { x, y, half }) {
   const { ctx } = view;
   const open = hiddenNeeds(view, task);
   const needs = open.length ? view.mission.tasks[task].sure : needsAt(view.history, task, view.scene.step);
   const width = outlineWidth(half);
   const inner = half - width * 0.5;
   const length = squareLength(inner);
+  /** @type {Counts} */
   const pieces = needs.map(([cap, count]) => [cap, piecesOf(count)]);
   const piece = length / (sumCounts(pieces) + open.length);
   const gap = Math.min(2, piece * 0.2);
-  ctx.lineWidth = width;
+  const dash = [piece - gap, length - piece + gap];
   tracedSquare(ctx, x, y, inner);
-  let start = 0;
+  let offset = 0;
   for (const [cap, count] of pieces) {
-    ctx.strokeStyle = view.colours[cap].fill;
-    for (let n = 0; n < count; n++, start += piece) {
-      ctx.setLineDash([piece - gap, length - piece + gap]);
-      ctx.lineDashOffset = -start;
-      ctx.stroke();
-    }
+    for (let n = 0; n < count; n++, offset += piece) strokeAs(ctx, view.colours[cap].fill, width, { dash, offset });
   }
-  ctx.globalAlpha *= UNSURE;
   for (const [cap] of open) {
-    ctx.strokeStyle = view.colours[cap].fill;
-    ctx.setLineDash([piece - gap, length - piece + gap]);
-    ctx.lineDashOffset = -start;
-    ctx.stroke();
-    start += piece;
+    strokeAs(ctx, view.colours[cap].fill, width, { dash, offset, alpha: UNSURE });
+    offset += piece;
   }
-  ctx.globalAlpha /= UNSURE;
-  ctx.lineDashOffset = 0;
-  ctx.setLineDash([]);
 }
 
 const UNSURE = 0.35; // how strong is drawn what may be needed
 
 // What may be needed while nobody knows it.
-function hiddenNeeds(view, task) {
+function hiddenNeeds(/** @type {View} */ view, task) {
   const isHidden = view.history.shownAt[task] > view.scene.step;
   return isHidden ? view.mission.tasks[task].mayNeed : [];
 }
 
 // The thin line in the task's own colour.
-function drawOwnOutline(view, task, { x, y, half }) {
+function drawOwnOutline(/** @type {View} */ view, task, { x, y, half }) {
   const { ctx } = view;
   tracedSquare(ctx, x, y, half + 1);
-  ctx.strokeStyle = taskColour(task, view.isDark);
-  ctx.lineWidth = half > 10 ? 2 : 1;
-  ctx.stroke();
+  strokeAs(ctx, taskColour(task, view.isDark), half > 10 ? 2 : 1);
 }
 
 // How much of a service is made, as a thick line around the outline.
-function drawProgress(view, task, { x, y, half }) {
+function drawProgress(/** @type {View} */ view, task, { x, y, half }) {
   const { ctx } = view;
   const { duration } = view.mission.tasks[task];
   if (view.sites[task].isUp || !duration) return;
-  const service = serviceOf(view.history, task, view.scene.step);
+  const service = serviceAfter(view.history, task, view.scene.step);
+  if (!service) return;
   const made = view.scene.step + view.part - service.from;
   const outer = half + 4;
   const length = squareLength(outer);
   tracedSquare(ctx, x, y, outer);
-  ctx.strokeStyle = taskColour(task, view.isDark);
-  ctx.lineWidth = 5;
-  ctx.setLineDash([(length * made) / duration, length]);
-  ctx.stroke();
-  ctx.setLineDash([]);
+  strokeAs(ctx, taskColour(task, view.isDark), 5, { dash: [(length * made) / duration, length] });
 }
 
 const SMALLEST_TEXT = 7; // pixels
@@ -257,22 +215,18 @@ const MOST_NAMED = 9; // kinds of needs
 
 // What is needed, each kind with its amount, where there is room; else how many kinds. The list is
 // in the panel and under the pointer.
-function drawNeeds(view, task, { x, y, half }) {
+function drawNeeds(/** @type {View} */ view, task, { x, y, half }) {
   const { ctx, theme } = view;
   const fit = needsThatFit(view, task, half);
   if (!fit) return;
   const { lines, size } = fit;
-  ctx.font = `600 ${size}px ${theme.font}`;
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  ctx.fillStyle = theme.ink;
   lines.forEach((line, index) => {
-    ctx.fillText(line, x, y + (index - (lines.length - 1) / 2) * size * 1.15 + size * 0.05);
+    write(ctx, line, x, y + (index - (lines.length - 1) / 2) * size * 1.15 + size * 0.05, theme.ink, `600 ${size}px ${theme.font}`);
   });
 }
 
 // Lines of text about a task's needs and the size at which they fit into its square; null if none do.
-function needsThatFit({ ctx, theme, mission, labels, history, scene }, task, half) {
+export function needsThatFit(/** @type {View} */ { ctx, theme, mission, labels, history, scene }, task, half) {
   const isOpen = history.shownAt[task] > scene.step;
   const needs = isOpen ? mission.tasks[task].sure : needsAt(history, task, scene.step);
   const mark = isOpen ? " ?" : "";
@@ -291,7 +245,7 @@ function needsThatFit({ ctx, theme, mission, labels, history, scene }, task, hal
 }
 
 // Labels with amounts, such as `30L S`, in about as many lines as columns; null if there are too many.
-function needsLines({ capabilities }, labels, needs) {
+function needsLines(/** @type {Mission} */ { capabilities }, labels, /** @type {Counts} */ needs) {
   if (!needs.length || needs.length > MOST_NAMED) return null;
   const parts = needs.map(([cap, count]) => {
     const label = needLabel(capabilities[cap], labels[cap]);
@@ -307,63 +261,47 @@ function needLabel(name, label) {
   return /^\d/.test(label) ? `${/\p{L}/u.exec(name)?.[0] ?? "#"}${label}` : label;
 }
 
-function kindsLines(needs) {
+function kindsLines(/** @type {Counts} */ needs) {
   return needs.length > 1 ? [String(needs.length), "kinds"] : null;
 }
 
 const FADE_STEPS = 3;
 
-function drawDoneTask(view, task, box) {
+function drawDoneTask(/** @type {View} */ view, task, /** @type {Box} */ box) {
   const { ctx } = view;
   const since = view.scene.step + view.part - view.history.doneAt[task];
   const strength = between(1, 0.34, Math.min(1, since / FADE_STEPS));
   const colour = taskColour(task, view.isDark);
-  ctx.globalAlpha = strength;
   tracedSquare(ctx, box.x, box.y, box.half);
-  ctx.strokeStyle = ctx.fillStyle = colour;
-  ctx.lineWidth = box.half > 10 ? 2 : 1;
-  ctx.stroke();
-  ctx.globalAlpha = strength * 0.2;
-  ctx.fill();
-  ctx.globalAlpha = Math.min(1, strength + 0.25);
-  if (!isCovered(view, task)) drawTick(view, box, colour);
-  ctx.globalAlpha = 1;
+  strokeAs(ctx, colour, box.half > 10 ? 2 : 1, { alpha: strength });
+  fillAs(ctx, colour, strength * 0.2);
+  if (!isCovered(view, task)) drawTick(view, box, colour, Math.min(1, strength + 0.25));
 }
 
 // A task that was called off: an empty square, struck through.
-function drawCancelledTask({ ctx, theme }, { x, y, half }) {
-  ctx.globalAlpha = 0.7;
+function drawCancelledTask(/** @type {View} */ { ctx, theme }, { x, y, half }) {
   tracedSquare(ctx, x, y, half);
-  ctx.strokeStyle = theme.lost;
-  ctx.lineWidth = half > 10 ? 2 : 1;
-  ctx.stroke();
-  ctx.beginPath();
   ctx.moveTo(x - half * 0.7, y + half * 0.7);
   ctx.lineTo(x + half * 0.7, y - half * 0.7);
-  ctx.stroke();
-  ctx.globalAlpha = 1;
+  strokeAs(ctx, theme.lost, half > 10 ? 2 : 1, { alpha: 0.7 });
 }
 
-function drawTick({ ctx }, { x, y, half }, colour) {
-  ctx.beginPath();
-  ctx.moveTo(x - half * 0.42, y + half * 0.02);
-  ctx.lineTo(x - half * 0.1, y + half * 0.34);
-  ctx.lineTo(x + half * 0.44, y - half * 0.32);
-  ctx.strokeStyle = colour;
-  ctx.lineWidth = Math.max(1.5, half * 0.15);
-  ctx.lineCap = ctx.lineJoin = "round";
-  ctx.stroke();
-  ctx.lineCap = "butt";
+function drawTick(/** @type {View} */ { ctx }, { x, y, half }, colour, alpha) {
+  const corners = [[-0.42, 0.02], [-0.1, 0.34], [0.44, -0.32]];
+  traceLine(ctx, corners.map(([right, down]) => ({ x: x + half * right, y: y + half * down })));
+  ctx.lineJoin = "round";
+  strokeAs(ctx, colour, Math.max(1.5, half * 0.15), { alpha, cap: "round" });
   ctx.lineJoin = "miter";
 }
 
-function drawCross({ ctx }, { x, y }, reach, colour) {
-  ctx.beginPath();
-  ctx.moveTo(x - reach, y - reach);
-  ctx.lineTo(x + reach, y + reach);
-  ctx.moveTo(x + reach, y - reach);
-  ctx.lineTo(x - reach, y + reach);
-  ctx.strokeStyle = colour;
-  ctx.lineWidth = Math.max(1.5, reach * 0.28);
-  ctx.stroke();
+const DIMMED = 0.35; // how strong dimmed tasks are drawn
+
+// A task as a small square: full while it is open, pale once it is over; dimmed, paler still.
+export function drawTaskDot(/** @type {View} */ view, task, { x, y, half }, standing) {
+  const { ctx, theme, options } = view;
+  const isPast = standing === "done" || standing === "cancelled";
+  ctx.globalAlpha = (isPast ? 0.3 : view.detail === "density" ? 0.5 : 0.85) * (options.dim ? DIMMED : 1);
+  ctx.fillStyle = isPast ? theme.lost : standing === "served" ? theme.good : theme.task;
+  ctx.fillRect(x - half, y - half, 2 * half, 2 * half);
+  ctx.globalAlpha = 1;
 }

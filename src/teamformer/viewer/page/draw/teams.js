@@ -1,20 +1,18 @@
 // Robots and teams: inner disc = capability, outer ring = team, in the task's colour once met.
 
-function drawTeams(view) {
-  if (view.detail === "groups") return drawGroups(view);
-  if (view.detail === "density") return drawDensity(view);
-  for (const team of view.scene.teams.values()) drawTeam(view, team);
-  drawLostRobots(view);
-}
+import { piecesOf, sumCounts } from "../record/counts.js";
+import { robotsLostAt } from "../record/history.js";
+import { ringColour } from "./palette.js";
+import { drawCross, drawDisc, fillAs, isOnScreen, robotSpot, strokeAs, write } from "./shapes.js";
 
-function drawTeam(view, team) {
+export function drawTeam(/** @type {View} */ view, /** @type {Team} */ team) {
   const ring = ringColour(team, view.isDark, view.options.rings);
   if (team.robots.length > 1) drawUnion(view, team, ring);
   for (const robot of team.robots) drawRobot(view, robot, ring, team.isMet);
 }
 
 // The robots of one team lie on a common ground in its colour.
-function drawUnion(view, team, colour) {
+function drawUnion(/** @type {View} */ view, /** @type {Team} */ team, colour) {
   const { ctx } = view;
   ctx.beginPath();
   for (const robot of team.robots) {
@@ -22,22 +20,10 @@ function drawUnion(view, team, colour) {
     ctx.moveTo(x + r * 1.35, y);
     ctx.arc(x, y, r * 1.35, 0, 2 * Math.PI);
   }
-  ctx.fillStyle = colour;
-  ctx.globalAlpha = team.isMet ? 0.45 : 0.28;
-  ctx.fill();
-  ctx.globalAlpha = 1;
+  fillAs(ctx, colour, team.isMet ? 0.45 : 0.28);
 }
 
-// Where a robot is on the screen, in pixels.
-function robotSpot({ camera, blended }, robot) {
-  return {
-    x: camera.x(blended.x[robot]),
-    y: camera.y(blended.y[robot]),
-    r: blended.r[robot] * camera.cell,
-  };
-}
-
-function drawRobot(view, robot, ring, isMet) {
+function drawRobot(/** @type {View} */ view, robot, ring, isMet) {
   const { ctx, theme } = view;
   const { x, y, r } = robotSpot(view, robot);
   if (!isOnScreen(view, x, y, r)) return;
@@ -49,30 +35,18 @@ function drawRobot(view, robot, ring, isMet) {
 }
 
 // Four rotors around a robot that flies, on arms that cross under it.
-function drawRotors({ ctx, theme }, x, y, r, colour) {
-  ctx.save();
-  ctx.lineWidth = Math.max(1, r * 0.16);
+function drawRotors(/** @type {View} */ { ctx, theme }, x, y, r, colour) {
+  const width = Math.max(1, r * 0.16);
   for (const [right, up] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
-    const [toX, toY] = [x + right * r * 0.95, y + up * r * 0.95];
     ctx.beginPath();
-    ctx.arc(toX, toY, Math.max(1.5, r * 0.42), 0, 2 * Math.PI);
-    ctx.fillStyle = theme.ground;
-    ctx.strokeStyle = colour;
-    ctx.fill();
-    ctx.stroke();
+    ctx.arc(x + right * r * 0.95, y + up * r * 0.95, Math.max(1.5, r * 0.42), 0, 2 * Math.PI);
+    fillAs(ctx, theme.ground);
+    strokeAs(ctx, colour, width);
   }
-  ctx.restore();
-}
-
-function drawDisc(ctx, x, y, r, colour) {
-  ctx.beginPath();
-  ctx.arc(x, y, r, 0, 2 * Math.PI);
-  ctx.fillStyle = colour;
-  ctx.fill();
 }
 
 // One sector for each capability, as wide as its count, if that is none of what is measured.
-function drawCapabilities(view, robot, x, y, r) {
+function drawCapabilities(/** @type {View} */ view, robot, x, y, r) {
   const { ctx, colours } = view;
   const { can } = view.mission.robots[robot];
   if (can.length === 1) {
@@ -87,32 +61,21 @@ function drawCapabilities(view, robot, x, y, r) {
     ctx.beginPath();
     ctx.moveTo(x, y);
     ctx.arc(x, y, r, start, end);
-    ctx.fillStyle = colours[cap].fill;
-    ctx.fill();
+    fillAs(ctx, colours[cap].fill);
     const middle = (start + end) / 2;
-    drawLabel(
-      view,
-      cap,
-      x + Math.cos(middle) * r * 0.55,
-      y + Math.sin(middle) * r * 0.55,
-      r * 0.55,
-    );
+    drawLabel(view, cap, x + Math.cos(middle) * r * 0.55, y + Math.sin(middle) * r * 0.55, r * 0.55);
     start = end;
   }
 }
 
-function drawLabel({ ctx, labels, colours, theme }, cap, x, y, r) {
+function drawLabel(/** @type {View} */ { ctx, labels, colours, theme }, cap, x, y, r) {
   const label = labels[cap];
   const size = Math.min(15, r * (label.length > 2 ? 0.85 : label.length > 1 ? 1.05 : 1.3));
   if (size < 6.5) return;
-  ctx.font = `600 ${size}px ${theme.font}`;
-  ctx.textAlign = "center";
-  ctx.textBaseline = "middle";
-  ctx.fillStyle = colours[cap].ink;
-  ctx.fillText(label, x, y + size * 0.06);
+  write(ctx, label, x, y + size * 0.06, colours[cap].ink, `600 ${size}px ${theme.font}`);
 }
 
-function drawLostRobots(view) {
+export function drawLostRobots(/** @type {View} */ view) {
   const { ctx, theme, history, scene } = view;
   for (const robot of robotsLostAt(history, scene.step)) {
     const { x, y, r } = robotSpot(view, robot);

@@ -1,6 +1,8 @@
 // The ground: grid lines, obstacles and the numbers along two sides.
 
-function drawWorld(view) {
+import { penOf, strokeAs, write } from "./shapes.js";
+
+export function drawWorld(/** @type {View} */ view) {
   const { ctx, camera, theme, mission } = view;
   const { world } = mission;
   const [width, height] = [camera.cell * world.width, camera.cell * world.height];
@@ -19,7 +21,7 @@ function drawWorld(view) {
 }
 
 // On a plane from its lower left corner.
-function drawGridLines({ ctx, camera, theme, mission }, width, height) {
+function drawGridLines(/** @type {View} */ { ctx, camera, theme, mission }, width, height) {
   ctx.beginPath();
   for (let column = 1; column < mission.world.width; column++) {
     const x = Math.round(camera.left + column * camera.cell) + 0.5;
@@ -32,18 +34,16 @@ function drawGridLines({ ctx, camera, theme, mission }, width, height) {
     ctx.moveTo(camera.left, y);
     ctx.lineTo(camera.left + width, y);
   }
-  ctx.strokeStyle = theme.grid;
-  ctx.lineWidth = 1;
-  ctx.stroke();
+  strokeAs(ctx, theme.grid, 1);
 }
 
 // One pixel for each cell, drawn once for each colour and scaled up.
-function wallsImage(world, colour) {
-  if (world.image?.colour === colour) return world.image.canvas;
+function wallsImage(/** @type {World} */ world, colour) {
+  if (world.image && world.image.colour === colour) return world.image.canvas;
   const canvas = document.createElement("canvas");
   canvas.width = world.width;
   canvas.height = world.height;
-  const ctx = canvas.getContext("2d");
+  const ctx = penOf(canvas);
   ctx.fillStyle = colour;
   world.rows.forEach((row, y) => {
     const top = world.yIsUp ? world.height - 1 - y : y;
@@ -53,29 +53,24 @@ function wallsImage(world, colour) {
   return canvas;
 }
 
-const SPACINGS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
+export const SPACINGS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 
 // x along the bottom and y along the left, at a spacing that leaves room for the digits: the
 // numbers of cells, or metres on a plane.
-function drawNumbers({ ctx, camera, theme, mission }) {
+function drawNumbers(/** @type {View} */ { ctx, camera, theme, mission }) {
   const { world } = mission;
-  const { isPlane, square = 1 } = world;
+  const { isPlane, square } = world;
   const spacings = isPlane ? SPACINGS : SPACINGS.filter(Number.isInteger);
-  const every = spacings.find((step) => (step / square) * camera.cell >= 34) ?? SPACINGS.at(-1);
+  const every = spacings.find((step) => (step / square) * camera.cell >= 34) ?? spacings[spacings.length - 1];
   const marks = (side) => {
     const last = isPlane ? side * square : side - 1;
     return Array.from({ length: Math.floor(last / every + 1e-9) + 1 }, (_, mark) => mark * every);
   };
   const unit = isPlane ? " m" : "";
-  ctx.fillStyle = theme.faint;
-  ctx.font = `10px ${theme.font}`;
-  ctx.textBaseline = "top";
-  ctx.textAlign = "center";
+  const font = `10px ${theme.font}`;
   const below = camera.top + world.height * camera.cell + 18; // names of tasks come first
-  for (const x of marks(world.width)) ctx.fillText(short(x) + unit, camera.x(x / square), below);
-  ctx.textBaseline = "middle";
-  ctx.textAlign = "right";
-  for (const y of marks(world.height)) ctx.fillText(short(y), camera.left - 7, camera.y(y / square));
+  for (const x of marks(world.width)) write(ctx, short(x) + unit, camera.x(x / square), below, theme.faint, font, "center", "top");
+  for (const y of marks(world.height)) write(ctx, short(y), camera.left - 7, camera.y(y / square), theme.faint, font, "right");
 }
 
 function short(number) {

@@ -1,8 +1,19 @@
 // The editor: the map of a draft, tools that change it, and the file reader's own words on it.
 
+import { App } from "../app.js";
+import { byId, targetOf } from "../panel/dom.js";
+import { downloadButton } from "../panel/files.js";
+import { showHeader } from "../panel/header.js";
+import { LISTS } from "../panel/lists.js";
+import { notify, notifyWork } from "../panel/notice.js";
+import { download, fileName } from "../panel/saving.js";
+import { capitalised } from "../record/lengths.js";
+import { freeName, keepDraft, keptDraft, kindOf, numberOf, recordOfDraft, sizeOfWorld, withChange, withThing, withWall, withoutThing, writtenCounts } from "./draft.js";
+import { EditorPanel } from "./panel.js";
+
 const CHECK_AFTER = 250; // milliseconds without a change
 
-class EditorApp extends App {
+export class EditorApp extends App {
   constructor({ mission, id }, link) {
     super(recordOfDraft(mission));
     this.link = link;
@@ -10,6 +21,8 @@ class EditorApp extends App {
     this.id = this.told = id; // the names of what is drawn here, and of what the server knows of it
     this.tool = "move";
     this.problems = [];
+    /** @type {Thing | null} */ this.held = null;
+    this.hasDragged = false;
     this.panel = new EditorPanel(this, byId("mission"));
     document.body.classList.add("editing");
     this.lists.open("robots");
@@ -79,7 +92,7 @@ class EditorApp extends App {
     this.redrawDraft(this.selection);
   }
 
-  takeOver(mission, id) {
+  takeOver(/** @type {MissionTree} */ mission, id) {
     const notice = this.isOpening ? [""] : this.noticeOfAnother();
     this.draft.change(mission, this.isOpening ? null : "another page");
     Object.assign(this, { id, told: id, held: null });
@@ -95,13 +108,13 @@ class EditorApp extends App {
     return ["Another page is drawing too.", "plain"];
   }
 
-  isThere(selection) {
+  isThere(/** @type {Selected} */ selection) {
     const { robots, tasks } = this.draft.tree;
-    return !(selection.robot >= robots.length || selection.task >= tasks.length);
+    return !(Number(selection.robot) >= robots.length || Number(selection.task) >= tasks.length);
   }
 
   // Every change goes through here; `selection` is what is to be selected then.
-  change(tree, selection = this.selection, key = null) {
+  change(/** @type {MissionTree} */ tree, /** @type {Selected} */ selection = this.selection, /** @type {string | null} */ key = null) {
     if (tree === this.draft.tree) return;
     this.draft.change(tree, key);
     this.haveDrawn(selection);
@@ -119,12 +132,12 @@ class EditorApp extends App {
     this.haveDrawn({});
   }
 
-  haveDrawn(selection) {
+  haveDrawn(/** @type {Selected} */ selection) {
     this.id = freshId();
     this.redrawDraft(selection);
   }
 
-  redrawDraft(selection) {
+  redrawDraft(/** @type {Selected} */ selection) {
     const { camera } = this.map;
     const size = this.shownSize;
     const { tree } = this.draft;
@@ -148,7 +161,7 @@ class EditorApp extends App {
     this.checkTimer = setTimeout(send, CHECK_AFTER);
   }
 
-  select(selection) {
+  select(/** @type {Selected} */ selection) {
     super.select(selection);
     this.panel?.showThing();
   }
@@ -160,20 +173,20 @@ class EditorApp extends App {
   }
 
   // The place in the draft's own lengths: a cell, or metres to the centimetre.
-  placeOf([x, y]) {
+  /** @returns {Place} */
+  placeOf(/** @type {Place} */ [x, y]) {
     const { world } = this.history.mission;
-    if (world.isPlane) return [x, y].map((along) => Number((along * world.square).toFixed(2)));
-    return [Math.round(x), Math.round(y)];
+    const rounded = (along) => Number((along * world.square).toFixed(2));
+    return world.isPlane ? [rounded(x), rounded(y)] : [Math.round(x), Math.round(y)];
   }
 
-  isInside([x, y]) {
+  isInside(/** @type {Place} */ [x, y]) {
     const { world } = this.history.mission;
-    const square = world.square ?? 1;
-    const [right, up] = [world.width * square, world.height * square];
+    const [right, up] = [world.width * world.square, world.height * world.square];
     return x >= 0 && y >= 0 && (world.isPlane ? x <= right && y <= up : x < right && y < up);
   }
 
-  pick(thing, where) {
+  pick(/** @type {Thing} */ thing, where) {
     const at = this.placeOf(where);
     const isThing = thing.robot !== undefined || thing.task !== undefined;
     if (this.tool === "erase" && isThing) return this.remove(thing);
@@ -192,7 +205,7 @@ class EditorApp extends App {
     this.change(withThing(tree, kind, thing), kind === "robots" ? { robot: number } : { task: number });
   }
 
-  remove(thing) {
+  remove(/** @type {Thing} */ thing) {
     this.change(withoutThing(this.draft.tree, thing), {});
   }
 
@@ -202,7 +215,7 @@ class EditorApp extends App {
   }
 
   // Dragging moves a thing or paints walls; elsewhere it moves the map.
-  hold(thing, where) {
+  hold(/** @type {Thing} */ thing, where) {
     this.heldAt = this.placeOf(where);
     const isThing = thing.robot !== undefined || thing.task !== undefined;
     this.held = this.tool === "move" && isThing ? thing : null;
@@ -217,19 +230,19 @@ class EditorApp extends App {
     if (isPainting && !this.hasDragged) this.paint(this.heldAt, this.tool === "wall");
     this.hasDragged = true;
     if (isPainting) this.paint(at, this.tool === "wall");
-    else this.moveTo(this.held, at);
+    else if (this.held) this.moveTo(this.held, at);
     return true;
   }
 
   drop() {
-    const hasDragged = this.hasDragged;
+    const { hasDragged } = this;
     this.held = null;
     this.hasDragged = false;
     this.draft.key = null;
     return hasDragged;
   }
 
-  moveTo(thing, at) {
+  moveTo(/** @type {Thing} */ thing, at) {
     const { tree } = this.draft;
     const was = tree[kindOf(thing)][numberOf(thing)].at;
     if (was[0] === at[0] && was[1] === at[1]) return;
@@ -237,8 +250,8 @@ class EditorApp extends App {
   }
 
   // Arrows move what is selected by a cell, Delete removes it, Ctrl-Z and Ctrl-Y go back and on.
-  press(event) {
-    if (event.target.matches("input, select, textarea") || document.querySelector("dialog[open]")) return;
+  press(/** @type {KeyboardEvent} */ event) {
+    if (targetOf(event).matches("input, select, textarea") || document.querySelector("dialog[open]")) return;
     const act = this.keyAction(event);
     if (!act) return;
     event.preventDefault();
@@ -246,7 +259,7 @@ class EditorApp extends App {
     act();
   }
 
-  keyAction({ key, ctrlKey, metaKey, shiftKey }) {
+  keyAction(/** @type {KeyboardEvent} */ { key, ctrlKey, metaKey, shiftKey }) {
     const isCommand = ctrlKey || metaKey;
     if (isCommand && key.toLowerCase() === "z") return () => (shiftKey ? this.redo() : this.undo());
     if (isCommand && key.toLowerCase() === "y") return () => this.redo();
@@ -262,7 +275,8 @@ class EditorApp extends App {
     const length = world.isPlane ? 0.1 : 1;
     const [x, y] = this.draft.tree[kindOf(this.selection)][numberOf(this.selection)].at;
     const down = world.yIsUp ? up : -up;
-    const at = [x + right * length, y + down * length].map((along) => Number(along.toFixed(2)));
+    const moved = (from, by) => Number((from + by * length).toFixed(2));
+    /** @type {Place} */ const at = [moved(x, right), moved(y, down)];
     if (this.isInside(at)) this.moveTo(this.selection, at);
   }
 

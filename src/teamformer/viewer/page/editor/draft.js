@@ -3,14 +3,14 @@
 const STEPS_BACK = 200;
 
 class Draft {
-  constructor(tree) {
+  constructor(/** @type {MissionTree} */ tree) {
     this.tree = tree;
     this.before = [];
     this.after = [];
   }
 
   // Changes that follow each other under one `key`, such as the letters of a name, are one step.
-  change(tree, key = null) {
+  change(/** @type {MissionTree} */ tree, /** @type {string | null} */ key = null) {
     if (tree === this.tree) return;
     if (key === null || key !== this.key) {
       this.before.push(this.tree);
@@ -47,10 +47,10 @@ const MOST_KEPT = 2_000_000; // letters
 
 // The drawing of a page that goes, for the next page of this tab, and what can be undone: as much of
 // it as there is room for.
-function keepDraft({ tree, before, after }) {
+export function keepDraft({ tree, before, after }) {
   const write = (last, next) => JSON.stringify({ tree, before: last, after: next });
   let text = write(before, after);
-  for (let kept = before.length; text.length > MOST_KEPT && kept > 0; ) {
+  for (let kept = before.length; text.length > MOST_KEPT && kept > 0;) {
     kept = Math.floor(kept / 2);
     text = write(kept ? before.slice(-kept) : [], []);
   }
@@ -62,7 +62,7 @@ function keepDraft({ tree, before, after }) {
 }
 
 // The draft of a tree; what was undone and done is there again where the tree is as this tab left it.
-function keptDraft(tree) {
+export function keptDraft(/** @type {MissionTree} */ tree) {
   const draft = new Draft(tree);
   const kept = JSON.parse(sessionStorage.getItem(KEPT) ?? "{}");
   if (JSON.stringify(kept.tree) !== JSON.stringify(tree)) return draft;
@@ -70,29 +70,27 @@ function keptDraft(tree) {
 }
 
 // A thing of a draft is {robot} or {task}, by number, as in a selection.
-function kindOf(thing) {
+export function kindOf(/** @type {Thing} */ thing) {
   return thing.robot !== undefined ? "robots" : "tasks";
 }
 
-function numberOf(thing) {
-  return thing.robot ?? thing.task;
+export function numberOf(/** @type {Thing} */ thing) {
+  return Number(thing.robot ?? thing.task);
 }
 
-function withThing(tree, kind, thing) {
+export function withThing(/** @type {MissionTree} */ tree, kind, thing) {
   return { ...tree, [kind]: [...tree[kind], thing] };
 }
 
 // What is undefined in `change` is taken out: it then has its default.
-function withChange(tree, thing, change) {
-  const list = tree[kindOf(thing)].map((it, number) =>
-    number === numberOf(thing) ? withoutUndefined({ ...it, ...change }) : it,
-  );
+export function withChange(/** @type {MissionTree} */ tree, /** @type {Thing} */ thing, /** @type {StepTree} */ change) {
+  const list = tree[kindOf(thing)].map((it, number) => (number === numberOf(thing) ? withoutUndefined({ ...it, ...change }) : it));
   return { ...tree, [kindOf(thing)]: list };
 }
 
 // The tree with another name for a thing, in all that refers to it too: tasks that come after it or
 // start with it, starting teams.
-function withName(tree, thing, name) {
+export function withName(/** @type {MissionTree} */ tree, /** @type {Thing} */ thing, name) {
   const changed = withChange(tree, thing, { name });
   if (!name) return changed;
   const { count } = tree[kindOf(thing)][numberOf(thing)];
@@ -115,7 +113,7 @@ function withReferences(task, swap) {
 }
 
 // What the file reader calls a thing, be it without a name: by its place among all.
-function nameIn(tree, thing) {
+function nameIn(/** @type {MissionTree} */ tree, /** @type {Thing} */ thing) {
   const list = tree[kindOf(thing)];
   const { name } = list[numberOf(thing)];
   if (name !== undefined) return name;
@@ -123,21 +121,21 @@ function nameIn(tree, thing) {
   return `${kindOf(thing)[0]}${before + 1}`;
 }
 
-function withoutUndefined(thing) {
+function withoutUndefined(/** @type {Thing} */ thing) {
   return Object.fromEntries(Object.entries(thing).filter(([, value]) => value !== undefined));
 }
 
 // A robot that goes leaves its starting team, which goes with its last one.
-function withoutThing(tree, thing) {
+export function withoutThing(/** @type {MissionTree} */ tree, /** @type {Thing} */ thing) {
   const kind = kindOf(thing);
   const rest = { ...tree, [kind]: tree[kind].filter((_, number) => number !== numberOf(thing)) };
   if (kind !== "robots" || !tree.teams) return rest;
-  const { name } = tree.robots[thing.robot];
+  const { name } = tree.robots[numberOf(thing)];
   const teams = tree.teams.map((team) => team.filter((mate) => mate !== name));
   return { ...rest, teams: teams.filter((team) => team.length) };
 }
 
-function freeName(tree, kind) {
+export function freeName(/** @type {MissionTree} */ tree, kind) {
   const names = new Set(tree[kind].map(({ name }) => name));
   const letter = kind[0];
   let number = tree[kind].length + 1;
@@ -146,7 +144,7 @@ function freeName(tree, kind) {
 }
 
 // Walls need rows; a plain grid becomes rows that are drawn the same way up.
-function withWall(tree, [x, y], isWall) {
+export function withWall(/** @type {MissionTree} */ tree, /** @type {Place} */ [x, y], isWall) {
   const { world } = tree;
   const rows = world.rows ?? emptyRows(world.grid);
   if (rows[y]?.[x] === undefined) return tree;
@@ -160,25 +158,25 @@ function emptyRows([width, height]) {
 }
 
 // A grid of another size; what lay beyond it is cut off, what is new is free.
-function withSize(tree, width, height) {
+export function withSize(/** @type {MissionTree} */ tree, width, height) {
   const { world } = tree;
   if (!world.rows) return { ...tree, world: { ...world, grid: [width, height] } };
   const row = (y) => (world.rows[y] ?? "").slice(0, width).padEnd(width, ".");
   return { ...tree, world: { ...world, rows: Array.from({ length: height }, (_, y) => row(y)) } };
 }
 
-function sizeOfWorld(world) {
+export function sizeOfWorld(world) {
   return world.grid ?? [world.rows[0].length, world.rows.length];
 }
 
 // Counts as a person writes them: a list where each is one, else a mapping.
-function writtenCounts(counts) {
+export function writtenCounts(/** @type {Record<string, number>} */ counts) {
   const given = Object.entries(counts).filter(([, count]) => count > 0);
   if (given.every(([, count]) => count === 1)) return given.map(([name]) => name);
   return Object.fromEntries(given);
 }
 
-function readWrittenCounts(counts) {
+export function readWrittenCounts(counts) {
   return Array.isArray(counts) ? Object.fromEntries(counts.map((name) => [name, 1])) : counts;
 }
 
@@ -187,13 +185,13 @@ function shownTask({ appears, cancelled, after, between, ...task }, name) {
   return { ...task, name };
 }
 
-function drawnName(tree, thing) {
+function drawnName(/** @type {MissionTree} */ tree, /** @type {Thing} */ thing) {
   const { count } = tree[kindOf(thing)][numberOf(thing)];
   return count > 1 ? `${nameIn(tree, thing)} × ${count}` : nameIn(tree, thing);
 }
 
 // A record in which nothing has happened yet, so that the map can draw a draft.
-function recordOfDraft(tree) {
+export function recordOfDraft(/** @type {MissionTree} */ tree) {
   const starts = tree.robots.map(({ at }, robot) => [robot, [robot], ...at]);
   const robots = tree.robots.map((robot, number) => ({ ...robot, name: drawnName(tree, { robot: number }) }));
   const tasks = tree.tasks.map((task, number) => shownTask(task, drawnName(tree, { task: number })));

@@ -1,9 +1,13 @@
 // The editor's panel: Run, tools, the fields of what is selected, what a new thing brings, problems.
 
+import { act, allIn, byId, element, link } from "../panel/dom.js";
+import { notifyWork } from "../panel/notice.js";
+import { kindOf, numberOf, readWrittenCounts, sizeOfWorld, withChange, withName, withSize, writtenCounts } from "./draft.js";
+
 const TOOLS = { move: "Select", robot: "Robot", task: "Task", wall: "Wall", erase: "Erase" };
 
-class EditorPanel {
-  constructor(app, box) {
+export class EditorPanel {
+  constructor(/** @type {EditorApp} */ app, /** @type {HTMLElement} */ box) {
     this.app = app;
     this.kits = { robots: {}, tasks: {} }; // what a new one brings or needs, by capability
     this.tools = new Map(Object.entries(TOOLS).map(([name, text]) => [name, this.toolButton(name, text)]));
@@ -70,7 +74,7 @@ class EditorPanel {
   fill() {
     const { tree } = this.app.draft;
     const change = (make) => (event) => this.app.change(make(event.target), {}, event.target.name);
-    const fields = [
+    /** @type {HTMLElement[]} */ const fields = [
       labelled("Name", input("text", "name", tree.name ?? "", change(({ value }) => ({ ...this.tree(), name: value }))), "wide"),
       labelled("Capabilities", input("text", "capabilities", tree.capabilities.join(", "), (event) => this.renameCapabilities(event)), "wide"),
     ];
@@ -126,7 +130,7 @@ class EditorPanel {
     const kind = kindOf(selection);
     const set = (make, key) => ({ target }) =>
       this.app.change(withChange(this.tree(), selection, make(target)), selection, `${key} ${kind} ${numberOf(selection)}`);
-    const place = () => [this.thing.elements.x, this.thing.elements.y].map(({ value }) => Number(value));
+    const place = () => ["x", "y"].map((name) => Number(this.thing.elements[name].value));
     const key = kind === "robots" ? "can" : "needs";
     const counts = readWrittenCounts(thing[key] ?? []);
     const all = () =>
@@ -149,7 +153,7 @@ class EditorPanel {
   }
 
   // The field of a key, by what stands under it.
-  keyField({ name, label, help, field }, thing, set) {
+  keyField({ name, label, help, field }, /** @type {Thing} */ thing, set) {
     const value = thing[name];
     const change = (read) => set((target) => ({ [name]: read(target) }), name);
     const made = {
@@ -163,7 +167,7 @@ class EditorPanel {
   }
 
   // Letter by letter, each from what was before the first: half a name may be another thing's.
-  rename(thing, name) {
+  rename(/** @type {Thing} */ thing, name) {
     const key = `name ${kindOf(thing)} ${numberOf(thing)}`;
     this.app.change(withName(this.app.draft.beforeChanges(key), thing, name), thing, key);
   }
@@ -187,7 +191,7 @@ class EditorPanel {
   openFile() {
     const accept = ".yaml,.yml,.json,.map,.pgm,.png,.jpg,.jpeg,.bmp";
     const field = element("input", { type: "file", accept, multiple: "" });
-    field.addEventListener("change", () => this.send([...field.files]));
+    field.addEventListener("change", () => this.send([...(field.files ?? [])]));
     field.click();
   }
 
@@ -211,7 +215,7 @@ function readSteps(text) {
 }
 
 function playSign() {
-  return byId("start").querySelector("svg").cloneNode(true);
+  return allIn(byId("start"), "svg")[0].cloneNode(true);
 }
 
 function isMission({ text }) {
@@ -241,7 +245,7 @@ function checkbox(name, isChecked, on) {
   return field;
 }
 
-function number(name, value, on, step = 1) {
+function number(name, value, on, /** @type {number | "any"} */ step = 1) {
   const field = element("input", { type: "number", name, value, min: 0, step });
   field.addEventListener("input", on);
   return field;

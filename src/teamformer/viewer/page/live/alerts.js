@@ -1,7 +1,10 @@
 // What an operator of a fleet should know: one list, of which banner, panel and title show parts.
 
+import { act, element } from "../panel/dom.js";
+import { capitalised, plural } from "../record/lengths.js";
+
 // The alerts of a state; each has begun at a moment of this page's clock, the same wherever it counts.
-function readAlerts(alerts, known) {
+export function readAlerts(/** @type {Alert[]} */ alerts, known) {
   return alerts.map((alert) => {
     const same = known.find(({ key, what }) => key === alert.key && what === alert.what);
     return { ...alert, begun: same?.begun ?? performance.now() - 1000 * alert.seconds };
@@ -9,7 +12,7 @@ function readAlerts(alerts, known) {
 }
 
 // Those that nobody has acknowledged, the latest first.
-function alertsToSee(alerts) {
+export function alertsToSee(/** @type {Alert[]} */ alerts) {
   return alerts.filter((alert) => !alert.is_acknowledged).reverse();
 }
 
@@ -32,14 +35,14 @@ function tellSeconds(count) {
 setInterval(() => document.querySelectorAll("[data-begun]").forEach(tellSeconds), 250);
 
 // The latest alert in the line under the header, with how many more there are.
-function bannerOfAlerts(alerts) {
+export function bannerOfAlerts(/** @type {Alert[]} */ alerts) {
   const [latest, ...more] = alertsToSee(alerts);
   if (!latest) return [];
   return [`${headOf(latest)} for `, countedSeconds(latest), more.length ? `; ${plural(more.length, "more alert")}` : ""];
 }
 
 // All alerts, the latest first, with a button for each that nobody has acknowledged.
-function alertItems(app, alerts) {
+export function alertItems(/** @type {LiveApp} */ app, /** @type {Alert[]} */ alerts) {
   return [...alerts].reverse().map((alert) => {
     const { key, why, do: remedy, since, is_acknowledged: isSeen } = alert;
     const begun = since === null ? "" : `since ${Math.floor(since)} s of the mission, `;
@@ -57,6 +60,6 @@ function alertItems(app, alerts) {
 }
 
 // Which alerts there are, whatever they count.
-function namesOfAlerts(alerts) {
+export function namesOfAlerts(/** @type {Alert[]} */ alerts) {
   return alerts.map(({ key, what, is_acknowledged: isSeen }) => `${key} ${what} ${isSeen}`).join("\n");
 }

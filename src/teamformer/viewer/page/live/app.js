@@ -1,17 +1,39 @@
 // The page of a mission under way: the same map and lists, fed by the server, and incidents.
 
-class LiveApp extends App {
-  constructor(record, link) {
+import { App } from "../app.js";
+import { messageOf } from "../panel/attempt.js";
+import { act, byId, element } from "../panel/dom.js";
+import { downloadButton } from "../panel/files.js";
+import { noticeText, showHeader } from "../panel/header.js";
+import { notify, notifyParts, notifyWork } from "../panel/notice.js";
+import { download, fileName } from "../panel/saving.js";
+import { isLost, leave } from "../record/history.js";
+import { capitalised } from "../record/lengths.js";
+import { isFreeCell } from "../record/mission.js";
+import { isOver } from "../record/scene.js";
+import { robotName } from "../record/words.js";
+import { alertsToSee, bannerOfAlerts, namesOfAlerts, readAlerts } from "./alerts.js";
+import { MissionPanel, describeOutcome } from "./panel.js";
+import { LivePlayer } from "./player.js";
+
+export class LiveApp extends App {
+  constructor(/** @type {RecordTree} */ record, link) {
     super(record, new LivePlayer((message) => this.ask(message)));
     this.link = link;
-    this.state = { incidents: [], watchers: 1, alerts: [] };
+    /** @type {LiveState} */ this.state = { incidents: [], watchers: 1, alerts: [] };
+    this.isCutOff = false;
+    /** @type {string | null} */ this.doubted = null; // what waits for a second click
     this.panel = new MissionPanel(this, byId("mission"));
   }
 
   // The steps as the server told them are kept, for planes are drawn in other lengths.
-  load(record) {
-    this.steps = [...record.steps];
+  load(/** @type {RecordTree} */ record) {
+    /** @type {StepTree[]} */ this.steps = [...record.steps];
     super.load(record);
+  }
+
+  clock() {
+    return /** @type {import("./player.js").LivePlayer} */ (this.player);
   }
 
   lastStep() {
@@ -71,13 +93,13 @@ class LiveApp extends App {
   }
 
   // A step; one that does not follow the last is of a line that broke, and is told anew.
-  take({ at, step, orders = [], plans = [], end }) {
+  take(/** @type {Message} */ { at, step, told, orders = [], plans = [], end }) {
     const { history } = this;
     if (at !== history.last + 1) return;
     history.record.orders.push(...orders);
     (history.record.plans ??= []).push(...plans);
     this.steps.push(step);
-    history.grow(step, end);
+    history.grow(step, told, end);
     this.follow();
     if (end) this.tellEnd();
   }
@@ -114,14 +136,14 @@ class LiveApp extends App {
     this.show(true);
   }
 
-  takeState(state) {
+  takeState(/** @type {Message} */ state) {
     const { is_playing, speed, watchers, incidents, leaving = [], planning = "" } = state;
     const { is_fleet = false, has_editor = false, undo_to = null, saved_at = null, id } = state;
     const { is_heard = true, is_over = false } = state; // of a fleet
     const alerts = readAlerts(state.alerts ?? [], this.state.alerts);
     this.tellAlerts(alerts);
-    this.state = { watchers, incidents, planning, hasEditor: has_editor, undoTo: undo_to, savedAt: saved_at, id };
-    Object.assign(this.state, { isFleet: is_fleet, alerts, isHeard: is_heard, isOver: is_over });
+    const ofMission = { planning, hasEditor: has_editor, undoTo: undo_to, savedAt: saved_at, id };
+    this.state = { watchers, incidents, alerts, ...ofMission, isFleet: is_fleet, isHeard: is_heard, isOver: is_over };
     document.body.classList.toggle("of-fleet", is_fleet);
     const { robots } = this.history.mission;
     leave(this.history, leaving.map((name) => robots.findIndex((robot) => robot.name === name)));
@@ -141,7 +163,7 @@ class LiveApp extends App {
   }
 
   // What nobody has acknowledged of a fleet is a banner, and counted in the title of the window.
-  tellAlerts(alerts) {
+  tellAlerts(/** @type {Alert[]} */ alerts) {
     if (namesOfAlerts(alerts) === namesOfAlerts(this.state.alerts)) return;
     const [count, wasCount] = [alerts, this.state.alerts].map((all) => alertsToSee(all).length);
     document.title = `${count ? `(${count}) ` : ""}${this.history.mission.name}, live`;
@@ -171,32 +193,32 @@ class LiveApp extends App {
       download(await answer.blob(), `${fileName(this.history.mission.name)}-${name}`);
       notify("");
     } catch (error) {
-      notify(`${name} is not there: ${error.message}.`);
+      notify(`${name} is not there: ${messageOf(error)}.`);
     }
   }
 
   follow() {
     this.events = this.history.events.filter(({ kind }) => kind !== "heads");
     byId("scrub").max = String(this.history.last);
-    this.player.grow(this.history.last);
+    this.clock().grow(this.history.last);
     this.timeline.draw();
     this.panel.show();
   }
 
   // A free place opens the form of a new task there.
-  pick(thing, place) {
+  pick(/** @type {Thing} */ thing, place) {
     const at = this.freePlace(place);
     if (Object.keys(thing).length || !at) return this.select(thing);
     this.panel.askForTask(at);
   }
 
-  freePlace([x, y]) {
+  freePlace(/** @type {Place} */ [x, y]) {
     const { world } = this.history.mission;
     if (world.isPlane) {
       const at = [x, y].map((along) => Number((along * world.square).toFixed(2)));
       return x >= 0 && y >= 0 && x <= world.width && y <= world.height ? at : null;
     }
-    const at = [Math.round(x), Math.round(y)];
+    /** @type {Place} */ const at = [Math.round(x), Math.round(y)];
     return isFreeCell(world, ...at) ? at : null;
   }
 
@@ -261,7 +283,7 @@ class LiveApp extends App {
     return [act(keep, doubt(null), key), act(`Yes, ${words[0].toLowerCase()}${words.slice(1)}`, go, `yes ${key}`)];
   }
 
-  select(selection) {
+  select(/** @type {Selected} */ selection) {
     this.doubted = null;
     super.select(selection);
   }
@@ -274,7 +296,7 @@ class LiveApp extends App {
   }
 
   // What the server tells is about the mission, so that no other record takes its place.
-  bringToFront(trial) {
+  bringToFront(/** @type {Trial} */ trial) {
     if (trial !== this.trial) notify("A live mission stays in front; open the other record with `view` to see all of it.", "plain");
   }
 
@@ -293,7 +315,7 @@ const WORK = {
   save: "Saving",
 };
 
-const HOW_TO_RESUME = "`teamformer live --resume` goes on with a mission that was cut off.";
+export const HOW_TO_RESUME = "`teamformer live --resume` goes on with a mission that was cut off.";
 
 const FILES = {
   "mission.yaml": "Mission (YAML)",
@@ -304,7 +326,7 @@ const FILES = {
 };
 
 // How a fleet stands, which nobody here can pause.
-function fleetStatus({ isOver, isHeard, alerts }) {
+function fleetStatus(/** @type {LiveState} */ { isOver, isHeard, alerts }) {
   if (isOver) return "completed";
   if (alerts.some(({ key }) => key === "all")) return "no robot heard";
   return isHeard ? "running" : "listening";
@@ -312,8 +334,4 @@ function fleetStatus({ isOver, isHeard, alerts }) {
 
 function savedText({ paths, note }) {
   return `Saved: ${paths.join(", ")}${note ? `; ${note}` : ""}`;
-}
-
-function act(text, on, key) {
-  return element("button", { type: "button", on, "data-key": key }, text);
 }

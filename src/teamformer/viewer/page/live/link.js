@@ -4,10 +4,14 @@ const REDIAL_FIRST = 500; // milliseconds
 const REDIAL_LONGEST = 8000;
 const LONGEST_SILENCE = 15_000; // a server says every few seconds that it is there
 
-class Link {
+export class Link {
+  /** @type {WebSocket} */ socket;
+
   // `hear(message)` is called with each message, `changed(isOpen)` when the line opens or breaks.
-  constructor(hear, changed) {
-    Object.assign(this, { hear, changed, wait: REDIAL_FIRST });
+  constructor(/** @type {(message: Message) => void} */ hear, /** @type {(isOpen: boolean) => void} */ changed) {
+    this.hear = hear;
+    this.changed = changed;
+    this.wait = REDIAL_FIRST;
     this.dial();
   }
 
@@ -41,7 +45,7 @@ class Link {
     const { socket } = this;
     socket.onmessage = null;
     socket.close(); // which may wait for an answer that does not come
-    socket.onclose?.();
+    socket.onclose?.(new CloseEvent("close"));
     socket.onclose = null;
   }
 

@@ -1,5 +1,13 @@
 // Opens the page of a live mission: once the server has told how it stands.
 
+import { EditorApp } from "../editor/app.js";
+import { lookInto } from "../look.js";
+import { byId } from "../panel/dom.js";
+import { notify, showSeconds, stopWork } from "../panel/notice.js";
+import { HOW_TO_RESUME, LiveApp } from "./app.js";
+import { Link } from "./link.js";
+import { StartingApp } from "./starting.js";
+
 // What each first word of the server makes of the page.
 const APPS = {
   mission: (message) => new LiveApp(message.record, server),
@@ -9,7 +17,7 @@ const APPS = {
 
 const GONE = "teamformer mission is gone"; // the key in what the browser keeps for this tab
 
-let app = null;
+/** @type {any} */ let app = null;
 let opening = null; // the word that the page was opened by
 const server = new Link(hearServer, (isOpen) => {
   showCutOff(!isOpen);

@@ -1,10 +1,16 @@
 // The panel of a live mission: how it stands, what it will come to, what happened, a new task.
 
+import { act, allIn, element, link, refill } from "../panel/dom.js";
+import { showWork, stopWork, ticking } from "../panel/notice.js";
+import { capitalised, describeMoment, describeSpan, shortMoment } from "../record/lengths.js";
+import { describeAt } from "../record/words.js";
+import { alertItems } from "./alerts.js";
+
 // The fields of the form for each key of a task in a file.
 const FIELDS_OF_KEYS = { at: "[name=x], [name=y]", needs: ".needs", name: "[name=title]", duration: "[name=duration]" };
 
-class MissionPanel {
-  constructor(app, box) {
+export class MissionPanel {
+  constructor(/** @type {LiveApp} */ app, /** @type {HTMLElement} */ box) {
     this.app = app;
     this.head = element("h2", {});
     this.outlook = element("p", { role: "status", id: "outlook" });
@@ -47,11 +53,11 @@ class MissionPanel {
     );
     this.showAlerts();
     this.showOutlook();
-    this.restart.hidden = state.isFleet;
+    this.restart.hidden = state.isFleet === true;
     this.edit.hidden = !state.hasEditor;
     const { world } = history.mission;
     const items = state.incidents.map(([step, text]) => element("li", {}, `${shortMoment(world, step)}: ${text}`));
-    if (items.length && !state.isFleet) items.at(-1).append(" ", link("Undo", () => this.undo(), "undo"));
+    if (items.length && !state.isFleet) items[items.length - 1].append(" ", link("Undo", () => this.undo(), "undo"));
     refill(this.incidents, items.reverse()); // the latest first
   }
 
@@ -66,7 +72,7 @@ class MissionPanel {
   // At once where no step has been made since; else these steps are undone with it.
   undo() {
     const { state, history } = this.app;
-    const step = state.undoTo;
+    const step = Number(state.undoTo);
     const go = () => this.app.ask({ do: "undo" });
     if (step === history.last) return go();
     const since = describeSpan(history.mission.world, history.last - step);
@@ -86,11 +92,11 @@ class MissionPanel {
   }
 
   // What is asked, or else the form, goes away; with neither, the selection does.
-  escape(event) {
+  escape(/** @type {KeyboardEvent} */ event) {
     if (this.question.hidden && this.form.hidden) return;
     event.stopPropagation();
     if (this.question.hidden) this.close();
-    else this.question.querySelector("button").click();
+    else allIn(this.question, "button")[0].click();
   }
 
   hasNothingToLose() {
@@ -100,7 +106,7 @@ class MissionPanel {
 
   // A question before what cannot be taken back; the answer that changes nothing comes first.
   doubt(question, yes, go) {
-    const before = document.activeElement;
+    const before = /** @type {HTMLElement} */ (document.activeElement);
     const answer = (then) => () => {
       this.question.hidden = true;
       then();
@@ -178,7 +184,7 @@ class MissionPanel {
   }
 
   // What the server works out beside the mission, for as long as nobody stops it.
-  showWeighing(text, box = this.answer) {
+  showWeighing(text, /** @type {HTMLElement} */ box = this.answer) {
     if (box === this.answer) this.clear();
     this.isWeighing = true;
     showWork(box, text);
@@ -223,10 +229,10 @@ class MissionPanel {
     const { mission } = this.app.history;
     if (this.form.hidden || !this.form.elements.length) this.fill(mission);
     this.form.hidden = false;
-    const { x, y } = this.form.elements;
+    const [x, y] = this.placeFields();
     if (at) [x.value, y.value] = at;
     this.mark();
-    (at ? this.form.querySelector(".needs") : x).focus({ preventScroll: true });
+    (at ? allIn(this.form, ".needs")[0] : x).focus({ preventScroll: true });
     this.form.scrollIntoView({ block: "nearest" });
   }
 
@@ -259,20 +265,24 @@ class MissionPanel {
     }
   }
 
+  placeFields() {
+    return ["x", "y"].map((name) => this.form.elements[name]);
+  }
+
   // The place of the form on the map.
   mark() {
-    const { x, y } = this.form.elements;
-    const { square = 1 } = this.app.history.mission.world;
-    const place = [Number(x.value) / square, Number(y.value) / square];
+    const [x, y] = this.placeFields();
+    const { square } = this.app.history.mission.world;
+    /** @type {Place} */ const place = [Number(x.value) / square, Number(y.value) / square];
     this.app.select(x.value === "" || y.value === "" ? {} : { place });
   }
 
   task() {
-    const { elements } = this.form;
+    /** @type {Record<string, any>} */ const { elements } = this.form;
     const { capabilities } = this.app.history.mission;
     const counts = capabilities.map((name, cap) => [name, Number(elements[`cap ${cap}`].value)]);
-    const task = {
-      at: [Number(elements.x.value), Number(elements.y.value)],
+    /** @type {MissionTree} */ const task = {
+      at: this.placeFields().map(({ value }) => Number(value)),
       needs: Object.fromEntries(counts.filter(([, count]) => count)),
       duration: Number(elements.duration.value),
     };
@@ -280,7 +290,7 @@ class MissionPanel {
     return task;
   }
 
-  submit(event) {
+  submit(/** @type {SubmitEvent} */ event) {
     event.preventDefault();
     this.isAdding = true;
     this.app.ask({ do: "happen", task: this.task() });
@@ -313,7 +323,7 @@ class MissionPanel {
 }
 
 // How a mission ends, with several futures as a band from a tenth of them to nine tenths.
-function describeOutcome(world, { status, steps, band, done, futures }) {
+export function describeOutcome(/** @type {World} */ world, /** @type {Message} */ { status, steps, band, done, futures }) {
   if (band) {
     const [low, high] = band.map((end) => describeMoment(world, end));
     const when = low === high ? describeAt(world, band[0]) : `between ${low} and ${high}`;

@@ -1,7 +1,9 @@
 // The clock of a live mission: it follows the latest step unless one looks back.
 
-class LivePlayer extends Player {
-  constructor(say) {
+import { Player } from "../player.js";
+
+export class LivePlayer extends Player {
+  constructor(/** @type {(message: Message) => void} */ say) {
     super(0);
     this.say = say; // what the server is to do
     this.isFollowing = true;
@@ -10,8 +12,8 @@ class LivePlayer extends Player {
   reset(last) {
     const { isPlaying, speed } = this;
     super.reset(last);
-    Object.assign(this, { isPlaying, time: last, isFollowing: true });
-    this.speed = speed ?? this.speed;
+    this.time = last;
+    Object.assign(this, { isPlaying, speed, isFollowing: true });
   }
 
   // Another length of the same mission, or another moment of the server's clock.

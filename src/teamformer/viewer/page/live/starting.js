@@ -1,6 +1,12 @@
 // The page while the first plan of a mission is made: the mission as it is drawn, and for how long.
 
-class StartingApp extends App {
+import { App } from "../app.js";
+import { recordOfDraft } from "../editor/draft.js";
+import { element } from "../panel/dom.js";
+import { notifyWork } from "../panel/notice.js";
+import { capitalised } from "../record/lengths.js";
+
+export class StartingApp extends App {
   constructor({ mission, text }) {
     super(recordOfDraft(mission));
     this.doing = `${capitalised(text)} …`;

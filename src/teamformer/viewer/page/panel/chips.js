@@ -1,22 +1,21 @@
 // Robots, tasks and capabilities as small labels that lead to their details.
 
-const CHIPS_SHOWN = 12;
+import { describeCounts, nameOfTeam, taskName } from "../record/words.js";
+import { element, foldedList, link, swatch, taskMark } from "./dom.js";
+
+export const CHIPS_SHOWN = 12;
 const SWATCHES_SHOWN = 4;
 
 function chip(key, on, title, ...children) {
-  return element(
-    "button",
-    { type: "button", class: "chip", "data-key": key, on, title },
-    ...children,
-  );
+  return element("button", { type: "button", class: "chip", "data-key": key, on, title }, ...children);
 }
 
-function robotChips(app, robots, chosen) {
+export function robotChips(/** @type {App} */ app, robots, chosen = -1) {
   const chips = robots.map((robot) => robotChip(app, robot, robot === chosen));
   return foldedList("robots", "chips", chips, CHIPS_SHOWN);
 }
 
-function robotChip(app, robot, isChosen) {
+function robotChip(/** @type {App} */ app, robot, isChosen) {
   const { name, can } = app.history.mission.robots[robot];
   const title = `${name}: ${describeCounts(app.history.mission, can)}`;
   const text = isChosen ? element("b", {}, name) : name;
@@ -24,19 +23,20 @@ function robotChip(app, robot, isChosen) {
 }
 
 // A disc for each of the first capabilities of a robot.
-function swatches(app, can) {
+export function swatches(/** @type {App} */ app, can) {
   return can.slice(0, SWATCHES_SHOWN).map(([cap]) => swatch(app, cap));
 }
 
-function taskChip(app, task) {
+export function taskChip(/** @type {App} */ app, task) {
   const name = taskName(app.history.mission, task);
   return chip(`task ${task}`, () => app.select({ task }), name, taskMark(app, task), name);
 }
 
 // Those that are short come first and are marked.
-function capabilityChips(app, key, counts, short = []) {
+export function capabilityChips(/** @type {App} */ app, key, /** @type {Iterable<Count>} */ counts, /** @type {Counts} */ short = []) {
   const lacking = new Map(short);
-  const order = ([one], [other]) => lacking.has(other) - lacking.has(one) || one - other;
+  /** @type {(one: Count, other: Count) => number} */
+  const order = ([one], [other]) => Number(lacking.has(other)) - Number(lacking.has(one)) || one - other;
   const chips = [...counts].sort(order).map(([cap, count]) => {
     const text = describeCounts(app.history.mission, [[cap, count]]);
     const title = lacking.has(cap) ? `${text}: nobody assigned brings it` : text;
@@ -47,12 +47,12 @@ function capabilityChips(app, key, counts, short = []) {
   return foldedList(key, "chips", chips, CHIPS_SHOWN);
 }
 
-function teamLink(app, team) {
+export function teamLink(/** @type {App} */ app, /** @type {Team} */ team) {
   const go = () => app.select({ robot: team.slot });
   return link(nameOfTeam(app.history.mission, team), go, `team ${team.slot}`);
 }
 
-function taskLink(app, task) {
+export function taskLink(/** @type {App} */ app, task) {
   const go = () => app.select({ task });
   return element("p", {}, link(taskName(app.history.mission, task), go, `task ${task}`));
 }

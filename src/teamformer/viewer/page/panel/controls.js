@@ -1,6 +1,16 @@
 // Buttons, keys and pointers.
 
-function connectControls(app) {
+import { describeGroup } from "../draw/groups.js";
+import { RINGS } from "../draw/palette.js";
+import { SPEEDS } from "../player.js";
+import { teamOfRobot } from "../record/scene.js";
+import { describeCounts, describeDoing, describeLoss, describeNeeds, describeStanding, nameOfTeam, robotName, taskName } from "../record/words.js";
+import { BARS } from "../views/bars.js";
+import { byId, element, targetOf } from "./dom.js";
+import { notify } from "./notice.js";
+import { SWITCHES, VIEWS, speedOption } from "./playback.js";
+
+export function connectControls(/** @type {App} */ app) {
   const { player, map } = app;
   const click = (id, act) => byId(id).addEventListener("click", act);
   click("play", () => player.toggle());
@@ -19,11 +29,11 @@ function connectControls(app) {
   for (const view of VIEWS) click(`view-${view}`, () => app.look(view));
   connectChoice(app, "rings", RINGS);
   connectChoice(app, "bars", BARS);
-  byId("scrub").addEventListener("input", (event) => app.go(Number(event.target.value)));
+  byId("scrub").addEventListener("input", () => app.go(Number(byId("scrub").value)));
   connectSpeed(player);
   document.addEventListener("click", leaveButton);
-  document.addEventListener("click", ({ target }) => {
-    if (!byId("menu").contains(target)) byId("menu").open = false;
+  document.addEventListener("click", (event) => {
+    if (!byId("menu").contains(targetOf(event))) byId("menu").open = false;
   });
   document.addEventListener("keydown", (event) => pressKey(app, event));
   connectPointer(app, map.canvas);
@@ -36,25 +46,26 @@ function showMore(button) {
 }
 
 // A list of choices for an option of that name.
-function connectChoice(app, name, choices) {
+function connectChoice(/** @type {App} */ app, name, choices) {
   const options = Object.entries(choices).map(([value, text]) => element("option", { value }, text));
   byId(name).append(...options);
-  byId(name).addEventListener("change", ({ target }) => {
-    app.options[name] = target.value;
+  byId(name).addEventListener("change", (event) => {
+    app.options[name] = targetOf(event).value;
     app.show(true);
   });
 }
 
 // After a click with the mouse the space bar is for playing, not for the button once more.
-function leaveButton(event) {
-  if (event.detail > 0) event.target.closest("button")?.blur();
+function leaveButton(/** @type {MouseEvent} */ event) {
+  if (event.detail > 0) targetOf(event).closest("button")?.blur();
 }
 
-function connectSpeed(player) {
+function connectSpeed(/** @type {Player} */ player) {
   byId("speed").append(...SPEEDS.map(speedOption));
-  byId("speed").addEventListener("change", ({ target }) => player.goAt(Number(target.value)));
+  byId("speed").addEventListener("change", () => player.goAt(Number(byId("speed").value)));
 }
 
+/** @type {Record<string, (app: App) => void>} */
 const KEYS = {
   " ": (app) => app.player.toggle(),
   ArrowLeft: (app) => app.player.stepBy(-1),
@@ -75,7 +86,7 @@ const KEYS = {
   "?": () => toggleHelp(),
 };
 
-function lookOrBack(app, view) {
+function lookOrBack(/** @type {App} */ app, view) {
   app.look(app.view === view ? "map" : view);
 }
 
@@ -86,12 +97,11 @@ function toggleHelp() {
 }
 
 // Keys that the focused control uses itself are left to it.
-function pressKey(app, event) {
-  const at = event.target;
+function pressKey(/** @type {App} */ app, /** @type {KeyboardEvent} */ event) {
+  const at = targetOf(event);
   if (byId("help-text").open && event.key === "?") return toggleHelp();
   if (byId("menu").open && event.key === "Escape") return (byId("menu").open = false);
-  const isTyping =
-    at.matches("input:not([type=range]), textarea, select") || document.querySelector("dialog[open]");
+  const isTyping = at.matches("input:not([type=range]), textarea, select") || document.querySelector("dialog[open]");
   const isPressing = event.key === " " && at.closest("button, summary");
   if (isTyping || isPressing || event.ctrlKey || event.metaKey || event.altKey) return;
   const act = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
@@ -101,8 +111,8 @@ function pressKey(app, event) {
 }
 
 // One pointer drags or selects, two pinch.
-function connectPointer(app, canvas) {
-  const pointers = new Map();
+function connectPointer(/** @type {App} */ app, /** @type {HTMLCanvasElement} */ canvas) {
+  /** @type {Map<number, Place>} */ const pointers = new Map();
   let moved = 0;
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
@@ -113,11 +123,10 @@ function connectPointer(app, canvas) {
   });
   canvas.addEventListener("pointermove", (event) => {
     if (!pointers.has(event.pointerId)) return showTip(app, event);
-    const before = pointers.get(event.pointerId);
-    const after = [event.offsetX, event.offsetY];
+    const before = pointers.get(event.pointerId) ?? [0, 0];
+    /** @type {Place} */ const after = [event.offsetX, event.offsetY];
     moved += Math.abs(after[0] - before[0]) + Math.abs(after[1] - before[1]);
-    if (moved > 4 && !app.drag(placeUnder(app, event)))
-      dragMap(app.map, pointers, event.pointerId, before, after);
+    if (moved > 4 && !app.drag(placeUnder(app, event))) dragMap(app.map, pointers, event.pointerId, before, after);
     pointers.set(event.pointerId, after);
   });
   canvas.addEventListener("pointerup", (event) => {
@@ -132,17 +141,17 @@ function connectPointer(app, canvas) {
 }
 
 // Of a group of robots, a click shows more; of all else, what it is.
-function clickMap(app, { offsetX, offsetY }) {
+function clickMap(/** @type {Shown} */ app, /** @type {{ offsetX: number, offsetY: number }} */ { offsetX, offsetY }) {
   const thing = app.map.thingAt(offsetX, offsetY);
   if (thing.group) app.map.zoom(2.2, thing.group.x, thing.group.y);
   else app.pick(thing, placeUnder(app, { offsetX, offsetY }));
 }
 
-function placeUnder(app, { offsetX, offsetY }) {
+function placeUnder(/** @type {Shown} */ app, /** @type {{ offsetX: number, offsetY: number }} */ { offsetX, offsetY }) {
   return app.map.shown.camera.placeAt(offsetX, offsetY);
 }
 
-function connectWheel(map) {
+function connectWheel(/** @type {TrialMap} */ map) {
   const turn = (event) => {
     event.preventDefault();
     const factor = Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0016));
@@ -152,7 +161,7 @@ function connectWheel(map) {
 }
 
 // The map of a companion: it is dragged and zoomed, and what is clicked is selected in all records.
-function connectCompanion(companion) {
+export function connectCompanion(/** @type {Companion} */ companion) {
   const { map } = companion;
   let moved = 0;
   connectWheel(map);
@@ -164,23 +173,19 @@ function connectCompanion(companion) {
   map.canvas.addEventListener("pointerup", (event) => moved <= 4 && clickMap(companion, event));
 }
 
-function dragMap(map, pointers, id, before, after) {
+function dragMap(/** @type {TrialMap} */ map, /** @type {Map<number, Place>} */ pointers, id, before, after) {
   byId("tip").hidden = true;
   map.canvas.classList.add("dragged");
   if (pointers.size === 1) {
     map.pan(after[0] - before[0], after[1] - before[1]);
     return;
   }
-  const [, other] = [...pointers].find(([key]) => key !== id);
+  const other = [...pointers].find(([key]) => key !== id)?.[1] ?? after;
   const apart = ([x, y]) => Math.hypot(x - other[0], y - other[1]);
-  map.zoom(
-    apart(after) / Math.max(1, apart(before)),
-    (after[0] + other[0]) / 2,
-    (after[1] + other[1]) / 2,
-  );
+  map.zoom(apart(after) / Math.max(1, apart(before)), (after[0] + other[0]) / 2, (after[1] + other[1]) / 2);
 }
 
-function showTip(app, { offsetX, offsetY, pointerType }) {
+function showTip(/** @type {App} */ app, /** @type {PointerEvent} */ { offsetX, offsetY, pointerType }) {
   const tip = byId("tip");
   const thing = app.map.thingAt(offsetX, offsetY);
   const lines = pointerType === "mouse" ? tipLines(app, thing) : null;
@@ -194,16 +199,13 @@ function showTip(app, { offsetX, offsetY, pointerType }) {
   tip.style.top = `${Math.max(4, top)}px`;
 }
 
-function tipLines(app, { robot, task, group }) {
+function tipLines(/** @type {Shown} */ app, /** @type {Thing} */ { robot, task, group }) {
   const { history } = app;
   if (group) return describeGroup(group);
   const { mission } = history;
   if (task !== undefined) {
     const needs = describeNeeds(history, task, app.player.step);
-    return [
-      taskName(mission, task),
-      `${describeStanding(history, task, app.scene())}; needs ${needs}`,
-    ];
+    return [taskName(mission, task), `${describeStanding(history, task, app.scene())}; needs ${needs}`];
   }
   if (robot === undefined) return null;
   const team = teamOfRobot(app.scene(), robot);

@@ -1,8 +1,17 @@
 // Records that are opened or dropped, and what is saved: pictures, videos, downloads.
 
+import { titleOf } from "../compared/titles.js";
+import { penOf } from "../draw/shapes.js";
+import { tryReading } from "../record/checking.js";
+import { describeAt } from "../record/words.js";
+import { byId, element } from "./dom.js";
+import { notify, notifyWork } from "./notice.js";
+import { download, fileName } from "./saving.js";
+import { messageOf } from "./attempt.js";
+
 const LARGEST_RECORD = 512_000_000; // bytes
 
-function connectFiles(app) {
+export function connectFiles(/** @type {App} */ app) {
   byId("open").addEventListener("click", () => askForRecord(app, false));
   byId("open-beside").addEventListener("click", () => askForRecord(app, true));
   byId("save-picture").addEventListener("click", () => savePicture(app));
@@ -20,23 +29,23 @@ function connectFiles(app) {
   addEventListener("drop", (event) => {
     event.preventDefault();
     byId("drop").hidden = true;
-    const files = [...event.dataTransfer.files];
+    const files = [...(event.dataTransfer?.files ?? [])];
     if (files.length) app.openFiles(files, isOverRight(event));
   });
 }
 
-function isOverRight({ clientX }) {
+function isOverRight(/** @type {DragEvent} */ { clientX }) {
   return clientX > innerWidth / 2;
 }
 
-function askForRecord(app, isBeside) {
+function askForRecord(/** @type {App} */ app, isBeside) {
   byId("menu").open = false;
   const input = element("input", { type: "file", accept: ".json,application/json" });
-  input.addEventListener("change", () => app.openFiles([...input.files], isBeside));
+  input.addEventListener("change", () => app.openFiles([...(input.files ?? [])], isBeside));
   input.click();
 }
 
-async function openRecordFile(app, file, isBeside) {
+export async function openRecordFile(/** @type {App} */ app, file, isBeside) {
   try {
     if (file.size > LARGEST_RECORD) throw new Error("it is larger than 512 MB");
     notifyWork(`Reading ${file.name} …`);
@@ -44,7 +53,7 @@ async function openRecordFile(app, file, isBeside) {
     if (isBeside) app.putBeside([record]);
     else app.open(record);
   } catch (error) {
-    notify(`${file.name} is not shown: ${error.message}.`);
+    notify(`${file.name} is not shown: ${messageOf(error)}.`);
   }
 }
 
@@ -67,10 +76,9 @@ function readRecord(text) {
     throw new Error(`it has format ${record.teamformer_record}, and this page knows ${KNOWN_FORMAT}${remedy}`);
   }
   try {
-    checkRecord(record);
     tryReading(record);
   } catch (error) {
-    throw new Error(`it is damaged (${error.message})`);
+    throw new Error(`it is damaged (${messageOf(error)})`);
   }
   return record;
 }
@@ -78,7 +86,7 @@ function readRecord(text) {
 const KNOWN_FORMAT = 3;
 
 // What is drawn as it is seen, one canvas for each record, with a line that says what it is.
-function savePicture(app) {
+function savePicture(/** @type {App} */ app) {
   byId("menu").open = false;
   const shown = app.drawings();
   const sharpness = window.devicePixelRatio || 1;
@@ -87,7 +95,7 @@ function savePicture(app) {
   const canvas = document.createElement("canvas");
   canvas.width = Math.round((Math.max(...boxes.map((box) => box.right)) - left) * sharpness);
   canvas.height = Math.round((Math.max(...boxes.map((box) => box.bottom)) - top + 34) * sharpness);
-  const ctx = canvas.getContext("2d");
+  const ctx = penOf(canvas);
   ctx.fillStyle = app.map.theme.surface;
   ctx.fillRect(0, 0, canvas.width, canvas.height);
   ctx.scale(sharpness, sharpness);
@@ -122,7 +130,7 @@ function emptyPage() {
 }
 
 // What a page makes by itself: mission and record, those in front, and itself with all records.
-function ownDownloads(app) {
+export function ownDownloads(/** @type {App} */ app) {
   const name = () => fileName(app.history.mission.name);
   const json = (tree) => new Blob([`${JSON.stringify(tree, null, 1)}\n`], { type: "application/json" });
   const page = () => new Blob([PAGE_BEFORE, harmlessJson(shownRecords(app)), PAGE_AFTER], { type: "text/html" });
@@ -135,7 +143,7 @@ function ownDownloads(app) {
 }
 
 // What a page is opened with: a record, or several with the trials that left none.
-function shownRecords({ trials, failed }) {
+function shownRecords(/** @type {App} */ { trials, failed }) {
   const records = trials.map(({ record }) => record);
   return records.length + failed.length > 1 ? { compared: records, failed } : records[0];
 }
@@ -146,7 +154,7 @@ function harmlessJson(tree) {
   return JSON.stringify(tree).replace(/[&<>]/g, (letter) => escapes[letter]);
 }
 
-function downloadButton(text, make) {
+export function downloadButton(text, make) {
   const on = () => {
     byId("menu").open = false;
     make();
@@ -158,13 +166,13 @@ const FRAMES_A_SECOND = 30;
 const LAST_FRAME_STAYS = 500; // milliseconds
 
 // Play from here (from the start, at the end) to the end, and save it as WebM; again: stop there.
-function toggleVideo(app) {
+function toggleVideo(/** @type {App} */ app) {
   byId("menu").open = false;
   if (app.recorder) return app.recorder.stop();
   if (!window.MediaRecorder) return notify("This browser records no video; save pictures instead.");
   app.look("map");
   if (app.player.time >= app.player.last) app.player.go(0);
-  const parts = [];
+  const parts = /** @type {Blob[]} */ ([]);
   const recorder = new MediaRecorder(app.map.canvas.captureStream(FRAMES_A_SECOND), {
     mimeType: "video/webm",
   });
@@ -183,7 +191,7 @@ function toggleVideo(app) {
   stopAtEnd(app, recorder);
 }
 
-function stopAtEnd(app, recorder) {
+function stopAtEnd(/** @type {App} */ app, recorder) {
   if (recorder.state !== "recording") return;
   if (app.player.isPlaying) requestAnimationFrame(() => stopAtEnd(app, recorder));
   else setTimeout(() => recorder.state === "recording" && recorder.stop(), LAST_FRAME_STAYS);

@@ -1,8 +1,15 @@
 // What stands still around the map: the header, the legend, the notice of a trial that failed.
 
+import { robotsLostAt } from "../record/history.js";
+import { capitalised, describeSpan, plural } from "../record/lengths.js";
+import { countCancelled, countDone } from "../record/scene.js";
+import { describeAt, listRobots } from "../record/words.js";
+import { byId, element, swatch } from "./dom.js";
+import { notify } from "./notice.js";
+
 const LEGEND_SHOWN = 10;
 
-function showHeader(app) {
+export function showHeader(/** @type {App} */ app) {
   const { history } = app;
   const { mission, record } = history;
   byId("name").textContent = mission.name;
@@ -10,53 +17,36 @@ function showHeader(app) {
     ...(record.method ? [`Method ${record.method}`, `seed ${record.seed}`] : ["Draft"]),
     plural(mission.robots.length, "robot"),
     plural(mission.tasks.length, "task"),
-    mission.capabilities.length === 1
-      ? "1 capability"
-      : `${mission.capabilities.length} capabilities`,
+    mission.capabilities.length === 1 ? "1 capability" : `${mission.capabilities.length} capabilities`,
   ].join(", ");
   notify(noticeText(history));
   byId("legend").replaceChildren(...legend(app));
 }
 
-function noticeText({ end }) {
+export function noticeText(/** @type {TrialHistory} */ { end }) {
   if (end.status !== "infeasible") return "";
   const names = end.blocked_tasks;
-  const shown =
-    names.slice(0, 8).join(", ") + (names.length > 8 ? ` and ${names.length - 8} more` : "");
+  const shown = names.slice(0, 8).join(", ") + (names.length > 8 ? ` and ${names.length - 8} more` : "");
   return `Can never be done: ${shown}. The robots that are left do not bring all that is needed.`;
 }
 
-function legend(app) {
+function legend(/** @type {App} */ app) {
   const { capabilities } = app.history.mission;
   if (capabilities.length > LEGEND_SHOWN) {
     const open = () => {
       app.lists.open("capabilities");
       byId("filter").focus();
     };
-    return [
-      element(
-        "li",
-        {},
-        element(
-          "button",
-          { type: "button", class: "all", on: open },
-          `${capabilities.length} capabilities`,
-        ),
-      ),
-    ];
+    return [element("li", {}, element("button", { type: "button", class: "all", on: open }, `${capabilities.length} capabilities`))];
   }
   return capabilities.map((name, cap) => {
     const on = () => app.select({ cap });
     const title = "Show who brings it and what needs it";
-    return element(
-      "li",
-      {},
-      element("button", { type: "button", on, title }, swatch(app, cap), name),
-    );
+    return element("li", {}, element("button", { type: "button", on, title }, swatch(app, cap), name));
   });
 }
 
-function showFigures(app) {
+export function showFigures(/** @type {App} */ app) {
   const { history, player } = app;
   const done = countDone(history, player.step);
   const { makespan } = history.end;
@@ -76,25 +66,25 @@ function showFigures(app) {
 }
 
 // How many tasks were called off, after how many are done of all.
-function cancelledText(history, step) {
+function cancelledText(/** @type {TrialHistory} */ history, step) {
   const cancelled = countCancelled(history, step);
   return cancelled ? `, ${cancelled} called off` : "";
 }
 
 // What the mission cost, by its own weights.
-function costFigure(history) {
+function costFigure(/** @type {TrialHistory} */ history) {
   const cost = costOf(history);
   if (!history.mission.cost) return [];
   return [figure("Cost", cost === null ? noMakespan(history) : String(Number(cost.toPrecision(6))), "")];
 }
 
 // What the mission cost, if it has a cost and is over; else null.
-function costOf(history) {
+export function costOf(/** @type {TrialHistory} */ history) {
   return history.mission.cost ? weighedBy(history.mission.cost, history) : null;
 }
 
 // The mean by weight of when all is over, and when tasks are done and how late; null before that.
-function weighedBy(weights, { mission, doneAt, end }) {
+export function weighedBy(weights, /** @type {TrialHistory} */ { mission, doneAt, end }) {
   const { tasks } = mission;
   if (end.makespan === null) return null;
   const done = [...tasks.keys()].filter((task) => doneAt[task] < Infinity);
@@ -110,23 +100,23 @@ function weighedBy(weights, { mission, doneAt, end }) {
   return sum(weighed) / sum(Object.values(weights));
 }
 
-function noMakespan({ end }) {
+function noMakespan(/** @type {TrialHistory} */ { end }) {
   return end.status === "running" ? "not yet" : "none";
 }
 
 // How the trial ended is said once its end is shown.
-function statusAt(history, step) {
+function statusAt(/** @type {TrialHistory} */ history, step) {
   if (step >= history.last) return history.end.status;
   return step === 0 ? "at the start" : "under way";
 }
 
-function lostFigure(history, step) {
+function lostFigure(/** @type {TrialHistory} */ history, step) {
   const lost = robotsLostAt(history, step);
   return lost.length ? [figure("Lost", listRobots(history.mission, lost), "")] : [];
 }
 
 // Where a record stands, in a line.
-function describeProgress(history, step) {
+export function describeProgress(/** @type {TrialHistory} */ history, step) {
   const { mission, end, doneAt } = history;
   const done = `${countDone(history, step)} of ${doneAt.length} tasks${cancelledText(history, step)}`;
   if (step < history.last) return done;
@@ -134,7 +124,7 @@ function describeProgress(history, step) {
   return `${done}, ${end.status}${makespan}`;
 }
 
-function ratioText({ end, lowerBound, mission }) {
+function ratioText(/** @type {TrialHistory} */ { end, lowerBound, mission }) {
   if (end.makespan === null) return "";
   const seconds = mission.world.isPlane ? plural(end.makespan, "step") : "";
   const ratio = lowerBound ? `${(end.makespan / lowerBound).toFixed(2)} x the bound` : "";

@@ -1,12 +1,23 @@
 // The part of the side that says what the selected team, task or capability is about.
 
+import { needsAt, sitesAt } from "../record/history.js";
+import { capitalised, describePlace, describeSpan, describeWay, percent, plural, shortMoment } from "../record/lengths.js";
+import { newsIn, orderAt, robotsWith, standingOf, tasksNeeding } from "../record/scene.js";
+import { NOBODY } from "../record/state.js";
+import { robotStory, taskStory } from "../record/story.js";
+import { describeAt, describeChances, describeDoing, describeDuration, describeEvent, describeLoss, describeShares, describeStanding, robotName } from "../record/words.js";
+import { reasonFor } from "../record/told.js";
+import { CHIPS_SHOWN, capabilityChips, robotChips, taskChip, taskLink } from "./chips.js";
+import { byId, element, foldedList, link, mark, oneStop, refill, swatch, taskMark, teamMark, titled } from "./dom.js";
+import { assignedTeams, lackingAt, missingOfBest, waitingFor } from "./waiting.js";
+
 const STORY_SHOWN = 40;
 
-function showDetails(app) {
+export function showDetails(/** @type {App} */ app) {
   refill(byId("details"), detailsOf(app));
 }
 
-function detailsOf(app) {
+function detailsOf(/** @type {App} */ app) {
   const { task, robot, cap } = app.selection;
   if (task !== undefined) return taskDetails(app, task);
   if (cap !== undefined) return capabilityDetails(app, cap);
@@ -15,7 +26,7 @@ function detailsOf(app) {
   return team ? teamDetails(app, team, robot) : lostDetails(app, robot);
 }
 
-const ACTIVITIES = {
+export const ACTIVITIES = {
   walks: "on the way",
   waits: "waiting",
   serves: "at work",
@@ -25,8 +36,8 @@ const ACTIVITIES = {
   idle: "without assignment",
 };
 
-function overview(app) {
-  if (app.isUnheard?.()) return [element("h2", {}, "No robot heard yet"), lead("What the map shows is only where the robots start")];
+function overview(/** @type {App} */ app) {
+  if (app.isUnheard()) return [element("h2", {}, "No robot heard yet"), lead("What the map shows is only where the robots start")];
   const scene = app.scene();
   const counts = new Map();
   const teams = [...scene.teams.values()];
@@ -46,13 +57,13 @@ function overview(app) {
 }
 
 // What a robot's team is doing; the robot is the one that the page follows.
-function teamDetails(app, team, robot) {
+function teamDetails(/** @type {App} */ app, /** @type {Team} */ team, robot) {
   const { mission } = app.history;
   return [
     heading(app, teamMark(app, team), titleOfTeam(mission, team)),
     lead(capitalised(describeDoing(app.history, team, app.player.step))),
     whyText(app, team),
-    ...(app.actionsFor?.(robot) ?? []),
+    ...(app.actionsFor(robot)),
     waitingFor(app, team.goal, team.missing, team),
     delayText(app, robot),
     sharesText(app, robot),
@@ -67,24 +78,28 @@ function teamDetails(app, team, robot) {
   ];
 }
 
-function titleOfTeam(mission, team) {
+function titleOfTeam(/** @type {Mission} */ mission, /** @type {Team} */ team) {
   const { length } = team.robots;
   if (length === 1) return robotName(mission, team.slot);
   return `Team ${robotName(mission, team.slot)} of ${length} robots`;
 }
 
-function whyText({ history, player }, team) {
-  const why = reasonFor(history, team, Math.min(player.step, history.last));
+function whyText(/** @type {App} */ { history, player }, /** @type {Team} */ { activity, slot }) {
+  const step = Math.min(player.step, history.last);
+  const isLast = step === history.last;
+  if (activity === "done" || activity === "leaves" || (isLast && history.end.status !== "running")) return null;
+  const isAhead = activity === "told" && isLast; // nobody has told it yet
+  const why = isAhead ? newsIn(history, step).map((event) => describeEvent(history, event)).join(", ") : reasonFor(history, slot, step);
   return why ? element("p", { class: "muted", id: "why" }, `Why: ${why}.`) : null;
 }
 
-function sharesText({ history, player }, robot) {
+function sharesText(/** @type {App} */ { history, player }, robot) {
   if (!player.step) return null;
   const text = `${robotName(history.mission, robot)} so far: ${describeShares(history, robot, player.step)}`;
   return element("p", { class: "muted" }, text);
 }
 
-function delayText({ history }, robot) {
+function delayText(/** @type {App} */ { history }, robot) {
   const { delay } = history.mission.robots[robot];
   return delay ? element("p", { class: "muted" }, `Stands still in ${percent(delay)} of the steps`) : null;
 }
@@ -95,19 +110,19 @@ function saidOf(keys, { said }) {
   return shown.map(({ name, label }) => element("p", { class: "muted" }, `${label}: ${said[name]}`));
 }
 
-function lostDetails(app, robot) {
+function lostDetails(/** @type {App} */ app, robot) {
   const { history, player } = app;
   const name = robotName(history.mission, robot);
   return [
     heading(app, mark("mark", app.map.theme.lost), name),
     lead(capitalised(describeLoss(history, robot, player.step))),
-    ...(app.actionsFor?.(robot) ?? []),
+    ...(app.actionsFor(robot)),
     ...saidOf(FILE_KEYS.robots, history.mission.robots[robot]),
     ...titled(`History of ${name}`, storyList(app, robotStory(history, robot))),
   ];
 }
 
-function taskDetails(app, task) {
+function taskDetails(/** @type {App} */ app, task) {
   const { history, player } = app;
   const { name, sure, mayNeed, duration } = history.mission.tasks[task];
   const isShown = history.shownAt[task] <= player.step;
@@ -123,7 +138,7 @@ function taskDetails(app, task) {
     ...saidOf(FILE_KEYS.tasks, history.mission.tasks[task]),
     ...titled("Needs", capabilityChips(app, "needs", needs, isOpen ? lackingAt(app, task) : [])),
     ...(isShown ? [] : titled("May need", element("p", {}, describeChances(history.mission, mayNeed)))),
-    ...(app.actionsForTask?.(task) ?? []),
+    ...(app.actionsForTask(task)),
     isOpen ? waitingFor(app, task, missingOfBest(app, task), null) : null,
     isOpen || standing === "served" ? assignedTeams(app, task) : null,
     ...titled("History", storyList(app, taskStory(history, task))),
@@ -131,7 +146,7 @@ function taskDetails(app, task) {
 }
 
 // Where it is, or where it is believed to be while nobody knows.
-function placeText(history, task, step) {
+function placeText(/** @type {TrialHistory} */ history, task, step) {
   const { world, tasks } = history.mission;
   const { around, within } = tasks[task];
   const site = sitesAt(history, step)[task];
@@ -141,7 +156,7 @@ function placeText(history, task, step) {
 }
 
 // Where a task is, and where its load goes; one that is carried is where its team is.
-function loadPlaceText({ mission }, task, at, isUp) {
+function loadPlaceText(/** @type {TrialHistory} */ { mission }, task, at, isUp = false) {
   const { to, unload } = mission.tasks[task];
   if (!to) return `At ${at}`;
   const stay = unload ? `, unloading takes ${describeSpan(mission.world, unload)}` : "";
@@ -150,17 +165,17 @@ function loadPlaceText({ mission }, task, at, isUp) {
 }
 
 // Once it is done, how long it really took is known.
-function durationText({ mission, doneAt }, task, step) {
+function durationText(/** @type {TrialHistory} */ { mission, doneAt }, task, step) {
   const known = mission.tasks[task];
   return doneAt[task] <= step ? describeSpan(mission.world, known.duration) : describeDuration(mission.world, known);
 }
 
-function orderText(app, task) {
+function orderText(/** @type {App} */ app, task) {
   const rank = orderAt(app.history, app.player.step).indexOf(task);
   return rank < 0 ? "" : `, number ${rank + 1} in the order`;
 }
 
-function capabilityDetails(app, cap) {
+function capabilityDetails(/** @type {App} */ app, cap) {
   const { history, player } = app;
   const robots = robotsWith(history, cap, player.step);
   const tasks = tasksNeeding(history, cap, player.step);
@@ -173,13 +188,13 @@ function capabilityDetails(app, cap) {
   ];
 }
 
-function describeCapability({ history, player }, cap) {
+export function describeCapability(/** @type {App} */ { history, player }, cap) {
   const robots = robotsWith(history, cap, player.step).length;
   const tasks = tasksNeeding(history, cap, player.step).length;
   return `${plural(robots, "robot")}, needed by ${plural(tasks, "open task")}`;
 }
 
-function heading(app, sign, text) {
+function heading(/** @type {App} */ app, sign, text) {
   const clear = link("Deselect", () => app.select({}), "clear"); // not Close, which is read as Lose
   clear.title = "Select nothing (Esc)";
   return element("h2", {}, sign, element("span", {}, text), clear);
@@ -189,12 +204,8 @@ function lead(text) {
   return element("p", { class: "lead" }, text);
 }
 
-function titled(title, content) {
-  return [element("h3", {}, title), content];
-}
-
 // What has happened and, paler, what is still ahead.
-function storyList(app, events) {
+function storyList(/** @type {App} */ app, events) {
   const { step } = app.player;
   if (!events.length) return element("p", { class: "muted" }, "Nothing yet.");
   const items = events.map((event, number) => {

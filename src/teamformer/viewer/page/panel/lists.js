@@ -1,7 +1,27 @@
 // The lists beside the map: events, tasks, teams, capabilities; each row leads somewhere.
 
+import { taskColour } from "../draw/palette.js";
+import { isLost } from "../record/history.js";
+import { capitalised, describeMoment, shortMoment } from "../record/lengths.js";
+import {
+  MANY,
+  describeCounts,
+  describeDoing,
+  describeEvent,
+  describeLoss,
+  describeShares,
+  describeStanding,
+  nameOfTeam,
+  robotName,
+  taskName,
+} from "../record/words.js";
+import { swatches } from "./chips.js";
+import { byId, element, swatch, taskMark, teamMark } from "./dom.js";
+import { describeCapability } from "./inspector.js";
+import { Rows } from "./rows.js";
+
 // What each list holds at a moment, how high its rows are and how one looks.
-const LISTS = {
+export const LISTS = {
   events: { height: 32, items: listedEvents, row: eventRow, empty: "Nothing happens." },
   tasks: { height: 48, items: listedTasks, row: taskRow, empty: "No such task." },
   teams: { height: 48, items: listedTeams, row: teamRow, empty: "No such team." },
@@ -14,8 +34,8 @@ const LISTS = {
   },
 };
 
-class Lists {
-  constructor(app) {
+export class Lists {
+  constructor(/** @type {App} */ app) {
     this.app = app;
     this.rows = new Rows(byId("rows"));
     this.current = "events";
@@ -30,7 +50,7 @@ class Lists {
     return element("button", { ...properties, on: () => this.open(name) }, capitalised(name));
   }
 
-  moveBetweenTabs(event) {
+  moveBetweenTabs(/** @type {KeyboardEvent} */ event) {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!by) return;
     event.preventDefault();
@@ -38,7 +58,7 @@ class Lists {
     const names = Object.keys(LISTS);
     const next = names[(names.indexOf(this.current) + by + names.length) % names.length];
     this.open(next);
-    this.tabs.get(next).focus();
+    this.tabs.get(next)?.focus();
   }
 
   open(name) {
@@ -80,11 +100,11 @@ class Lists {
   }
 }
 
-function listedEvents(app, isWanted) {
+function listedEvents(/** @type {App} */ app, isWanted) {
   return app.events.filter((event) => isWanted(() => describeEvent(app.history, event)));
 }
 
-function eventRow(app, event) {
+function eventRow(/** @type {App} */ app, /** @type {HistoryEvent} */ event) {
   const { step } = app.player;
   const text = describeEvent(app.history, event);
   return {
@@ -101,92 +121,64 @@ function eventRow(app, event) {
 
 const EVENT_COLOURS = { join: "accent", split: "muted", lost: "bad", back: "good", end: "ink" };
 
-function eventColour({ map }, { kind, task }) {
+export function eventColour(/** @type {App} */ { map }, /** @type {HistoryEvent} */ { kind, task }) {
   return task === undefined ? map.theme[EVENT_COLOURS[kind]] : taskColour(task, map.isDark);
 }
 
-function listedTasks(app, isWanted) {
+function listedTasks(/** @type {App} */ app, isWanted) {
   const { tasks } = app.history.mission;
   return tasks.map((_, task) => task).filter((task) => isWanted(() => tasks[task].name));
 }
 
-function taskRow(app, task) {
-  const { history, selection } = app;
-  return {
-    class: selection.task === task ? "now" : "",
-    on: () => app.select({ task }),
-    children: [
-      taskMark(app, task),
-      twoLines(taskName(history.mission, task), describeStanding(history, task, app.scene())),
-    ],
-  };
+// What a row of two lines looks like: what it selects, its sign, and its lines.
+function twoLines(/** @type {App} */ app, /** @type {Selected} */ selection, sign, first, second) {
+  const [[kind, number]] = Object.entries(selection);
+  const lines = element("span", { class: "text" }, element("span", {}, first), element("span", {}, second));
+  return { class: app.selection[kind] === number ? "now" : "", on: () => app.select(selection), children: [sign, lines] };
 }
 
-function twoLines(first, second) {
-  return element(
-    "span",
-    { class: "text" },
-    element("span", {}, first),
-    element("span", {}, second),
-  );
+function taskRow(/** @type {App} */ app, task) {
+  const { history } = app;
+  return twoLines(app, { task }, taskMark(app, task), taskName(history.mission, task), describeStanding(history, task, app.scene()));
 }
 
-function listedTeams(app, isWanted) {
+function teamRow(/** @type {App} */ app, /** @type {Team} */ team) {
+  const { history, player } = app;
+  const size = team.robots.length > 1 ? ` (${team.robots.length})` : "";
+  const row = twoLines(app, { robot: team.slot }, teamMark(app, team), nameOfTeam(history.mission, team) + size, describeDoing(history, team, player.step));
+  return { ...row, class: app.selectedTeam() === team ? "now" : "" };
+}
+
+function robotRow(/** @type {App} */ app, robot) {
+  const { mission } = app.history;
+  const sign = element("span", { class: "swatches" }, ...swatches(app, mission.robots[robot].can));
+  return twoLines(app, { robot }, sign, robotName(mission, robot), describeSoFar(app.history, robot, app.player.step));
+}
+
+function capabilityRow(/** @type {App} */ app, cap) {
+  return twoLines(app, { cap }, swatch(app, cap), app.history.mission.capabilities[cap], describeCapability(app, cap));
+}
+
+function listedTeams(/** @type {App} */ app, isWanted) {
   const { mission } = app.history;
   const teams = [...app.scene().teams.values()];
   return teams.filter(({ robots }) => robots.some((robot) => isWanted(() => robotName(mission, robot))));
 }
 
-function teamRow(app, team) {
-  const { mission } = app.history;
-  const size = team.robots.length > 1 ? ` (${team.robots.length})` : "";
-  return {
-    class: app.selectedTeam() === team ? "now" : "",
-    on: () => app.select({ robot: team.slot }),
-    children: [
-      teamMark(app, team),
-      twoLines(nameOfTeam(mission, team) + size, describeDoing(app.history, team, app.player.step)),
-    ],
-  };
-}
-
-function listedRobots(app, isWanted) {
+function listedRobots(/** @type {App} */ app, isWanted) {
   const { robots } = app.history.mission;
   return robots.map((_, robot) => robot).filter((robot) => isWanted(() => robots[robot].name));
 }
 
-function robotRow(app, robot) {
-  const { history, selection, player } = app;
-  const { can } = history.mission.robots[robot];
-  return {
-    class: selection.robot === robot ? "now" : "",
-    on: () => app.select({ robot }),
-    children: [
-      element("span", { class: "swatches" }, ...swatches(app, can)),
-      twoLines(robotName(history.mission, robot), describeSoFar(history, robot, player.step)),
-    ],
-  };
-}
-
 // What a robot has done with its time; of one that is lost, since when it is.
-function describeSoFar(history, robot, step) {
+function describeSoFar(/** @type {TrialHistory} */ history, robot, step) {
   if (isLost(history, robot, step)) return describeLoss(history, robot, step);
   if (step) return describeShares(history, robot, step);
   return `brings ${describeCounts(history.mission, history.mission.robots[robot].can, MANY)}`;
 }
 
-function listedCapabilities(app, isWanted) {
+function listedCapabilities(/** @type {App} */ app, isWanted) {
   const names = app.history.mission.capabilities;
   return names.map((_, cap) => cap).filter((cap) => isWanted(() => names[cap]));
 }
 
-function capabilityRow(app, cap) {
-  return {
-    class: app.selection.cap === cap ? "now" : "",
-    on: () => app.select({ cap }),
-    children: [
-      swatch(app, cap),
-      twoLines(app.history.mission.capabilities[cap], describeCapability(app, cap)),
-    ],
-  };
-}

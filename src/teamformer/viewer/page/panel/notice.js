@@ -1,14 +1,16 @@
 // The line under the header, and boxes that show that something is being worked on.
 
-const ticking = new WeakMap(); // by box, the timer of its seconds
+import { byId, element } from "./dom.js";
+
+export const ticking = new WeakMap(); // by box, the timer of its seconds
 
 const NOTICE_STAYS = 8000; // milliseconds, of one that is not bad
 
-let noticeTimer = null;
+/** @type {number | undefined} */ let noticeTimer;
 
 // What went wrong, which stays until it is closed; for a while, with "good" what went well, with
 // "plain" what has happened.
-function notify(text, kind = "") {
+export function notify(text, kind = "") {
   stopWork(byId("notice"));
   clearTimeout(noticeTimer);
   byId("notice").textContent = text;
@@ -18,21 +20,21 @@ function notify(text, kind = "") {
 }
 
 // What is being worked on, until the next notice.
-function notifyWork(text) {
+export function notifyWork(text) {
   notify(text, "plain");
   clearTimeout(noticeTimer);
   showWork(byId("notice"), text);
 }
 
 // What is wrong, as texts and elements.
-function notifyParts(parts) {
+export function notifyParts(parts) {
   notify(" ");
   byId("notice").replaceChildren(...parts);
 }
 
 // A text with a sign that moves and, after a second, for how long it has been so; those who listen
 // hear the text once. It stays until `stopWork`.
-function showWork(box, text) {
+export function showWork(/** @type {HTMLElement} */ box, text) {
   stopWork(box);
   const seconds = element("span", { "aria-hidden": "true" });
   const sign = element("span", { class: "working", "aria-hidden": "true" });
@@ -43,7 +45,7 @@ function showWork(box, text) {
 }
 
 // A text with seconds that go on counting from so many; those who listen hear it once.
-function showSeconds(box, { before, seconds, after }) {
+export function showSeconds(/** @type {HTMLElement} */ box, { before, seconds, after }) {
   stopWork(box);
   const count = element("span", { "aria-live": "off" }, String(seconds));
   box.replaceChildren(before, count, ` s${after}`);
@@ -52,7 +54,7 @@ function showSeconds(box, { before, seconds, after }) {
   ticking.set(box, setInterval(tell, 1000));
 }
 
-function stopWork(box) {
+export function stopWork(/** @type {HTMLElement} */ box) {
   clearInterval(ticking.get(box));
   ticking.delete(box);
 }

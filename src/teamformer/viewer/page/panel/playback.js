@@ -1,6 +1,9 @@
 // What the buttons, the slider and the counter show of the moment.
 
-function showPlayback(app) {
+import { describeMoment } from "../record/lengths.js";
+import { allIn, byId, element } from "./dom.js";
+
+export function showPlayback(/** @type {App} */ app) {
   const { player, history } = app;
   const { world } = history.mission;
   byId("counter").replaceChildren(
@@ -25,18 +28,18 @@ function showSpeed(speed) {
   select.value = String(speed);
 }
 
-function speedOption(speed) {
+export function speedOption(speed) {
   return element("option", { value: speed }, `${speed} steps/s`);
 }
 
 // Before anything has been played: how to start.
-function showStart(app) {
+function showStart(/** @type {App} */ app) {
   const text = app.startText();
   byId("start").hidden = !text;
   byId("start-text").textContent = text;
 }
 
-function showSwitches(app) {
+export function showSwitches(/** @type {App} */ app) {
   for (const name of SWITCHES) byId(name).setAttribute("aria-pressed", String(app.options[name]));
   byId("messages").hidden = !app.history.hasMessages;
   byId("more").hidden = !["map", "gantt"].includes(app.view);
@@ -47,9 +50,9 @@ function showSwitches(app) {
   for (const view of VIEWS) {
     byId(`view-${view}`).setAttribute("aria-pressed", String(app.view === view));
     byId(`stage-${view}`).hidden = app.view !== view;
-    for (const node of document.querySelectorAll(`.of-${view}`)) node.hidden = app.view !== view;
+    for (const node of allIn(document, `.of-${view}`)) node.hidden = app.view !== view;
   }
 }
 
-const SWITCHES = ["lines", "trails", "order", "messages", "names", "dim"];
-const VIEWS = ["map", "gantt", "tasks", "robots", "plots"];
+export const SWITCHES = ["lines", "trails", "order", "messages", "names", "dim"];
+export const VIEWS = ["map", "gantt", "tasks", "robots", "plots"];

@@ -1,27 +1,34 @@
 // A long list of rows of one height, of which only those in sight are in the page. The list is one
 // stop of the Tab key; up and down go from row to row.
 
+import { allIn, element, refill, targetOf } from "./dom.js";
+
 const ROWS_BEYOND = 4;
 
-class Rows {
-  // `make(looks, index)` makes a row of what `build(item)` says of it: {row, button, placed}.
-  constructor(box, make = listRow) {
-    Object.assign(this, { box, make });
+export class Rows {
+  // `make(looks, index, count)` makes a row of what `build(item)` says of it: {row, button, placed}.
+  constructor(/** @type {HTMLElement} */ box, /** @type {(looks: any, index: number, count: number) => any} */ make = listRow) {
+    this.box = box;
+    this.make = make;
     this.sizer = element("div", { class: "sizer", role: make === listRow ? "list" : "rowgroup" });
     box.append(this.sizer);
-    this.items = [];
+    /** @type {any[]} */ this.items = [];
+    this.height = 1; // of a row, in pixels
+    /** @type {((item: any) => any) | null} */ this.build = null;
     this.stop = 0; // the row that Tab leads to
     this.top = this.high = 0; // what is in sight, in pixels: asking the box would lay it out anew
     box.addEventListener("scroll", () => {
-      if (box.scrollTop !== this.top) this.fill((this.top = box.scrollTop));
+      if (box.scrollTop === this.top) return;
+      this.top = box.scrollTop;
+      this.fill();
     });
     this.sizer.addEventListener("keydown", (event) => this.press(event));
-    this.sizer.addEventListener("focusin", ({ target }) => this.moveStop(target));
-    new ResizeObserver(() => this.fill((this.high = box.clientHeight))).observe(box);
+    this.sizer.addEventListener("focusin", (event) => this.moveStop(targetOf(event)));
+    new ResizeObserver(() => this.seen(box.clientHeight)).observe(box);
   }
 
   // Show items, the one with the number `shown` in sight unless that is null.
-  show(items, height, build, emptyText, shown = null) {
+  show(/** @type {any[]} */ items, height, build, emptyText, /** @type {number | null} */ shown = null) {
     Object.assign(this, { items, height, build });
     this.sizer.style.height = `${items.length * height}px`;
     this.sizer.hidden = !items.length;
@@ -31,6 +38,11 @@ class Rows {
     this.high ||= this.box.clientHeight;
     if (shown !== null) this.reveal(shown);
     this.top = Math.max(0, Math.min(this.top, items.length * height - this.high));
+    this.fill();
+  }
+
+  seen(high) {
+    this.high = high;
     this.fill();
   }
 
@@ -46,7 +58,7 @@ class Rows {
   }
 
   row(index, isStop) {
-    const { row, button, placed } = this.make(this.build(this.items[index]), index, this.items.length);
+    const { row, button, placed } = this.make(this.build?.(this.items[index]), index, this.items.length);
     button.dataset.key = String(index);
     button.tabIndex = isStop ? 0 : -1;
     placed.style.top = `${index * this.height}px`;
@@ -54,7 +66,7 @@ class Rows {
     return row;
   }
 
-  press(event) {
+  press(/** @type {KeyboardEvent} */ event) {
     const by = { ArrowUp: -1, ArrowDown: 1 }[event.key];
     if (!by) return;
     event.preventDefault();
@@ -62,12 +74,11 @@ class Rows {
     const next = Math.max(0, Math.min(this.items.length - 1, this.stop + by));
     this.keepInSight(next);
     this.fill();
-    this.sizer.querySelector(`[data-key="${next}"]`)?.focus({ preventScroll: true });
+    allIn(this.sizer, `[data-key="${next}"]`)[0]?.focus({ preventScroll: true });
   }
 
   moveStop(button) {
-    const before = this.sizer.querySelector("[tabindex='0']");
-    if (before) before.tabIndex = -1;
+    for (const before of allIn(this.sizer, "[tabindex='0']")) before.tabIndex = -1;
     button.tabIndex = 0;
     this.stop = Number(button.dataset.key);
   }

@@ -1,17 +1,19 @@
 // Files that a page saves: tables as CSV, under names that file systems take.
 
-function download(blob, name) {
+import { element } from "./dom.js";
+
+export function download(blob, name) {
   const url = URL.createObjectURL(blob);
   element("a", { href: url, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
-function fileName(name) {
+export function fileName(name) {
   return name.replace(/[^\p{L}\p{N}-]+/gu, "-").slice(0, 60) || "mission";
 }
 
 // Rows of texts and numbers as a file for spreadsheets.
-function csvOf(rows) {
+export function csvOf(rows) {
   const text = rows.map((row) => row.map((cell) => csvField(String(cell))).join(",")).join("\r\n");
   return new Blob([`${text}\r\n`], { type: "text/csv" });
 }

@@ -1,9 +1,14 @@
 // The strip over the slider: tasks done over time, where teams form, the lower bound.
 
+import { fillAs, strokeAs } from "../draw/shapes.js";
+import { doneAfterSteps } from "../record/over_time.js";
+import { TimeCanvas, traceSteps } from "../views/time_canvas.js";
+import { eventColour } from "./lists.js";
+
 const THUMB = 16; // pixels; the slider's ends are half of it inside the strip
 
-class Timeline extends TimeCanvas {
-  constructor(app, canvas) {
+export class Timeline extends TimeCanvas {
+  constructor(/** @type {App} */ app, /** @type {HTMLCanvasElement} */ canvas) {
     super(app, canvas, THUMB / 2, THUMB / 2);
   }
 
@@ -16,23 +21,19 @@ class Timeline extends TimeCanvas {
     this.drawBound(ctx, 0, height);
   }
 
-  drawDone(ctx, height) {
+  drawDone(/** @type {Canvas2D} */ ctx, height) {
     const { history, map } = this.app;
     const [x, y] = [(step) => this.x(step), (count) => height - (count / history.doneAt.length) * (height - 2)];
     ctx.beginPath();
     traceSteps(ctx, doneAfterSteps(history), x, y);
-    ctx.strokeStyle = ctx.fillStyle = map.theme.accent;
-    ctx.lineWidth = 1.5;
-    ctx.stroke();
+    strokeAs(ctx, map.theme.accent, 1.5);
     ctx.lineTo(this.x(history.last), height);
     ctx.lineTo(this.x(0), height);
-    ctx.globalAlpha = 0.16;
-    ctx.fill();
-    ctx.globalAlpha = 1;
+    fillAs(ctx, map.theme.accent, 0.16);
   }
 
   // Joins, splits, losses and returns, one tick each; those in the same pixel cover each other.
-  drawMarks(ctx, top) {
+  drawMarks(/** @type {Canvas2D} */ ctx, top) {
     const drawn = new Set();
     for (const event of this.app.events) {
       if (!["join", "split", "lost", "back"].includes(event.kind)) continue;

@@ -1,25 +1,30 @@
 // Who waits for what: what a task still lacks, who brings it and how far they are.
 
+import { addCounts, missing, overlap, sumCounts } from "../record/counts.js";
+import { needsAt, sitesAt } from "../record/history.js";
+import { describeWay } from "../record/lengths.js";
+import { isSamePlace } from "../record/plane.js";
+import { robotsWith } from "../record/scene.js";
+import { describeCounts, distanceTo, listRobots } from "../record/words.js";
+import { teamLink } from "./chips.js";
+import { element, foldedList, swatch, titled } from "./dom.js";
+
 const WAITS_SHOWN = 5;
 const BRINGERS_SHOWN = 3;
 
 // One item for each requirement that is short; `team` is the one that waits, if one does.
-function waitingFor(app, task, short, team) {
+export function waitingFor(/** @type {App} */ app, task, /** @type {Counts} */ short, /** @type {Team | null} */ team) {
   if (!short.length) return null;
   const items = short.map((requirement) => waitingItem(app, task, requirement, team));
   const list = foldedList("waiting", "waits", items, WAITS_SHOWN);
   return element("div", {}, ...titled("Waiting for", list));
 }
 
-function waitingItem(app, task, [cap, count], team) {
+function waitingItem(/** @type {App} */ app, task, /** @type {Count} */ [cap, count], /** @type {Team | null} */ team) {
   const { mission } = app.history;
-  const bringers = assignedByDistance(app, task).filter(
-    (other) => other !== team && other.counts.has(cap),
-  );
+  const bringers = assignedByDistance(app, task).filter((other) => other !== team && other.counts.has(cap));
   const what = describeCounts(mission, [[cap, count]]);
-  const who = bringers
-    .slice(0, BRINGERS_SHOWN)
-    .map((other) => [teamLink(app, other), ` brings it and ${farText(mission, other, task)}`]);
+  const who = bringers.slice(0, BRINGERS_SHOWN).map((other) => [teamLink(app, other), ` brings it and ${farText(mission, other)}`]);
   if (!who.length) who.push([nobodyBrings(app, cap)]);
   return element(
     "li",
@@ -29,20 +34,20 @@ function waitingItem(app, task, [cap, count], team) {
   );
 }
 
-function assignedByDistance(app, task) {
+function assignedByDistance(/** @type {App} */ app, task) {
   const { mission } = app.history;
   const teams = [...(app.scene().assignedTo.get(task) ?? [])];
   const away = new Map(teams.map((team) => [team, distanceTo(mission, team)]));
-  return teams.sort((one, other) => away.get(one) - away.get(other));
+  return teams.sort((one, other) => Number(away.get(one)) - Number(away.get(other)));
 }
 
-function farText(mission, team) {
-  if (isSamePlace(mission.world, [team.x, team.y], team.site.at)) return "is there";
+function farText(/** @type {Mission} */ mission, /** @type {Team} */ team) {
+  if (team.site && isSamePlace(mission.world, [team.x, team.y], team.site.at)) return "is there";
   const way = describeWay(mission.world, distanceTo(mission, team));
   return team.carries ? `carries it, ${way} to go` : `is ${way} away`;
 }
 
-function nobodyBrings({ history, player }, cap) {
+function nobodyBrings(/** @type {App} */ { history, player }, cap) {
   const { mission } = history;
   const left = robotsWith(history, cap, player.step);
   if (!left.length) return `lost with ${listRobots(mission, robotsWith(history, cap, 0))}`;
@@ -50,26 +55,27 @@ function nobodyBrings({ history, player }, cap) {
 }
 
 // What is short at the task itself: beyond the team there that lacks least.
-function missingOfBest(app, task) {
+export function missingOfBest(/** @type {App} */ app, task) {
   const { at } = sitesAt(app.history, app.player.step)[task];
   const needs = needsNow(app, task);
-  const here = [...app.scene().teams.values()].filter(({ x, y }) => x === at[0] && y === at[1]);
+  const { world } = app.history.mission;
+  const here = [...app.scene().teams.values()].filter(({ x, y }) => isSamePlace(world, [x, y], at));
   const shorts = here.map(({ counts }) => missing(counts, needs));
   return shorts.reduce((best, short) => (sumCounts(short) < sumCounts(best) ? short : best), needs);
 }
 
 // What all teams assigned to a task together do not bring.
-function lackingAt(app, task) {
+export function lackingAt(/** @type {App} */ app, task) {
   const teams = app.scene().assignedTo.get(task) ?? [];
   const together = addCounts(teams.map(({ counts }) => counts));
   return missing(together, needsNow(app, task));
 }
 
-function needsNow({ history, player }, task) {
+function needsNow(/** @type {App} */ { history, player }, task) {
   return needsAt(history, task, player.step);
 }
 
-function assignedTeams(app, task) {
+export function assignedTeams(/** @type {App} */ app, task) {
   const { mission } = app.history;
   const needs = needsNow(app, task);
   const items = assignedByDistance(app, task).map((team) => {

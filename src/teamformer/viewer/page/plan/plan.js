@@ -1,15 +1,18 @@
 // What one can do with the page of a plan, which holds the plan as JSON: select, link, save as CSV.
 
-const plan = JSON.parse(byId("plan").textContent);
-let chosen = {}; // {task}, {robot} or nothing
+import { allIn, byId, targetOf } from "../panel/dom.js";
+import { csvOf, download, fileName } from "../panel/saving.js";
 
-function select(selection) {
+const plan = JSON.parse(byId("plan").textContent);
+/** @type {{task?: string, robot?: string}} */ let chosen = {};
+
+function select(/** @type {{task?: string, robot?: string}} */ selection) {
   chosen = selection;
   const { task, robot } = chosen;
   const isChosen = ({ dataset }) => (task !== undefined ? dataset.task === task : dataset.robot === robot);
   const isAny = task !== undefined || robot !== undefined;
   document.body.classList.toggle("chosen", isAny);
-  for (const node of document.querySelectorAll("[data-task], [data-robot]")) node.classList.toggle("now", isAny && isChosen(node));
+  for (const node of allIn(document, "[data-task], [data-robot]")) node.classList.toggle("now", isAny && isChosen(node));
   byId("said").textContent = describe();
   const address = new URLSearchParams(chosen).toString();
   if (location.protocol !== "about:") window.history.replaceState(null, "", `#${address}`); // in a frame it has none
@@ -45,14 +48,15 @@ function tableOfStops() {
 
 function readAddress() {
   const wanted = new URLSearchParams(location.hash.slice(1));
-  const [task, robot] = [wanted.get("task"), wanted.get("robot")];
+  const [task, robot] = ["task", "robot"].map((key) => wanted.get(key) ?? undefined);
   const isDone = (route) => route.stops.some((stop) => stop.task === task);
   if (plan.routes.some(isDone)) select({ task });
   else if (plan.routes.some((route) => route.robot === robot)) select({ robot });
   else select({});
 }
 
-document.addEventListener("click", ({ target }) => {
+document.addEventListener("click", (event) => {
+  const target = targetOf(event);
   const node = target.closest("[data-task], [data-robot]");
   if (node) select(node.dataset.task === undefined ? { robot: node.dataset.robot } : { task: node.dataset.task });
   else if (target.closest(".times")) select({});

@@ -1,16 +1,20 @@
 // From the deltas of a record to the state after any step, and to the list of what happened.
 
+import { rememberLast } from "./keeping.js";
+import { readMission, shareSites } from "./mission.js";
+import { inSquares, stepInSquares } from "./plane.js";
+import { NOBODY, applyStep, copyState, formTeams, loseRobot, placeOf, placeTeams, robotsOfTeam, startState } from "./state.js";
+import { CARRYING, LOADING, SERVING, UNLOADING, hearTold, readTold } from "./told.js";
+
 const KEYFRAME_EVERY = 50;
 const STATES_KEPT = 40;
-const NOBODY = -1;
-const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"]; // events after which it is planned anew
 
 // Read a record once; then `at(step)` gives the state after that many steps. Memory stays bounded:
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
-function frames(recorded) {
+export function frames(recorded) {
   const record = inSquares(recorded);
   const mission = readMission(record.mission, record.truth, record.foresight);
-  const history = {
+  /** @type {any} */ const history = {
     record,
     mission,
     last: record.steps.length,
@@ -19,129 +23,41 @@ function frames(recorded) {
     hasMessages: record.steps.some(({ heard }) => heard),
     keyframes: [],
     events: [],
-    services: mission.tasks.map(() => []), // [{slot, from, to, robots, leftIn}], steps; `to` is open till it ends
+    told: readTold(record, mission),
     doneAt: mission.tasks.map(() => Infinity),
     overAt: mission.tasks.map(({ cancelled }) => cancelled), // the step in which it is done or called off
-    doneBy: mission.tasks.map(() => NOBODY),
     doers: mission.tasks.map(() => []), // the robots of the team that did it
     shownAt: mission.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
     foundAt: mission.tasks.map(({ within }) => (within ? Infinity : 0)),
     moves: [], // {step, task, at, isUp} of tasks that are elsewhere from then on, or believed to be
-    lies: mission.tasks.map(({ at }) => at), // where tasks really are; loads where they were taken up
-    carriedBy: new Map(), // load -> the slot of the team that has it up after the latest step read
     absences: mission.robots.map(() => []), // [{from, to, place}], steps; `to` is open till it is back
     headings: mission.robots.map(() => NOBODY), // by slot, the task last headed for
     leaving: new Map(), // of a live mission: robot -> its absence from the next step on
-    sitesLeft: null, // where tasks are after the latest step then, once asked for
   };
   history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
   history.sitesAfter = rememberLast(STATES_KEPT, (count) => sitesAfter(history, count));
   const take = stepTaker(history);
   record.steps.forEach((change, index) => take(change, index + 1));
   if (history.end.status !== "running") history.events.push({ step: history.last, kind: "end" });
-  history.grow = (change, end) => grow(history, take, change, end);
+  history.grow = (change, told, end) => grow(history, take, change, told, end);
   return history;
 }
 
-// One step more of a mission that runs; `end` says how it ended, if it did.
-function grow(history, take, change, end) {
+// One step more of a mission that runs, and what is told of it; `end` says how it ended, if it did.
+function grow(/** @type {TrialHistory} */ history, take, /** @type {StepTree} */ change, told, end) {
   const step = stepInSquares(history.mission.world, change);
   history.record.steps.push(step);
   history.last++;
   if (history.leaving.size) history.leaving = new Map(); // the step says that they are lost
-  history.sitesLeft = null;
+  hearTold(history.told, told);
   take(step, history.last);
   if (!end) return;
   history.end = history.record.end = end;
   history.events.push({ step: history.last, kind: "end" });
 }
 
-// A state holds, by robot, the slot of its team, and by slot the team's place and task.
-function startState(record, mission) {
-  const count = mission.robots.length;
-  const state = {
-    team: new Int32Array(count).fill(NOBODY),
-    x: new Float64Array(count),
-    y: new Float64Array(count),
-    task: new Int32Array(count).fill(NOBODY),
-  };
-  for (const [slot, robots, x, y] of record.start) {
-    for (const robot of robots) state.team[robot] = slot;
-    putTeam(state, [slot, x, y, null]);
-  }
-  return state;
-}
-
-function copyState(state) {
-  return {
-    team: state.team.slice(),
-    x: state.x.slice(),
-    y: state.y.slice(),
-    task: state.task.slice(),
-  };
-}
-
-function putTeam(state, [slot, x, y, task]) {
-  state.x[slot] = x;
-  state.y[slot] = y;
-  state.task[slot] = task ?? NOBODY;
-}
-
-// The order is the record's own: splits, joins, losses, returns, then where everybody is.
-function applyStep(state, step) {
-  formTeams(state, step);
-  for (const robot of step.lost ?? []) loseRobot(state, robot);
-  for (const robot of step.back ?? []) state.team[robot] = robot;
-  placeTeams(state, step);
-}
-
-function formTeams(state, step) {
-  for (const parts of step.splits ?? []) splitTeam(state, parts);
-  if (step.joins) joinTeams(state, step.joins);
-}
-
-function placeTeams(state, step) {
-  for (const team of step.teams ?? []) putTeam(state, team);
-}
-
-function splitTeam(state, parts) {
-  const before = state.team[parts[0][0]];
-  for (const robots of parts) {
-    const slot = Math.min(...robots);
-    for (const robot of robots) state.team[robot] = slot;
-    if (slot !== before) putTeam(state, [slot, state.x[before], state.y[before], null]);
-  }
-}
-
-function placeOf(state, robot) {
-  const slot = state.team[robot];
-  return { x: state.x[slot], y: state.y[slot] };
-}
-
-// A team takes part in one formation a step at most, so one pass over the robots is enough.
-function joinTeams(state, joins) {
-  const renamed = new Map();
-  for (const pair of joins) renamed.set(Math.max(...pair), Math.min(...pair));
-  for (let robot = 0; robot < state.team.length; robot++) {
-    state.team[robot] = renamed.get(state.team[robot]) ?? state.team[robot];
-  }
-}
-
-// A team that loses its lowest robot is from then on known by the next.
-function loseRobot(state, robot) {
-  const slot = state.team[robot];
-  state.team[robot] = NOBODY;
-  if (slot !== robot) return;
-  const heir = state.team.indexOf(slot);
-  if (heir < 0) return;
-  putTeam(state, [heir, state.x[slot], state.y[slot], state.task[slot]]);
-  for (let mate = heir; mate < state.team.length; mate++) {
-    if (state.team[mate] === slot) state.team[mate] = heir;
-  }
-}
-
 // From the nearest keyframe, or from the state asked for last if that is on the way.
-function stateAt(history, step) {
+function stateAt(/** @type {TrialHistory} */ history, step) {
   const key = Math.floor(step / KEYFRAME_EVERY);
   const keyframe = { step: key * KEYFRAME_EVERY, state: history.keyframes[key] };
   const { latest } = history;
@@ -152,59 +68,26 @@ function stateAt(history, step) {
   return state;
 }
 
-function rememberLast(kept, make) {
-  const known = new Map();
-  return (key) => {
-    if (!known.has(key)) {
-      if (known.size >= kept) known.delete(known.keys().next().value);
-      known.set(key, make(key));
-    }
-    return known.get(key);
-  };
-}
-
-// Returns what to call with each step in turn: keyframes, events, services, completions, losses.
-function stepTaker(history) {
+// Returns what to call with each step in turn: keyframes, events, places of loads, completions, losses.
+function stepTaker(/** @type {TrialHistory} */ history) {
   const { record, mission } = history;
-  const keepServices = serviceKeeper(history);
-  const arrivals = arrivalsByStep(mission);
+  const later = [...mission.tasks.keys()].filter((task) => mission.tasks[task].appears > 0);
+  const arrivals = Map.groupBy(later, (task) => mission.tasks[task].appears);
   const state = startState(record, mission);
   history.keyframes.push(copyState(state));
   return (change, step) => {
     recordStep(history, state, change, step);
-    recordLoads(history, change, step);
-    keepServices(state, change, step);
-    for (const [task, slot] of takenIn(history, change, step)) {
-      history.events.push({ step, kind: "taken", task, slot, size: sizeOf(state, slot) });
-    }
+    recordServices(history, state, change, step);
     recordCompletions(history, state, change, step);
-    const cancelled = cancelledIn(history, step);
-    for (const task of cancelled) history.events.push({ step, kind: "cancelled", task });
-    if (change.done || cancelled.length) openNextTasks(history, step);
+    for (const task of cancelledIn(history, step)) history.events.push({ step, kind: "cancelled", task });
     for (const task of arrivals.get(step) ?? []) {
-      history.events.push({ step, kind: "appears", task });
+      if (step < mission.tasks[task].cancelled) history.events.push({ step, kind: "appears", task });
     }
     if (step % KEYFRAME_EVERY === 0) history.keyframes.push(copyState(state));
   };
 }
 
-function arrivalsByStep(mission) {
-  const arrivals = new Map();
-  mission.tasks.forEach(({ appears, cancelled }, task) => {
-    if (appears > 0 && appears < cancelled) arrivals.set(appears, [...(arrivals.get(appears) ?? []), task]);
-  });
-  return arrivals;
-}
-
-// Tasks may begin when the last task that they are after is over.
-function openNextTasks({ mission, record, overAt }, step) {
-  mission.tasks.forEach((task, number) => {
-    if (task.opens < Infinity || task.after.some((other) => overAt[other] > step)) return;
-    task.opens = Math.max(windowOpens(record.mission.tasks[number].between), step);
-  });
-}
-
-function recordStep(history, state, change, step) {
+function recordStep(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   if (change.splits || change.joins) recordFormations(history, state, change, step);
   formTeams(state, change);
   for (const robot of change.lost ?? []) recordLoss(history, state, robot, step);
@@ -222,106 +105,108 @@ function recordStep(history, state, change, step) {
   recordHeadings(history, state, change, step);
 }
 
-// Loads that are taken up are where they are brought, and `isUp`, until they are done or set down.
-function recordLoads(history, change, step) {
-  const { mission, moves, events, lies, carriedBy } = history;
-  for (const [task, ...at] of change.left ?? []) {
+// Services that begin in a step, and where loads are: those that are up where they are brought, and
+// `isUp`, until they are done or set down.
+function recordServices(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
+  const { mission, moves, events, told } = history;
+  const began = told.rows.filter(({ from }) => from === step);
+  const isUp = ({ doing }) => doing === CARRYING || doing === UNLOADING;
+  for (const service of told.rows.filter((row) => row.to === step && isUp(row))) {
+    const { task } = service;
+    if (change.done?.some(([done]) => done === task) || began.some((row) => row.task === task && row.doing === UNLOADING)) continue;
+    const at = placeLeft(state, change, service);
     moves.push({ step, task, at });
     events.push({ step, kind: "left", task, at });
-    lies[task] = at;
-    carriedBy.delete(task);
   }
-  for (const [task, slot] of takenIn(history, change, step)) {
-    moves.push({ step, task, at: mission.tasks[task].to, isUp: true });
-    carriedBy.set(task, slot);
+  for (const { task, doing, from, to, began: robots } of began) {
+    if (doing === LOADING || (doing === SERVING && from < to)) events.push({ step, kind: "begins", task, robots });
+    if (doing !== CARRYING) continue;
+    events.push({ step, kind: "taken", task, robots });
+    moves.push({ step, task, at: goalOf(mission, task), isUp: true });
   }
-  for (const [task] of change.done ?? []) {
-    carriedBy.delete(task); // or it was taken up and brought in this step
-    if (mission.tasks[task].to) moves.push({ step, task, at: mission.tasks[task].to });
-  }
+  for (const [task] of change.done ?? []) if (mission.tasks[task].to) moves.push({ step, task, at: goalOf(mission, task) });
+}
+
+// Where a load lies that was set down: as the step says, or where its robots are.
+/** @returns {Place} */
+function placeLeft(/** @type {State} */ state, /** @type {StepTree} */ { left = [] }, /** @type {Service} */ { task, began, ended }) {
+  const said = left.find(([other]) => other === task);
+  if (said) return [said[1], said[2]];
+  const there = [...ended, ...began].find((robot) => state.team[robot] !== NOBODY) ?? began[0];
+  const slot = state.team[there] === NOBODY ? there : state.team[there];
+  return [state.x[slot], state.y[slot]];
+}
+
+// Where a load is brought.
+function goalOf(/** @type {Mission} */ { tasks }, task) {
+  return tasks[task].to ?? tasks[task].at;
 }
 
 // Where tasks are believed to be after a step: by task {at, mates}, as in the mission.
-function sitesAt(history, step) {
+export function sitesAt(/** @type {TrialHistory} */ history, step) {
   const { moves, mission } = history;
   if (!mission.doTasksMove) return mission.tasks;
-  if (step >= history.last && history.leaving.size) return (history.sitesLeft ??= sitesLeft(history));
   let count = moves.length;
   while (count > 0 && moves[count - 1].step > step) count--;
   return history.sitesAfter(count);
 }
 
-// The same after the latest step where robots leave: who cannot carry a load without them sets it down.
-function sitesLeft(history) {
-  const { last, services } = history;
-  const state = history.at(last);
-  const sites = history.sitesAfter(history.moves.length).map(({ at, isUp }, task) => {
-    if (!isUp || serviceOf(history, task, last)) return { at, isUp };
-    const { slot } = services[task].at(-1);
-    return { at: [state.x[slot], state.y[slot]] };
-  });
-  shareSites(sites);
-  return sites;
-}
-
 // The same after the first moves.
-function sitesAfter({ moves, mission }, count) {
+function sitesAfter(/** @type {TrialHistory} */ { moves, mission }, count) {
   const sites = mission.tasks.map(({ first }) => ({ at: first }));
-  for (const { task, at, isUp } of moves.slice(0, count)) sites[task] = { at, isUp };
-  shareSites(sites);
-  return sites;
+  for (const { task, at, isUp } of moves.slice(0, count)) Object.assign(sites[task], { at, isUp });
+  return shareSites(sites);
 }
 
-function recordFormations({ events }, state, change, step) {
-  const sizes = teamSizes(state);
-  for (const [stay, leave] of change.splits ?? []) {
-    events.push({ step, kind: "split", slot: state.team[stay[0]], stay, leave });
-  }
-  for (const [joiner, partner] of change.joins ?? []) {
-    const [joiners, partners] = [sizes[joiner], sizes[partner]];
-    events.push({ step, kind: "join", joiner, partner, joiners, partners });
+function recordFormations(/** @type {TrialHistory} */ { events }, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
+  for (const [stay, leave] of change.splits ?? []) events.push({ step, kind: "split", stay, leave, robots: [...stay, ...leave] });
+  for (const pair of change.joins ?? []) {
+    const [joiner, partner] = pair.map((slot) => robotsOfTeam(state, slot));
+    events.push({ step, kind: "join", joiner, partner, robots: [...joiner, ...partner] });
   }
 }
 
-// `heir` is the slot of the robot's team from then on.
-function recordLoss(history, state, robot, step) {
-  const slot = state.team[robot];
-  const place = [state.x[slot], state.y[slot]];
-  history.absences[robot].push({ from: step, to: Infinity, place });
-  const mate = state.team.findIndex((other, number) => other === slot && number !== robot);
+function recordLoss(/** @type {TrialHistory} */ history, /** @type {State} */ state, robot, step) {
+  const { x, y } = placeOf(state, robot);
+  history.absences[robot].push({ from: step, to: Infinity, place: [x, y] });
+  const mates = robotsOfTeam(state, state.team[robot]).filter((mate) => mate !== robot);
+  history.events.push({ step, kind: "lost", robots: [robot, ...mates] });
   loseRobot(state, robot);
-  history.events.push({ step, kind: "lost", robot, slot, heir: state.team[mate] ?? NOBODY });
 }
 
-function recordReturn(history, state, robot, step) {
-  history.absences[robot].at(-1).to = step;
+function recordReturn(/** @type {TrialHistory} */ history, /** @type {State} */ state, robot, step) {
+  for (const absence of history.absences[robot].slice(-1)) absence.to = step;
   state.team[robot] = robot;
-  history.events.push({ step, kind: "back", robot, slot: robot, size: 1 });
+  history.events.push({ step, kind: "back", robots: [robot] });
 }
 
 // What everybody believes that a task needs after a step.
-function needsAt(history, task, step) {
+export function needsAt(/** @type {TrialHistory} */ history, task, step) {
   const { needs, believed } = history.mission.tasks[task];
   return history.shownAt[task] <= step ? needs : believed;
 }
 
 // Since when and where a robot is lost at a step; undefined while it is there.
-function absenceAt(history, robot, step) {
+export function absenceAt(/** @type {TrialHistory} */ history, robot, step) {
   const leaving = step >= history.last && history.leaving.get(robot);
   return leaving || history.absences[robot].find(({ from, to }) => from <= step && step < to);
 }
 
-function isLost(history, robot, step) {
+// Where a lost robot lies.
+export function placeLost(/** @type {TrialHistory} */ history, robot, step) {
+  return /** @type {Absence} */ (absenceAt(history, robot, step)).place;
+}
+
+export function isLost(/** @type {TrialHistory} */ history, robot, step) {
   return absenceAt(history, robot, step) !== undefined;
 }
 
 // The robots of a live mission that count for nothing from the next step on: whatever is shown of
 // the latest step has them lost already.
-function leave(history, robots) {
+export function leave(/** @type {TrialHistory} */ history, robots) {
   if ([...history.leaving.keys()].join() === robots.join()) return;
   const state = history.at(history.last);
   const from = history.last + 1;
-  history.sitesLeft = null;
   history.leaving = new Map(
     robots.map((robot) => {
       const { x, y } = placeOf(state, robot);
@@ -331,7 +216,7 @@ function leave(history, robots) {
 }
 
 // The state that is shown after a step: as recorded, without robots that are leaving.
-function stateShown(history, step) {
+export function stateShown(/** @type {TrialHistory} */ history, step) {
   const state = history.at(step);
   if (step < history.last || !history.leaving.size) return state;
   const left = copyState(state);
@@ -339,46 +224,29 @@ function stateShown(history, step) {
   return left;
 }
 
-function robotsLostAt(history, step) {
+export function robotsLostAt(/** @type {TrialHistory} */ history, step) {
   return [...history.absences.keys()].filter((robot) => isLost(history, robot, step));
 }
 
 // Teams that lose their assignment and get the same again have not changed their minds.
-function recordHeadings({ events, headings }, state, change, step) {
+function recordHeadings(/** @type {TrialHistory} */ { events, headings }, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   for (const [slot, , , task] of change.teams ?? []) {
     if (task === null || headings[slot] === task) continue;
     headings[slot] = task;
-    events.push({ step, kind: "heads", slot, task, size: sizeOf(state, slot) });
+    events.push({ step, kind: "heads", task, robots: robotsOfTeam(state, slot) });
   }
 }
 
-function recordCompletions(history, state, change, step) {
+function recordCompletions(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   for (const [task, doer] of change.done ?? []) {
-    const slot = doer ?? NOBODY; // of a fleet nobody may know who did it
     history.doneAt[task] = history.overAt[task] = step;
-    history.doneBy[task] = slot;
-    history.doers[task] = slot === NOBODY ? [] : robotsOfTeam(state, slot);
-    history.events.push({ step, kind: "done", task, slot, size: history.doers[task].length });
+    history.doers[task] = doer === null ? [] : robotsOfTeam(state, doer); // of a fleet nobody may know who did it
+    history.events.push({ step, kind: "done", task, robots: history.doers[task] });
   }
 }
 
 // The tasks that are called off in a step.
-function cancelledIn({ mission, doneAt }, step) {
+function cancelledIn(/** @type {TrialHistory} */ { mission, doneAt }, step) {
   const all = mission.tasks.map((_, task) => task);
   return all.filter((task) => mission.tasks[task].cancelled === step && doneAt[task] === Infinity);
-}
-
-// What teams pursued in a step whose assignments neither before nor after it say so: news took them back.
-function pursuedIn({ record }, step) {
-  return new Map(record.steps[step - 1].pursued ?? []);
-}
-
-function sizeOf(state, slot) {
-  return state.team.reduce((sum, other) => sum + (other === slot), 0);
-}
-
-function teamSizes(state) {
-  const sizes = new Int32Array(state.team.length);
-  for (const slot of state.team) if (slot !== NOBODY) sizes[slot]++;
-  return sizes;
 }

@@ -1,18 +1,21 @@
 // The mission of a record, with capabilities as numbers and counts as [capability, count] pairs.
 
+import { exact } from "./counts.js";
+import { readPlane, readRadius } from "./plane.js";
+
 // By foresight, from which probability on plans count on needs that tasks may have.
 const LEAST_CHANCE = { needed: 0, scouting: 0.25, absent: Infinity };
 
 const LATENESS = 2; // what it weighs beside the makespan in a mission with windows and without a cost
 
 // `truth` says, by name, what an uncertain mission really was.
-function readMission(tree, truth, foresight = "scouting") {
+export function readMission(/** @type {MissionTree} */ tree, truth, foresight = "scouting") {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
   const listed = [...tree.tasks, ...(truth?.arrivals ?? [])];
   const tasks = listed.map((task) => readTask(task, numbers, truth?.tasks[task.name], LEAST_CHANCE[foresight]));
   const numberOf = new Map(tasks.map(({ name }, number) => [name, number]));
   for (const task of tasks) task.after = task.after.map((name) => numberOf.get(name));
-  const mission = {
+  /** @type {Mission} */ const mission = {
     name: tree.name || "unnamed mission",
     capabilities: tree.capabilities,
     world: readWorld(tree.world),
@@ -25,20 +28,21 @@ function readMission(tree, truth, foresight = "scouting") {
       delay: robot.delays?.chance ?? robot.delays ?? 0, // of how many steps it stands still in
     })),
     tasks,
+    tasksAt: Map.groupBy(tasks.keys(), (task) => cellKey(...tasks[task].at.map(Math.round))),
     doTasksMove: tasks.some(({ within, to }) => within || to), // in what is believed, or carried
     sensingRadius: readRadius(tree.sensing_radius),
     cost: tree.cost ?? null, // the weights by which a plan costs something, if it does
   };
   for (const task of tasks) task.first = firstPlace(mission.world, task);
-  sharePlaces(mission);
+  shareSites(tasks);
   return mission;
 }
 
-// `appears` is when a task becomes known and `opens` when it may begin, in steps made; the latter is
-// Infinity until all that it is after is over.
+// `appears` is when a task becomes known and `opens` when its window does, in steps made.
 // `needs` and `duration` are what they really are, `sure`, `believed` and `lasts` what is known
 // before; `mayNeed` has pairs of a capability and the probability that one more is needed. It is at
 // `at`, known to be `within` a distance of `around`, and `first` believed to be in the nearest place.
+/** @returns {any} */
 function readTask(said, numbers, truth, leastChance) {
   const { name, at, within, needs, may_need, duration, appears, cancelled, after, between, to, unload, weight } = said;
   const mayNeed = Object.entries(may_need ?? {}).map(([cap, chance]) => [numbers.get(cap), chance]);
@@ -57,7 +61,7 @@ function readTask(said, numbers, truth, leastChance) {
     mayNeed,
     lasts,
     duration: truth?.duration ?? took,
-    opens: after?.length ? Infinity : windowOpens(between),
+    opens: windowOpens(between),
     appears: appears ?? 0,
     cancelled: cancelled ?? Infinity, // the step in which it is called off if it is not done by then
     after: after ?? [],
@@ -68,13 +72,13 @@ function readTask(said, numbers, truth, leastChance) {
   };
 }
 
-function hasDueTimes({ tasks }) {
+export function hasDueTimes(/** @type {Mission} */ { tasks }) {
   return tasks.some(({ due }) => due < Infinity);
 }
 
 // What plans are judged by: the weights of the cost or, where tasks have windows, of makespan and
 // lateness; null where it is the makespan alone.
-function weightsOf(mission) {
+export function weightsOf(/** @type {Mission} */ mission) {
   return mission.cost ?? (hasDueTimes(mission) ? { makespan: 1, tardiness: LATENESS } : null);
 }
 
@@ -84,58 +88,40 @@ function windowOpens(between) {
 }
 
 // The free cell that is nearest to where a task may be; of equals the lowest, then the leftmost.
-function firstPlace({ isBlocked, width, height, isPlane }, { around, within }) {
+function firstPlace(/** @type {World} */ { isBlocked, width, height, isPlane }, /** @type {Task} */ { around, within }) {
   const [x, y] = around;
   if (!within || isPlane || !isBlocked(x, y)) return around;
   const reach = Math.floor(within);
-  let best = null;
+  /** @type {{away: number, at: Place} | null} */ let best = null;
   for (let row = Math.max(0, y - reach); row <= Math.min(height - 1, y + reach); row++) {
     for (let column = Math.max(0, x - reach); column <= Math.min(width - 1, x + reach); column++) {
       const away = (column - x) ** 2 + (row - y) ** 2;
-      if (!isBlocked(column, row) && !(away >= best?.away)) best = { away, at: [column, row] };
+      if (!isBlocked(column, row) && !(best && away >= best.away)) best = { away, at: [column, row] };
     }
   }
-  return best.at;
+  return best ? best.at : around;
 }
 
-// Note for each task `mates`, all tasks in exactly its place, and for each cell or square its tasks.
-function sharePlaces(mission) {
-  mission.tasksAt = groupTasks(mission.tasks, ({ at }) => cellKey(...at.map(Math.round)));
-  shareSites(mission.tasks);
-}
-
-function shareSites(sites) {
+// Note for each task `mates`, all tasks in exactly its place.
+/** @returns {Site[]} */
+export function shareSites(/** @type {any[]} */ sites) {
   const keyOf = ({ at, isUp }) => (isUp ? "up" : cellKey(...at));
-  const groups = groupTasks(sites, keyOf);
+  const groups = Map.groupBy(sites.keys(), (task) => keyOf(sites[task]));
   sites.forEach((site, task) => (site.mates = site.isUp ? [task] : groups.get(keyOf(site))));
+  return sites;
 }
 
-function groupTasks(tasks, keyOf) {
-  const groups = new Map();
-  tasks.forEach((task, number) => {
-    const key = keyOf(task);
-    groups.set(key, [...(groups.get(key) ?? []), number]);
-  });
-  return groups;
-}
-
-function cellKey(x, y) {
+export function cellKey(x, y) {
   return `${x},${y}`;
 }
 
-function readRadius(radius) {
-  if (radius === undefined) return 1;
-  if (radius === ".inf") return Infinity;
-  return radius ?? Infinity; // the page's JSON writes infinity as null
-}
-
 // Whether a team gets over obstacles: all its robots fly.
-function isFlying({ robots }, team) {
+export function isFlying(/** @type {Mission} */ { robots }, /** @type {Team} */ team) {
   return team.robots.every((robot) => robots[robot].flies);
 }
 
 // Counts come as {lift: 2} or as [lift, weld], one each.
-function readCounts(counts, numbers) {
+function readCounts(/** @type {Iterable<Count>} */ counts, numbers) {
   const named = Array.isArray(counts) ? counts.map((name) => [name, 1]) : Object.entries(counts);
   return sumPairs(named.map(([name, count]) => [numbers.get(name), count]));
 }
@@ -147,6 +133,7 @@ function sumPairs(pairs) {
 }
 
 // A plain grid is drawn with y upwards, a map of rows as it says (downwards if it does not).
+/** @returns {World} */
 function readWorld(world) {
   if (world.plane) return readPlane(world);
   const rows = world.rows ?? [];
@@ -154,38 +141,36 @@ function readWorld(world) {
   const yAxis = world.y_axis ?? (rows.length ? "down" : "up");
   const isBlocked = (x, y) => rows.length > 0 && rows[y][x] === "@";
   const used = usedPart(width, height, rows);
-  return { width, height, rows, isBlocked, used, yIsUp: yAxis === "up", fields: new Map() };
+  const lengths = { isPlane: false, square: 1, arrival: 0, stepSeconds: 1 };
+  return { width, height, rows, isBlocked, used, yIsUp: yAxis === "up", fields: new Map(), ...lengths };
 }
 
 // The box around all free cells, and one cell more: scanned maps have wide dead margins.
 function usedPart(width, height, rows) {
   if (!rows.length) return { left: 0, low: 0, width, height };
-  const columns = Array.from({ length: width }, (_, x) => x).filter((x) =>
-    rows.some((row) => row[x] !== "@"),
-  );
+  const columns = Array.from({ length: width }, (_, x) => x).filter((x) => rows.some((row) => row[x] !== "@"));
   const lines = rows.map((_, y) => y).filter((y) => /[^@]/.test(rows[y]));
-  const [left, right] = [Math.max(0, columns[0] - 1), Math.min(width - 1, columns.at(-1) + 1)];
-  const [low, high] = [Math.max(0, lines[0] - 1), Math.min(height - 1, lines.at(-1) + 1)];
+  const [left, right] = [Math.max(0, columns[0] - 1), Math.min(width - 1, columns[columns.length - 1] + 1)];
+  const [low, high] = [Math.max(0, lines[0] - 1), Math.min(height - 1, lines[lines.length - 1] + 1)];
   return { left, low, width: right - left + 1, height: high - low + 1 };
 }
 
 const FIELDS_KEPT = 64;
 
 // Cells to go between two places, or Infinity, on planes squares straight on; distance fields are kept by their goal.
-function walkingDistance(world, from, goal, flies = false) {
+export function walkingDistance(/** @type {World} */ world, from, goal, flies = false) {
   if (world.isPlane) return Math.hypot(from[0] - goal[0], from[1] - goal[1]);
   if (flies || !world.rows.length) return Math.abs(from[0] - goal[0]) + Math.abs(from[1] - goal[1]);
   const key = goal[1] * world.width + goal[0];
-  if (!world.fields.has(key)) {
-    if (world.fields.size >= FIELDS_KEPT) world.fields.clear();
-    world.fields.set(key, distanceField(world, key));
-  }
-  const cells = world.fields.get(key)[from[1] * world.width + from[0]];
+  if (!world.fields.has(key) && world.fields.size >= FIELDS_KEPT) world.fields.clear();
+  const field = world.fields.get(key) ?? distanceField(world, key);
+  world.fields.set(key, field);
+  const cells = field[from[1] * world.width + from[0]];
   return cells < 0 ? Infinity : cells;
 }
 
 // Breadth first from the goal; -1 where no way leads.
-function distanceField(world, goal) {
+function distanceField(/** @type {World} */ world, goal) {
   const field = new Int32Array(world.width * world.height).fill(-1);
   const queue = new Int32Array(field.length);
   queue[0] = goal;
@@ -203,13 +188,13 @@ function distanceField(world, goal) {
   return field;
 }
 
-const SIDES = [
+export const SIDES = [
   [1, 0],
   [-1, 0],
   [0, 1],
   [0, -1],
 ];
 
-function isFreeCell(world, x, y) {
+export function isFreeCell(/** @type {World} */ world, x, y) {
   return x >= 0 && y >= 0 && x < world.width && y < world.height && !world.isBlocked(x, y);
 }

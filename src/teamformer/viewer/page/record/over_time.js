@@ -1,22 +1,22 @@
 // What changes over time: tasks done and open, idle robots and the way made, after each step.
 
+import { NOBODY, placeOf } from "./state.js";
+import { IDLE, runsOf } from "./told.js";
+
 // {open, idle, way}, each with a number for every step from 0 on; `way` is the sum over all robots so
 // far, in cells, or squares of a plane. Worked out once for each length of the record.
-function curvesOf(history) {
+export function curvesOf(/** @type {TrialHistory} */ history) {
   const known = history.curves;
   if (known?.made === history.last) return known;
   const way = [0];
-  const idle = [0];
-  for (let step = 1; step <= history.last; step++) {
-    idle.push(phasesIn(history, step).reduce((sum, phase) => sum + (phase === IDLE), 0));
-    way.push(way[step - 1] + wayIn(history, step));
-  }
+  for (let step = 1; step <= history.last; step++) way.push(way[step - 1] + wayIn(history, step));
+  const idle = idleAfterSteps(history);
   history.curves = { made: history.last, open: openAfterSteps(history), idle, way };
   return history.curves;
 }
 
 // Tasks that are known and not over, after each step.
-function openAfterSteps({ mission, overAt, last }) {
+function openAfterSteps(/** @type {TrialHistory} */ { mission, overAt, last }) {
   const everOpen = mission.tasks.flatMap(({ appears }, task) => (appears < overAt[task] ? [task] : []));
   const known = countsUpTo(everOpen.map((task) => mission.tasks[task].appears), last);
   const over = countsUpTo(everOpen.map((task) => overAt[task]), last);
@@ -24,7 +24,7 @@ function openAfterSteps({ mission, overAt, last }) {
 }
 
 // Tasks that are done, after each step.
-function doneAfterSteps({ doneAt, last }) {
+export function doneAfterSteps(/** @type {TrialHistory} */ { doneAt, last }) {
   return countsUpTo(doneAt, last);
 }
 
@@ -38,7 +38,7 @@ function countsUpTo(steps, last) {
 
 // The way that all robots make in a step. They go by shortest ways, so where none turns back around
 // the end of a wall, which takes four cells in one step, it is what lies between the two places.
-function wayIn(history, step) {
+function wayIn(/** @type {TrialHistory} */ history, step) {
   const { world } = history.mission;
   const [before, after] = [history.at(step - 1), history.at(step)];
   let sum = 0;
@@ -51,14 +51,16 @@ function wayIn(history, step) {
   return sum;
 }
 
-// How many steps each robot was idle up to one, by robot.
-function idleStepsUpTo(history, step) {
-  history.idleSteps ??= [new Uint32Array(history.mission.robots.length)];
-  const { idleSteps } = history;
-  for (let made = idleSteps.length; made <= step; made++) {
-    const row = idleSteps[made - 1].slice();
-    phasesIn(history, made).forEach((phase, robot) => (row[robot] += phase === IDLE));
-    idleSteps.push(row);
+// How many robots were idle in each step.
+function idleAfterSteps(/** @type {TrialHistory} */ history) {
+  const changes = new Array(history.last + 2).fill(0);
+  for (const robot of history.mission.robots.keys()) {
+    for (const { phase, from, to } of runsOf(history, robot)) {
+      if (phase !== IDLE) continue;
+      changes[from + 1]++;
+      changes[to + 1]--;
+    }
   }
-  return idleSteps[step];
+  let sum = 0;
+  return changes.slice(0, -1).map((change) => (sum += change));
 }

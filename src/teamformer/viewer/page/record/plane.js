@@ -3,7 +3,8 @@
 const MOST_SQUARES = 300; // along a side
 
 // The same record with all lengths in squares; on a grid, the record itself.
-function inSquares(record) {
+/** @returns {RecordTree} */
+export function inSquares(/** @type {RecordTree} */ record) {
   const { world } = record.mission;
   if (!world.plane) return record;
   const square = squareOf(world);
@@ -24,7 +25,7 @@ function truthInSquares(truth, square) {
   return { ...truth, tasks: Object.fromEntries(tasks), arrivals };
 }
 
-function stepInSquares({ square }, step) {
+export function stepInSquares({ square }, step) {
   if (!square || !(step.teams || step.moved || step.left)) return step;
   const team = ([slot, x, y, task]) => [slot, x / square, y / square, task];
   const placed = ([task, x, y]) => [task, x / square, y / square];
@@ -32,7 +33,7 @@ function stepInSquares({ square }, step) {
   return { ...step, teams: (step.teams ?? []).map(team), moved, left };
 }
 
-function missionInSquares(mission, square) {
+function missionInSquares(/** @type {MissionTree} */ mission, square) {
   const placed = (thing) => ({ ...thing, at: thing.at.map((along) => along / square) });
   const radius = readRadius(mission.sensing_radius);
   return {
@@ -52,7 +53,7 @@ function squareOf({ plane, unit }) {
   return Math.max(unit, Math.max(...plane) / MOST_SQUARES);
 }
 
-function readPlane(world) {
+export function readPlane(world) {
   const square = squareOf(world);
   const [width, height] = world.plane.map((side) => side / square);
   return {
@@ -62,6 +63,7 @@ function readPlane(world) {
     isBlocked: () => false,
     used: { left: 0, low: 0, width, height },
     yIsUp: true,
+    fields: new Map(),
     isPlane: true,
     square,
     arrival: world.arrival_radius / square,
@@ -70,34 +72,12 @@ function readPlane(world) {
 }
 
 // One cell, or points within the arrival radius.
-function isSamePlace(world, one, other) {
-  if (!world.isPlane) return one[0] === other[0] && one[1] === other[1];
+export function isSamePlace(/** @type {World} */ world, one, other) {
   return Math.hypot(one[0] - other[0], one[1] - other[1]) <= world.arrival + 1e-9;
 }
 
-function describeWay(world, length) {
-  return world.isPlane ? `${(length * world.square).toFixed(2)} m` : plural(length, "cell");
-}
-
-function describePlace(world, at) {
-  const [x, y] = world.isPlane ? at.map((along) => (along * world.square).toFixed(2)) : at;
-  return `[${x}, ${y}]${world.isPlane ? " m" : ""}`;
-}
-
-// A moment or a span: seconds on planes; on grids, whose steps have no length, steps.
-function describeMoment(world, step) {
-  return world.isPlane ? `${secondsOf(world, step)} s` : `step ${step}`;
-}
-
-function describeSpan(world, steps) {
-  return world.isPlane ? `${secondsOf(world, steps)} s` : plural(steps, "step");
-}
-
-// The same where a column says what it is.
-function shortMoment(world, step) {
-  return world.isPlane ? `${secondsOf(world, step)} s` : String(step);
-}
-
-function secondsOf(world, steps) {
-  return Number((steps * world.stepSeconds).toFixed(2));
+export function readRadius(radius) {
+  if (radius === undefined) return 1;
+  if (radius === ".inf") return Infinity;
+  return radius ?? Infinity; // the page's JSON writes infinity as null
 }

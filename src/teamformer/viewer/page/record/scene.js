@@ -1,25 +1,35 @@
 // What there is to see after a step: teams with what they can do, and how each task stands.
 
+import { exact, missing } from "./counts.js";
+import { isLost, needsAt, sitesAt, stateShown } from "./history.js";
+import { isSamePlace } from "./plane.js";
+import { NOBODY } from "./state.js";
+import { IDLE, LOST, runAfter, serviceAfter } from "./told.js";
+
+const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"];
+
 // A team: {slot, robots, x, y, counts, assigned, goal, isMet, missing, service, justDone, activity,
 // carries}.
 // `site` is where its task is believed to be, `goal` is the task whose colour the ring may take: the one served, just done or headed for.
-function sceneAt(history, step) {
+export function sceneAt(/** @type {TrialHistory} */ history, step) {
   const state = stateShown(history, step);
   const teams = gatherTeams(history.mission, state);
-  const serving = servicesAt(history, step);
-  const justDone = doneIn(history, step);
+  const serving = servicesAt(history, state, step);
+  const justDone = doneIn(history, state, step);
   const sites = sitesAt(history, step);
   for (const team of teams.values()) {
     describeGoal(history, step, team, serving.get(team.slot), justDone.get(team.slot));
     team.site = sites[team.assigned] ?? null;
     team.carries = team.service !== null && sites[team.service.task].isUp === true;
     team.activity = activityOf(history.mission.world, team);
+    if (team.activity === "idle") team.activity = whatComes(history, team, step);
   }
-  tellWhoAwaitsAPlan(history, step, [...teams.values()]);
-  return { step, state, teams, assignedTo: groupByTask(teams) };
+  const assigned = [...teams.values()].filter((team) => team.assigned !== NOBODY);
+  return { step, state, teams, assignedTo: Map.groupBy(assigned, (team) => team.assigned) };
 }
 
-function gatherTeams(mission, state) {
+/** @returns {Map<number, Team>} */
+function gatherTeams(/** @type {Mission} */ mission, /** @type {State} */ state) {
   const teams = new Map();
   for (let robot = 0; robot < state.team.length; robot++) {
     const slot = state.team[robot];
@@ -34,12 +44,12 @@ function gatherTeams(mission, state) {
   return teams;
 }
 
-function newTeam(state, slot) {
+function newTeam(/** @type {State} */ state, slot) {
   const assigned = state.task[slot];
   return { slot, robots: [], counts: new Map(), x: state.x[slot], y: state.y[slot], assigned };
 }
 
-function describeGoal(history, step, team, service, done) {
+function describeGoal(/** @type {TrialHistory} */ history, step, /** @type {Team} */ team, service, done) {
   team.service = service ?? null;
   team.justDone = done ?? NOBODY;
   team.goal = service?.task ?? done ?? team.assigned;
@@ -47,140 +57,92 @@ function describeGoal(history, step, team, service, done) {
   team.isMet = team.goal !== NOBODY && team.missing.length === 0;
 }
 
-// Some teams have no assignment only until the next step: the mission begins, or news has taken all
-// assignments back. Where the record goes on, it says which of them are idle all the same, and which
-// are lost before they are told anything.
-function tellWhoAwaitsAPlan(history, step, teams) {
-  const idle = teams.filter(({ activity }) => activity === "idle");
-  if (!idle.length || !isPlannedAnew(history, step)) return;
-  const isOver = step >= history.last;
-  if (isOver && history.end.status !== "running") return;
-  const isAbout = isOver ? () => true : whoIsAboutATask(history, step + 1);
-  const isGone = (robot) => isLost(history, robot, step + 1);
-  for (const team of idle) {
-    if (team.robots.some(isAbout)) team.activity = "told";
-    else if (team.robots.every(isGone)) team.activity = "leaves";
+// Some teams have no assignment only until the next step: "told" what they are about then, or lost, as
+// it is told; where a mission goes on that nobody has told yet, after the start and after news.
+function whatComes(/** @type {TrialHistory} */ history, /** @type {Team} */ { robots }, step) {
+  if (step < history.last) {
+    const phases = robots.map((robot) => runAfter(history, robot, step)?.phase ?? IDLE);
+    if (phases.every((phase) => phase === LOST)) return "leaves";
+    return phases.some((phase) => phase !== IDLE && phase !== LOST) ? "told" : "idle";
   }
+  return history.end.status === "running" && (step === 0 || newsIn(history, step).length) ? "told" : "idle";
 }
 
-// Returns what says of a robot whether it has a task in a step.
-function whoIsAboutATask(history, step) {
-  const after = history.at(step);
-  const [pursued, done] = [pursuedIn(history, step), doneIn(history, step)];
-  return (robot) => {
-    const slot = after.team[robot];
-    return slot !== NOBODY && (after.task[slot] !== NOBODY || pursued.has(slot) || done.has(slot));
-  };
+// What happened in a step that has it planned anew.
+export function newsIn(/** @type {TrialHistory} */ { events }, step) {
+  return events.filter((event) => event.step === step && NEWS.includes(event.kind));
 }
 
-// Whether a plan or an order is made after a step, before anybody goes on.
-function isPlannedAnew({ record, events }, step) {
-  if (step === 0) return true;
-  const kept = [record.orders, record.plans];
-  if (kept.some((rows) => rows?.some(([made]) => made === step))) return true;
-  return events.some((event) => event.step === step && NEWS.includes(event.kind));
-}
-
-// What a team is about, in one word: serves, done, waits, walks or idle; and told and leaves, see `tellWhoAwaitsAPlan`.
-function activityOf(world, team) {
+// What a team is about, in one word: serves, done, waits, walks or idle; and told and leaves, see `whatComes`.
+function activityOf(/** @type {World} */ world, /** @type {Team} */ team) {
   if (team.service) return "serves";
   if (team.justDone !== NOBODY) return "done";
   if (team.assigned === NOBODY) return "idle";
-  return isSamePlace(world, [team.x, team.y], team.site.at) ? "waits" : "walks";
+  return team.site && isSamePlace(world, [team.x, team.y], team.site.at) ? "waits" : "walks";
 }
 
-function servicesAt(history, step) {
-  const serving = new Map();
-  const { team } = stateShown(history, step);
-  history.services.forEach((_, task) => {
-    const { robots, from } = serviceOf(history, task, step) ?? { robots: [] };
-    for (const robot of robots) serving.set(team[robot], { task, from });
-  });
-  return serving;
+/** @returns {Map<number, Service>} */
+function servicesAt(/** @type {TrialHistory} */ history, /** @type {State} */ { team }, step) {
+  const services = history.mission.tasks.flatMap((_, task) => serviceAfter(history, task, step) ?? []);
+  return new Map(services.flatMap((service) => service.robots.map((robot) => [team[robot], service])));
 }
 
-function doneIn(history, step) {
+// By slot, the first task that a team has done in a step; who did it may be lost in the same step.
+function doneIn(/** @type {TrialHistory} */ history, /** @type {State} */ { team }, step) {
   const done = new Map();
   history.doneAt.forEach((at, task) => {
-    if (at === step && !done.has(history.doneBy[task])) done.set(history.doneBy[task], task);
+    const robot = history.doers[task].find((doer) => team[doer] !== NOBODY);
+    if (at === step && robot !== undefined && !done.has(team[robot])) done.set(team[robot], task);
   });
   return done;
 }
 
-function groupByTask(teams) {
-  const groups = new Map();
-  for (const team of teams.values()) {
-    if (team.assigned === NOBODY) continue;
-    if (!groups.has(team.assigned)) groups.set(team.assigned, []);
-    groups.get(team.assigned).push(team);
-  }
-  return groups;
-}
-
-function teamOfRobot(scene, robot) {
-  return scene.teams.get(scene.state.team[robot]) ?? null;
+export function teamOfRobot(/** @type {Scene} */ scene, /** @type {number | undefined} */ robot) {
+  return robot === undefined ? null : (scene.teams.get(scene.state.team[robot]) ?? null);
 }
 
 // How a task stands after a step: hidden, open, served, done, cancelled or (at the end) blocked.
-function standingOf(history, task, step) {
+export function standingOf(/** @type {TrialHistory} */ history, task, step) {
   if (isOver(history, task, step)) return history.doneAt[task] <= step ? "done" : "cancelled";
   if (history.mission.tasks[task].appears > step) return "hidden";
-  if (serviceOf(history, task, step)) return "served";
-  if (
-    step === history.last &&
-    history.end.blocked_tasks.includes(history.mission.tasks[task].name)
-  )
-    return "blocked";
-  return "open";
-}
-
-// The service of a task that goes on after a step, with the robots that are with it then; null if
-// there is none, or it is broken off because a robot leaves.
-function serviceOf(history, task, step) {
-  const service = history.services[task].find(({ from, to }) => from <= step && step < to);
-  if (!service) return null;
-  const { mission } = history;
-  const state = stateShown(history, step);
-  const robots = robotsServing(service, step + 1).filter((robot) => state.team[robot] !== NOBODY);
-  const slot = state.team[robots[0]];
-  const isLeft = step >= history.last && history.leaving.size > 0;
-  if (isLeft && !(robots.length && covers(countsOfTeam(mission, state, slot), mission.tasks[task].needs))) return null;
-  return { ...service, slot, robots };
+  if (serviceAfter(history, task, step)) return "served";
+  const isBlocked = step === history.last && history.end.blocked_tasks.includes(history.mission.tasks[task].name);
+  return isBlocked ? "blocked" : "open";
 }
 
 // Whether a task is done or called off.
-function isOver({ overAt }, task, step) {
+export function isOver(/** @type {TrialHistory} */ { overAt }, task, step) {
   return overAt[task] <= step;
 }
 
-function countDone(history, step) {
+export function countDone(/** @type {TrialHistory} */ history, step) {
   return history.doneAt.filter((at) => at <= step).length;
 }
 
-function countCancelled(history, step) {
+export function countCancelled(/** @type {TrialHistory} */ history, step) {
   return history.overAt.filter((at) => at <= step).length - countDone(history, step);
 }
 
 // The open tasks in the order that everybody shares, as last computed.
-function orderAt(history, step) {
+export function orderAt(/** @type {TrialHistory} */ history, step) {
   let tasks = [];
   for (const [made, order] of history.record.orders ?? []) if (made <= step) tasks = order;
   return tasks.filter((task) => !isOver(history, task, step));
 }
 
-function namesCap(counts, cap) {
+function namesCap(/** @type {Counts} */ counts, cap) {
   return counts.some(([other]) => other === cap);
 }
 
 // The robots that bring a capability and are not lost.
-function robotsWith(history, cap, step) {
+export function robotsWith(/** @type {TrialHistory} */ history, cap, step) {
   const { robots } = history.mission;
   const all = robots.map((_, robot) => robot);
   return all.filter((robot) => !isLost(history, robot, step) && namesCap(robots[robot].can, cap));
 }
 
 // The tasks that are known, not over and need a capability.
-function tasksNeeding(history, cap, step) {
+export function tasksNeeding(/** @type {TrialHistory} */ history, cap, step) {
   const { mission } = history;
   const all = mission.tasks.map((_, task) => task);
   return all.filter((task) => {

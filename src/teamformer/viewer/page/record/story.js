@@ -1,45 +1,9 @@
 // The part of the events that concerns one robot (with the teams it is in) or one task.
 
-function taskStory(history, task) {
-  return history.events.filter((event) => event.task === task);
+export function taskStory(/** @type {TrialHistory} */ { events }, task) {
+  return events.filter((event) => event.task === task);
 }
 
-// Follow the robot's team through its changing slots.
-function robotStory(history, robot) {
-  const start = history.record.start.find(([, robots]) => robots.includes(robot));
-  let team = start[0];
-  const story = [];
-  for (const event of history.events) {
-    if (event.kind === "back" && event.robot === robot) team = NOBODY;
-    const after = slotAfter(event, team, robot);
-    if (after === undefined) continue;
-    story.push(event);
-    team = after;
-  }
-  return story;
-}
-
-// The slot of a robot's team after an event; undefined if the event is none of its business.
-function slotAfter(event, team, robot) {
-  switch (event.kind) {
-    case "join":
-      return [event.joiner, event.partner].includes(team)
-        ? Math.min(event.joiner, event.partner)
-        : undefined;
-    case "split": {
-      const mine = [event.stay, event.leave].find((robots) => robots.includes(robot));
-      return mine && Math.min(...mine);
-    }
-    case "lost":
-      return event.slot === team ? (event.robot === robot ? NOBODY : event.heir) : undefined;
-    case "back":
-      return event.robot === robot ? robot : undefined;
-    case "heads":
-    case "begins":
-    case "taken":
-    case "done":
-      return event.slot === team ? team : undefined;
-    default:
-      return undefined;
-  }
+export function robotStory(/** @type {TrialHistory} */ { events }, robot) {
+  return events.filter(({ robots }) => robots?.includes(robot));
 }

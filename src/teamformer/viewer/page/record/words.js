@@ -1,33 +1,42 @@
 // Everything that the page says about robots, teams and tasks, as plain text.
 
-const MANY = 3; // names written out
+import { absenceAt, needsAt, sitesAt } from "./history.js";
+import { describeMoment, describePlace, describeSpan, describeWay, percent, plural, secondsOf } from "./lengths.js";
+import { isFlying, walkingDistance } from "./mission.js";
+import { isSamePlace } from "./plane.js";
+import { isOver, standingOf } from "./scene.js";
+import { NOBODY } from "./state.js";
+import { serviceAfter, stepsInPhases } from "./told.js";
+
+export const MANY = 3; // names written out
 const MANY_NEEDS = 12; // kinds of needs written out
 
-function robotName(mission, robot) {
+export function robotName(/** @type {Mission} */ mission, robot) {
   return mission.robots[robot].name;
 }
 
-function taskName(mission, task) {
+export function taskName(/** @type {Mission} */ mission, task) {
   return mission.tasks[task].name;
 }
 
 // A lone robot goes by its own name, a team by that of its lowest robot.
-function teamName(mission, slot, size) {
-  return size === 1 ? robotName(mission, slot) : `team ${robotName(mission, slot)}`;
+function nameOfRobots(/** @type {Mission} */ mission, robots) {
+  const name = robots.length ? robotName(mission, Math.min(...robots)) : "nobody";
+  return robots.length > 1 ? `team ${name}` : name;
 }
 
-function nameOfTeam(mission, team) {
-  return teamName(mission, team.slot, team.robots.length);
+export function nameOfTeam(/** @type {Mission} */ mission, /** @type {Team} */ { robots }) {
+  return nameOfRobots(mission, robots);
 }
 
 // A few names are written out; of more than `most`, the first stands for all.
-function listRobots(mission, robots, most = MANY) {
+export function listRobots(/** @type {Mission} */ mission, robots, most = MANY) {
   const shown = robots.length <= most ? robots : robots.slice(0, 1);
   const names = shown.map((robot) => robotName(mission, robot)).join(", ");
   return shown.length < robots.length ? `${names} + ${robots.length - 1} more` : names;
 }
 
-function describeCounts(mission, counts, shown = Infinity) {
+export function describeCounts(/** @type {Mission} */ mission, /** @type {Iterable<Count>} */ counts, shown = Infinity) {
   const pairs = [...counts];
   const texts = pairs.slice(0, shown).map(([cap, count]) => {
     const name = mission.capabilities[cap];
@@ -37,26 +46,18 @@ function describeCounts(mission, counts, shown = Infinity) {
   return texts.join(", ");
 }
 
-function plural(count, word) {
-  return `${count} ${word}${count === 1 ? "" : "s"}`;
-}
-
-function capitalised(text) {
-  return text.charAt(0).toUpperCase() + text.slice(1);
-}
-
 // How far a team has to go to where its task is believed to be.
-function distanceTo(mission, team) {
-  return walkingDistance(mission.world, [team.x, team.y], team.site.at, isFlying(mission, team));
+export function distanceTo(/** @type {Mission} */ mission, /** @type {Team} */ team) {
+  return team.site ? walkingDistance(mission.world, [team.x, team.y], team.site.at, isFlying(mission, team)) : 0;
 }
 
-function describeDoing(history, team, step) {
+export function describeDoing(/** @type {TrialHistory} */ history, /** @type {Team} */ team, step) {
   const { mission } = history;
   const name = team.goal === NOBODY ? "" : taskName(mission, team.goal);
   const lack = describeCounts(mission, team.missing, MANY);
   switch (team.activity) {
     case "serves": {
-      const made = step - team.service.from;
+      const made = step - (team.service?.from ?? step);
       if (mission.tasks[team.goal].to) return describeLoading(mission, team, name);
       return `does ${name}, ${describePart(mission.world, made, mission.tasks[team.goal])}`;
     }
@@ -75,15 +76,13 @@ function describeDoing(history, team, step) {
       const away = distanceTo(mission, team);
       const way = `${describeWay(mission.world, away)} to go`;
       const goes = isFlying(mission, team) ? "flies" : "walks";
-      return team.isMet
-        ? `${goes} to ${name} with all it needs, ${way}`
-        : `${goes} to ${name}, ${way}; lacks ${lack}`;
+      return team.isMet ? `${goes} to ${name} with all it needs, ${way}` : `${goes} to ${name}, ${way}; lacks ${lack}`;
     }
   }
 }
 
 // Why a known task may not begin in the next step; nothing if it may.
-function whyClosed(history, task, step) {
+function whyClosed(/** @type {TrialHistory} */ history, task, step) {
   const { mission } = history;
   const { after, opens } = mission.tasks[task];
   const before = after.filter((other) => !isOver(history, other, step));
@@ -92,7 +91,7 @@ function whyClosed(history, task, step) {
 }
 
 // What a team does with its load.
-function describeLoading({ world, tasks }, team, name) {
+function describeLoading(/** @type {Mission} */ { world, tasks }, /** @type {Team} */ team, name) {
   if (!team.carries) return `takes up ${name}`;
   const { to } = tasks[team.goal];
   const place = describePlace(world, to);
@@ -102,63 +101,57 @@ function describeLoading({ world, tasks }, team, name) {
 }
 
 // How much of a service is made.
-function describePart(world, made, task) {
+function describePart(/** @type {World} */ world, made, task) {
   const count = world.isPlane ? secondsOf(world, made) : made;
   return `${count} of ${describeDuration(world, task)} made`;
 }
 
 // How long a task takes, as far as it is known before it is done.
-function describeDuration(world, { duration, lasts }) {
+export function describeDuration(/** @type {World} */ world, /** @type {Task} */ { duration, lasts }) {
   if (!lasts) return describeSpan(world, duration);
   const least = world.isPlane ? secondsOf(world, lasts[0]) : lasts[0];
   return `${least} to ${describeSpan(world, lasts[1])}`;
 }
 
 // What a task needs, and what it may need while nobody knows.
-function describeNeeds(history, task, step, most = MANY_NEEDS) {
+export function describeNeeds(/** @type {TrialHistory} */ history, task, step, most = MANY_NEEDS) {
   const { mission, shownAt } = history;
   if (shownAt[task] <= step) return describeCounts(mission, needsAt(history, task, step), most);
   const { sure, mayNeed } = mission.tasks[task];
   return `${describeCounts(mission, sure, most)}, may need ${describeChances(mission, mayNeed)}`;
 }
 
-function describeChances(mission, mayNeed) {
+export function describeChances(/** @type {Mission} */ mission, mayNeed) {
   return mayNeed.map(([cap, chance]) => `${mission.capabilities[cap]} (${percent(chance)})`).join(", ");
 }
 
-function describeAt(world, step) {
+export function describeAt(/** @type {World} */ world, step) {
   return `at ${describeMoment(world, step)}`;
 }
 
-function describeWhen(world, step) {
+export function describeWhen(/** @type {World} */ world, step) {
   return `${world.isPlane ? "at" : "in"} ${describeMoment(world, step)}`;
 }
 
 // How a robot has spent its time so far, the largest share first.
-function describeShares(history, robot, step) {
-  const steps = new Map(PHASES.map((name) => [name, 0]));
-  for (let made = 1; made <= Math.min(step, history.last); made++) {
-    const name = PHASES[phasesIn(history, made)[robot]];
-    steps.set(name, steps.get(name) + 1);
-  }
-  const parts = [...steps].filter(([, count]) => count).sort(([, a], [, b]) => b - a);
-  const text = parts.map(([name, count]) => `${PHASE_NAMES[name]} ${percent(count / step)}`);
-  return text.join(", ") || "not yet begun";
+export function describeShares(/** @type {TrialHistory} */ history, robot, step) {
+  const parts = [...stepsInPhases(history, robot, step)].filter(([, count]) => count).sort(([, a], [, b]) => b - a);
+  return parts.map(([name, count]) => `${name} ${percent(count / step)}`).join(", ") || "not yet begun";
 }
 
 // Since when a robot is lost.
-function describeLoss(history, robot, step) {
+export function describeLoss(/** @type {TrialHistory} */ history, robot, step) {
   const absence = absenceAt(history, robot, step);
   if (!absence) return "lost";
   return `lost ${describeWhen(history.mission.world, absence.from)}`;
 }
 
-function describeLateness({ mission, doneAt }, task) {
+function describeLateness(/** @type {TrialHistory} */ { mission, doneAt }, task) {
   const late = doneAt[task] - mission.tasks[task].due;
   return late > 0 ? `, late by ${describeSpan(mission.world, late)}` : "";
 }
 
-function describeStanding(history, task, scene) {
+export function describeStanding(/** @type {TrialHistory} */ history, task, /** @type {Scene} */ scene) {
   const { mission } = history;
   const { step } = scene;
   const { appears, cancelled } = mission.tasks[task];
@@ -169,14 +162,14 @@ function describeStanding(history, task, scene) {
     case "hidden":
       return `appears after ${describeMoment(mission.world, appears)}`;
     case "done":
-      if (history.doneBy[task] === NOBODY) return `done by ${describeMoment(mission.world, history.doneAt[task])}, nobody heard by whom`;
+      if (!history.doers[task].length) return `done by ${describeMoment(mission.world, history.doneAt[task])}, nobody heard by whom`;
       return `done ${describeWhen(mission.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "cancelled":
       return `called off ${describeWhen(mission.world, cancelled)}`;
     case "served": {
       if (sitesAt(history, step)[task].isUp) return "being carried";
       if (mission.tasks[task].to) return "being taken up";
-      const made = step - serviceOf(history, task, step).from;
+      const made = step - (serviceAfter(history, task, step)?.from ?? step);
       return `under way, ${describePart(mission.world, made, mission.tasks[task])}`;
     }
     case "blocked":
@@ -192,24 +185,24 @@ function describeStanding(history, task, scene) {
 }
 
 // Written once for each event.
-function describeEvent(history, event) {
+export function describeEvent(/** @type {TrialHistory} */ history, /** @type {HistoryEvent} */ event) {
   event.text ??= eventText(history, event);
   return event.text;
 }
 
-function eventText(history, event) {
+function eventText(/** @type {TrialHistory} */ history, /** @type {HistoryEvent} */ event) {
   const { mission } = history;
   const task = event.task === undefined ? "" : taskName(mission, event.task);
-  const team = event.slot === undefined || event.slot === NOBODY ? "" : teamName(mission, event.slot, event.size);
+  const team = event.robots?.length ? nameOfRobots(mission, event.robots) : "";
   switch (event.kind) {
     case "join":
       return describeJoin(mission, event);
     case "split":
       return describeSplit(mission, event);
     case "lost":
-      return `${robotName(mission, event.robot)} is lost`;
+      return `${robotName(mission, event.robots[0])} is lost`;
     case "back":
-      return `${robotName(mission, event.robot)} is back`;
+      return `${robotName(mission, event.robots[0])} is back`;
     case "appears":
       return `${task} appears`;
     case "cancelled":
@@ -233,19 +226,16 @@ function eventText(history, event) {
   }
 }
 
-function describeJoin(mission, { joiner, partner, joiners, partners }) {
-  const names = [teamName(mission, joiner, joiners), teamName(mission, partner, partners)];
-  const text = names.join(" joins ");
-  const total = joiners + partners;
-  return total > 2 ? `${text}, now ${total}` : text;
+function describeJoin(/** @type {Mission} */ mission, /** @type {HistoryEvent} */ { joiner, partner, robots }) {
+  const text = `${nameOfRobots(mission, joiner)} joins ${nameOfRobots(mission, partner)}`;
+  return robots.length > 2 ? `${text}, now ${robots.length}` : text;
 }
 
-function describeSplit(mission, { slot, stay, leave }) {
-  const parts = `${listRobots(mission, stay)} | ${listRobots(mission, leave)}`;
-  return `${teamName(mission, slot, stay.length + leave.length)} splits: ${parts}`;
+function describeSplit(/** @type {Mission} */ mission, /** @type {HistoryEvent} */ { stay, leave, robots }) {
+  return `${nameOfRobots(mission, robots)} splits: ${listRobots(mission, stay)} | ${listRobots(mission, leave)}`;
 }
 
-function describeEnd({ end, mission }) {
+function describeEnd(/** @type {TrialHistory} */ { end, mission }) {
   const blocked = end.blocked_tasks.join(", ");
   const { world } = mission;
   const makespan = world.isPlane ? describeMoment(world, end.makespan) : end.makespan;

@@ -1,9 +1,13 @@
 // The critical path in the Gantt view: frames around what the end hangs on, joined from row to row.
 
+import { NOBODY } from "../record/state.js";
+import { AXIS_HEIGHT, NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
+
 const FRAME = 2; // pixels
 
-function drawCriticalPath(ctx, gantt) {
-  const { path, app } = gantt;
+export function drawCriticalPath(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt) {
+  const { app } = gantt;
+  const { path } = app.history.told;
   if (!path.length) return;
   ctx.save();
   ctx.beginPath();
@@ -30,7 +34,7 @@ function runsOfRobots(path) {
 }
 
 // A frame around bars; along the axis where no robot is what the end hangs on.
-function frameRun(ctx, gantt, { from, to, robot }) {
+function frameRun(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, /** @type {Stretch} */ { from, to, robot }) {
   const [left, right] = [gantt.x(from), gantt.x(to)];
   if (robot === NOBODY) {
     ctx.strokeRect(left, AXIS_HEIGHT - 1, right - left, 0);
@@ -40,7 +44,7 @@ function frameRun(ctx, gantt, { from, to, robot }) {
   ctx.strokeRect(left + 1, rowTop(gantt, robot) + 1, Math.max(1, right - left - 2), row - 2);
 }
 
-function joinRows(ctx, gantt, { to, robot }, next) {
+function joinRows(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, { to, robot }, next) {
   const x = gantt.x(to);
   ctx.beginPath();
   ctx.moveTo(x, rowMiddle(gantt, robot));
@@ -48,14 +52,14 @@ function joinRows(ctx, gantt, { to, robot }, next) {
   ctx.stroke();
 }
 
-function rowTop(gantt, robot) {
+function rowTop(/** @type {Gantt} */ gantt, robot) {
   return AXIS_HEIGHT + robot * gantt.rowHeight() - gantt.box.scrollTop;
 }
 
-function rowMiddle(gantt, robot) {
+function rowMiddle(/** @type {Gantt} */ gantt, robot) {
   return robot === NOBODY ? AXIS_HEIGHT - 1 : rowTop(gantt, robot) + gantt.rowHeight() / 2;
 }
 
-function isOnPath({ path }, robot, step) {
-  return path.some((it) => it.robot === robot && it.from < step && step <= it.to);
+export function isOnPath(/** @type {TrialHistory} */ { told }, robot, step) {
+  return told.path.some((it) => it.robot === robot && it.from < step && step <= it.to);
 }

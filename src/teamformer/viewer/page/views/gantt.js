@@ -1,20 +1,34 @@
 // The Gantt view: robots down, time across, what each does, and which share of it is idle.
 
+import { penOf, write } from "../draw/shapes.js";
+import { element } from "../panel/dom.js";
+import { percent } from "../record/lengths.js";
+import { CARRYING, IDLE, LOADING, LOST, PHASES, UNLOADING, deedsOfRobots, runsOf, stepsInPhases } from "../record/told.js";
+import { PHASE_COLOURS, STRENGTHS, describeBar, drawBarsOfRow, drawEndsOfRow } from "./bars.js";
+import { AXIS_HEIGHT, NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
+import { drawCriticalPath } from "./critical_path.js";
+import { timeMarks } from "./time_canvas.js";
+
 const ROW_HEIGHT = 22; // pixels; less where there are many robots
 const LEAST_ROW_HEIGHT = 13; // names can be read
-const NAME_WIDTH = 96;
-const SHARE_WIDTH = 54;
-const AXIS_HEIGHT = 24;
 const STEP_WIDTH_MOST = 60; // pixels a step
 
-class Gantt {
-  constructor(app, canvas, legend) {
+export class Gantt {
+  /** @type {{task: number, step: number}[][] | null} */ deeds = null; // by robot, worked out when they are drawn
+
+  constructor(/** @type {Shown} */ app, /** @type {HTMLCanvasElement} */ canvas, /** @type {HTMLElement} */ legend) {
     this.app = app;
     this.canvas = canvas;
     this.legend = legend;
     this.still = document.createElement("canvas"); // all but the moment shown, drawn once until it changes
     this.factor = 1; // how many times as wide as its box the time is drawn
-    this.box = canvas.parentElement.parentElement;
+    this.sizer = /** @type {HTMLElement} */ (canvas.parentElement);
+    this.box = /** @type {HTMLElement} */ (this.sizer.parentElement);
+    this.width = this.height = 0; // pixels in sight
+    this.sharpness = 1;
+    this.madeFor = 0; // steps
+    /** @type {any[]} */ this.stillShown = [];
+    /** @type {any[]} */ this.legendTold = [];
     this.box.addEventListener("scroll", () => this.app.alignGantts(this));
     new ResizeObserver(() => this.app.redraw()).observe(this.box);
     canvas.addEventListener("click", (event) => this.click(event));
@@ -25,12 +39,21 @@ class Gantt {
 
   // Another record, or another length of this one.
   forget() {
-    this.runs = null;
-    this.shares = null;
+    this.deeds = null;
+  }
+
+  runsOf(robot) {
+    return runsOf(this.app.history, robot);
+  }
+
+  // The part of its time that a robot spent in a phase.
+  shareOf(robot, phase) {
+    const { history } = this.app;
+    return Number(stepsInPhases(history, robot, history.last).get(phase)) / Math.max(1, history.last);
   }
 
   // Up and down go from robot to robot; the other keys are the page's own.
-  press(event) {
+  press(/** @type {KeyboardEvent} */ event) {
     const by = { ArrowUp: -1, ArrowDown: 1 }[event.key];
     if (!by) return;
     event.preventDefault();
@@ -40,23 +63,23 @@ class Gantt {
     this.app.select({ robot });
   }
 
-  click({ offsetX, offsetY }) {
+  click(/** @type {{ offsetX: number, offsetY: number }} */ { offsetX, offsetY }) {
     const { app } = this;
     const robot = this.robotAt(offsetY);
-    if (robot !== null) app.selection = { robot };
+    if (robot !== null) app.select({ robot });
     if (offsetX >= NAME_WIDTH) app.go(this.stepAt(offsetX));
     app.show(true);
   }
 
   // What is under the pointer, as the browser shows titles.
-  point({ offsetX, offsetY }) {
+  point(/** @type {{ offsetX: number, offsetY: number }} */ { offsetX, offsetY }) {
     const robot = this.robotAt(offsetY);
-    const isBar = robot !== null && offsetX >= NAME_WIDTH && this.runs;
+    const isBar = robot !== null && offsetX >= NAME_WIDTH;
     this.canvas.title = isBar ? describeBar(this, robot, Math.ceil(this.timeAt(offsetX))) : "";
   }
 
   // The wheel scrolls; with Ctrl, or two fingers, time is drawn wider.
-  turn(event) {
+  turn(/** @type {WheelEvent} */ event) {
     if (!event.ctrlKey) return;
     event.preventDefault();
     this.zoom(Math.exp(-event.deltaY * 0.01), event.offsetX);
@@ -79,7 +102,7 @@ class Gantt {
   }
 
   // Show the same time and the same rows as another chart.
-  alignWith({ factor, box }) {
+  alignWith(/** @type {Gantt} */ { factor, box }) {
     this.factor = factor;
     this.fit();
     this.box.scrollLeft = box.scrollLeft;
@@ -137,7 +160,7 @@ class Gantt {
     if (!this.canvas.width || !this.canvas.height) return; // hidden
     this.follow();
     this.drawStill();
-    const ctx = this.canvas.getContext("2d");
+    const ctx = penOf(this.canvas);
     ctx.setTransform(1, 0, 0, 1, 0, 0);
     ctx.drawImage(this.still, 0, 0);
     ctx.scale(this.sharpness, this.sharpness);
@@ -150,11 +173,11 @@ class Gantt {
     const { history, map, options, player, selection } = this.app;
     const { width, height } = this.canvas;
     const { scrollLeft, scrollTop } = this.box;
-    const shown = [width, height, scrollLeft, scrollTop, this.factor, this.runs, map.theme, options.bars, player.last, selection.robot];
-    if (shown.every((value, place) => value === this.stillShown?.[place])) return;
+    const shown = [width, height, scrollLeft, scrollTop, this.factor, this.deeds, map.theme, options.bars, player.last, selection.robot];
+    if (shown.every((value, place) => value === this.stillShown[place])) return;
     this.stillShown = shown;
     Object.assign(this.still, { width, height });
-    const ctx = this.still.getContext("2d");
+    const ctx = penOf(this.still);
     ctx.scale(this.sharpness, this.sharpness);
     ctx.fillStyle = map.theme.ground;
     ctx.fillRect(0, 0, this.width, this.height);
@@ -168,15 +191,12 @@ class Gantt {
     drawCriticalPath(ctx, this);
   }
 
-  // Runs, deeds and shares are worked out once for each length of the record.
+  // Deeds are gathered once for each length of the record.
   work() {
     const { history } = this.app;
-    if (this.runs && this.madeFor === history.last) return;
+    if (this.deeds && this.madeFor === history.last) return;
     this.madeFor = history.last;
-    this.shares = phaseShares(history, history.last);
-    this.runs = history.mission.robots.map((_, robot) => phaseRuns(history, robot));
     this.deeds = deedsOfRobots(history);
-    this.path = criticalPath(history);
   }
 
   fit() {
@@ -189,7 +209,7 @@ class Gantt {
     this.canvas.style.width = `${this.width}px`;
     this.canvas.style.height = `${this.height}px`;
     const rows = this.app.history.mission.robots.length * this.rowHeight();
-    const { style } = this.canvas.parentElement;
+    const { style } = this.sizer;
     style.height = `${Math.max(this.height, AXIS_HEIGHT + rows + 4)}px`;
     style.width = this.factor === 1 ? "" : `${this.width + this.timeWidth() - this.room()}px`;
   }
@@ -201,7 +221,7 @@ class Gantt {
     if (x < NAME_WIDTH || x > this.width - SHARE_WIDTH) this.box.scrollLeft += x - NAME_WIDTH - 20;
   }
 
-  drawRow(ctx, robot, top, row) {
+  drawRow(/** @type {Canvas2D} */ ctx, robot, top, row) {
     const { map, selection } = this.app;
     if (selection.robot === robot) {
       ctx.fillStyle = map.theme.soft;
@@ -211,25 +231,21 @@ class Gantt {
     drawEndsOfRow(ctx, this, robot, top, row);
   }
 
-  drawAxis(ctx) {
+  drawAxis(/** @type {Canvas2D} */ ctx) {
     const { history, map, player } = this.app;
     const { theme } = map;
     ctx.fillStyle = theme.surface;
     ctx.fillRect(0, 0, this.width, AXIS_HEIGHT - 2);
-    ctx.fillStyle = theme.muted;
-    ctx.font = `11px ${theme.font}`;
-    ctx.textBaseline = "middle";
-    ctx.textAlign = "center";
+    const say = (text, x, align) => write(ctx, text, x, AXIS_HEIGHT / 2, theme.muted, `11px ${theme.font}`, align);
     for (const { step, text } of timeMarks(history.mission.world, player.last, this.timeWidth())) {
       const x = this.x(step);
-      if (x >= NAME_WIDTH - 1 && x <= this.width - SHARE_WIDTH) ctx.fillText(text, x, AXIS_HEIGHT / 2);
+      if (x >= NAME_WIDTH - 1 && x <= this.width - SHARE_WIDTH) say(text, x, "center");
     }
-    ctx.textAlign = "right";
-    ctx.fillText("idle", this.width - 10, AXIS_HEIGHT / 2);
-    ctx.fillText("robot", NAME_WIDTH - 20, AXIS_HEIGHT / 2);
+    say("idle", this.width - 10, "right");
+    say("robot", NAME_WIDTH - 20, "right");
   }
 
-  drawNow(ctx) {
+  drawNow(/** @type {Canvas2D} */ ctx) {
     const x = this.x(this.app.player.time);
     if (x < NAME_WIDTH - 1 || x > this.width - SHARE_WIDTH + 1) return;
     ctx.fillStyle = this.app.map.theme.ink;
@@ -240,26 +256,25 @@ class Gantt {
   showLegend() {
     const { map, options } = this.app;
     const told = [this.stillShown, this.app.titleItem()?.textContent];
-    if (told.every((value, place) => value === this.legendTold?.[place])) return;
+    if (told.every((value, place) => value === this.legendTold[place])) return;
     this.legendTold = told;
-    const means = PHASES.map(
-      (_, phase) => this.shares.reduce((sum, row) => sum + row[phase], 0) / this.shares.length,
-    );
+    const robots = [...this.app.history.mission.robots.keys()];
+    const mean = (phase) => robots.reduce((sum, robot) => sum + this.shareOf(robot, phase), 0) / robots.length;
     const isByTask = options.bars === "task";
     const hasLoads = this.app.history.mission.tasks.some(({ to }) => to);
-    const isThere = (name) => hasLoads || !["loads", "carries", "unloads"].includes(name);
-    const items = PHASES.flatMap((name, phase) => {
+    const isThere = (name) => hasLoads || ![LOADING, CARRYING, UNLOADING].includes(name);
+    const items = PHASES.flatMap((name) => {
       if (!isThere(name)) return [];
-      const isOwn = name === "idle" || name === "lost";
+      const isOwn = name === IDLE || name === LOST;
       const colour = isByTask && !isOwn ? map.theme.ink : map.theme[PHASE_COLOURS[name]];
       const dot = element("span", { class: "dot", colour });
       if (isByTask) dot.style.opacity = STRENGTHS[name];
-      return [element("li", {}, dot, `${PHASE_NAMES[name]} ${percent(means[phase])}`)];
+      return [element("li", {}, dot, `${name} ${percent(mean(name))}`)];
     });
     const diamond = element("span", { class: "diamond" });
     items.push(element("li", {}, diamond, "a task done"));
     const frame = element("span", { class: "frame" });
-    if (this.path.length) items.push(element("li", {}, frame, "what the end hangs on"));
+    if (this.app.history.told.path.length) items.push(element("li", {}, frame, "what the end hangs on"));
     const title = this.app.titleItem();
     this.legend.replaceChildren(...(title ? [title] : []), ...items);
   }

@@ -1,5 +1,10 @@
 // Plots over time: open tasks, idle robots, and the way that the fleet has made.
 
+import { fillAs, strokeAs, write } from "../draw/shapes.js";
+import { capitalised, describeMoment, describeWay } from "../record/lengths.js";
+import { curvesOf } from "../record/over_time.js";
+import { TimeCanvas, timeMarks, traceSteps } from "./time_canvas.js";
+
 const PLOTS = [
   { key: "open", title: "Open tasks", colour: "accent", say: sayCount, mark: sayCount },
   { key: "idle", title: "Idle robots", colour: "muted", say: sayCount, mark: sayCount },
@@ -11,15 +16,15 @@ function sayCount(_, value) {
 }
 
 // A way where the title says what it is: in cells or metres.
-function shortWay(world, length) {
+function shortWay(/** @type {World} */ world, length) {
   return String(Math.round(length * (world.square ?? 1)));
 }
 
 const PLOT_HEAD = 30; // pixels
 const PLOT_FOOT = 22;
 
-class Plots extends TimeCanvas {
-  constructor(app, canvas) {
+export class Plots extends TimeCanvas {
+  constructor(/** @type {App} */ app, /** @type {HTMLCanvasElement} */ canvas) {
     super(app, canvas, 52, 18);
   }
 
@@ -48,45 +53,31 @@ class Plots extends TimeCanvas {
     return `${capitalised(describeMoment(world, step))}: ${values.join(", ")}`;
   }
 
-  drawPlot(ctx, { title, colour, say, mark }, values, top, high) {
+  drawPlot(/** @type {Canvas2D} */ ctx, { title, colour, say, mark }, values, top, high) {
     const { map, history, player } = this.app;
     const { theme } = map;
     const [ceiling, floor] = [top + PLOT_HEAD, top + high - 8];
     const most = values.reduce((one, other) => Math.max(one, other), 1);
     const y = (value) => floor - (value / most) * (floor - ceiling);
     const { world } = history.mission;
-    ctx.font = `600 13px ${theme.font}`;
-    ctx.textAlign = "left";
-    ctx.textBaseline = "middle";
-    ctx.fillStyle = theme.ink;
     const now = say(world, values[Math.min(player.step, history.last)]);
-    ctx.fillText(`${title}: ${now}`, this.left, top + 16);
-    ctx.font = `11px ${theme.font}`;
-    ctx.fillStyle = theme.muted;
-    ctx.textAlign = "right";
+    write(ctx, `${title}: ${now}`, this.left, top + 16, theme.ink, `600 13px ${theme.font}`, "left");
     for (const value of [0, most]) {
-      ctx.fillText(mark(world, value), this.left - 7, y(value));
+      write(ctx, mark(world, value), this.left - 7, y(value), theme.muted, `11px ${theme.font}`, "right");
       ctx.fillRect(this.left, Math.round(y(value)), this.room(), 0.5);
     }
     ctx.beginPath();
     traceSteps(ctx, values, (step) => this.x(step), y);
-    ctx.strokeStyle = ctx.fillStyle = theme[colour];
-    ctx.lineWidth = 1.8;
-    ctx.stroke();
+    strokeAs(ctx, theme[colour], 1.8);
     ctx.lineTo(this.x(values.length - 1), floor);
     ctx.lineTo(this.x(0), floor);
-    ctx.globalAlpha = 0.13;
-    ctx.fill();
-    ctx.globalAlpha = 1;
+    fillAs(ctx, theme[colour], 0.13);
   }
 
-  drawTimes(ctx) {
+  drawTimes(/** @type {Canvas2D} */ ctx) {
     const { history, map, player } = this.app;
-    ctx.fillStyle = map.theme.muted;
-    ctx.font = `11px ${map.theme.font}`;
-    ctx.textAlign = "center";
     for (const { step, text } of timeMarks(history.mission.world, player.last, this.room())) {
-      ctx.fillText(text, this.x(step), this.canvas.clientHeight - PLOT_FOOT / 2);
+      write(ctx, text, this.x(step), this.canvas.clientHeight - PLOT_FOOT / 2, map.theme.muted, `11px ${map.theme.font}`);
     }
   }
 }

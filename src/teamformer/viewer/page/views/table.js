@@ -1,12 +1,22 @@
 // A table of all tasks or all robots: sorted by a column, filtered by any word, saved as CSV.
 
+import { element, refill } from "../panel/dom.js";
+import { Rows } from "../panel/rows.js";
+import { csvOf, download, fileName } from "../panel/saving.js";
+import { plural } from "../record/lengths.js";
+import { momentOf, wholeText } from "./columns.js";
+
 const TABLE_ROW = 32; // pixels
 
-class Table {
+export class Table {
   // `kind` is "task" or "robot", as in a selection.
-  constructor(app, kind, columns, box) {
-    Object.assign(this, { app, kind, columns, box });
-    this.sorted = { column: null, down: false }; // as in the file until a column is chosen
+  constructor(/** @type {App} */ app, /** @type {"task" | "robot"} */ kind, /** @type {Column[]} */ columns, /** @type {HTMLElement} */ box) {
+    this.app = app;
+    this.kind = kind;
+    this.columns = columns;
+    /** @type {{item: number, cells: Cell[]}[]} */ this.items = [];
+    /** @type {Column[]} */ this.shown = [];
+    /** @type {{column: string | null, down: boolean}} */ this.sorted = { column: null, down: false }; // as in the file until a column is chosen
     this.filter = element("input", { type: "search", placeholder: "Filter", "aria-label": `Filter the ${kind}s` });
     this.filter.addEventListener("input", () => this.show());
     this.said = element("span", { role: "status" });
@@ -20,7 +30,7 @@ class Table {
 
   // The table as it is at this moment.
   show() {
-    const { app, kind, sorted } = this;
+    const { app, kind } = this;
     const { mission } = app.history;
     this.shown = this.columns.filter(({ isShown }) => isShown?.(mission) ?? true);
     const moment = momentOf(app);
@@ -35,7 +45,7 @@ class Table {
   }
 
   // [{item, cells}] of those that the filter lets through.
-  cellsOf(moment) {
+  cellsOf(/** @type {Moment} */ moment) {
     const wanted = this.filter.value.trim().toLowerCase();
     const all = moment.mission[`${this.kind}s`].map((_, item) => ({
       item,
@@ -85,7 +95,7 @@ class Table {
 
 // Numbers before words, nothing last, whichever way it is sorted.
 function compareKeys(one, other, sign) {
-  if (one === null || other === null) return (one === null) - (other === null);
+  if (one === null || other === null) return Number(one === null) - Number(other === null);
   if (typeof one !== typeof other) return typeof one === "number" ? -1 : 1;
   return sign * (typeof one === "number" ? one - other : one.localeCompare(other, undefined, { numeric: true }));
 }

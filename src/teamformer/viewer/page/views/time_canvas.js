@@ -1,11 +1,17 @@
 // A canvas with time from left to right, from the start to the page's last step.
 
+import { penOf, strokeAs, traceLine, write } from "../draw/shapes.js";
+import { SPACINGS } from "../draw/world.js";
+
 const MARKS_APART = 46; // pixels between two numbers of an axis, at least
 
-class TimeCanvas {
+export class TimeCanvas {
   // `left` and `right` are the pixels that are left free for numbers.
-  constructor(app, canvas, left, right) {
-    Object.assign(this, { app, canvas, left, right });
+  constructor(/** @type {App} */ app, /** @type {HTMLCanvasElement} */ canvas, /** @type {number} */ left, /** @type {number} */ right) {
+    this.app = app;
+    this.canvas = canvas;
+    this.left = left;
+    this.right = right;
     new ResizeObserver(() => app.history && this.draw()).observe(canvas);
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);
@@ -14,7 +20,9 @@ class TimeCanvas {
     canvas.addEventListener("pointermove", (event) => event.buttons && this.goTo(event));
   }
 
-  goTo({ offsetX }) {
+  draw() {}
+
+  goTo(/** @type {PointerEvent} */ { offsetX }) {
     const part = (offsetX - this.left) / this.room();
     this.app.go(Math.round(part * this.app.player.last));
   }
@@ -34,42 +42,31 @@ class TimeCanvas {
     const sharpness = window.devicePixelRatio || 1;
     canvas.width = Math.round(canvas.clientWidth * sharpness);
     canvas.height = Math.round(canvas.clientHeight * sharpness);
-    const ctx = canvas.getContext("2d");
+    const ctx = penOf(canvas);
     ctx.scale(sharpness, sharpness);
     return ctx;
   }
 
-  drawNow(ctx, top, bottom) {
+  drawNow(/** @type {Canvas2D} */ ctx, top, bottom) {
     ctx.fillStyle = this.app.map.theme.ink;
     ctx.fillRect(this.x(this.app.player.time) - 0.75, top, 1.5, bottom - top);
   }
 
   // The bound on the makespan, as long as time is shown so far.
-  drawBound(ctx, top, bottom) {
+  drawBound(/** @type {Canvas2D} */ ctx, top, bottom) {
     const { history, map, player } = this.app;
     if (history.lowerBound === null || history.lowerBound > player.last) return;
     const x = this.x(history.lowerBound);
     const isRight = x > this.left + 50;
-    ctx.strokeStyle = ctx.fillStyle = map.theme.muted;
-    ctx.lineWidth = 1;
-    ctx.setLineDash([3, 2]);
-    ctx.beginPath();
-    ctx.moveTo(x, top);
-    ctx.lineTo(x, bottom);
-    ctx.stroke();
-    ctx.setLineDash([]);
-    ctx.font = `10px ${map.theme.font}`;
-    ctx.textBaseline = "top";
-    ctx.textAlign = isRight ? "right" : "left";
-    ctx.lineWidth = 3;
-    ctx.strokeStyle = map.theme.surface;
-    ctx.strokeText("bound", x + (isRight ? -4 : 4), top + 1);
-    ctx.fillText("bound", x + (isRight ? -4 : 4), top + 1);
+    traceLine(ctx, [{ x, y: top }, { x, y: bottom }]);
+    strokeAs(ctx, map.theme.muted, 1, { dash: [3, 2] });
+    const [at, side] = isRight ? [x - 4, "right"] : [x + 4, "left"];
+    write(ctx, "bound", at, top + 1, map.theme.muted, `10px ${map.theme.font}`, side, "top", map.theme.surface);
   }
 }
 
 // Continue a path along what changes over time, given as a number after each step.
-function traceSteps(ctx, values, x, y) {
+export function traceSteps(/** @type {Canvas2D} */ ctx, values, x, y) {
   values.forEach((value, step) => {
     if (step && value === values[step - 1]) return;
     if (step) ctx.lineTo(x(step), y(values[step - 1]));
@@ -79,7 +76,7 @@ function traceSteps(ctx, values, x, y) {
 }
 
 // Where an axis of so many steps and pixels has numbers: [{step, text}].
-function timeMarks(world, steps, width) {
+export function timeMarks(/** @type {World} */ world, steps, width) {
   const unit = world.isPlane ? world.stepSeconds : 1;
   const length = steps * unit;
   const every = SPACINGS.find((spacing) => (spacing / length) * width >= MARKS_APART) ?? Math.max(1, length);

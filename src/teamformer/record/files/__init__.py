@@ -1,0 +1,1 @@
+"""Records as files of JSON: written, and read with everything checked."""

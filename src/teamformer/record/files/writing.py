@@ -1,0 +1,84 @@
+"""Records as files of JSON, a line for each step and what teams decide in it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from teamformer.base.whole_files import own_number, write_whole
+from teamformer.files.mission_files import mission_to_tree
+from teamformer.files.trees.mission import RECORD
+from teamformer.record.files.truths import truth_to_tree
+from teamformer.record.record import VERSION, Record, Step
+from teamformer.record.telling.trees import told_to_tree
+from teamformer.record.telling.whole import told_of
+
+
+def record_to_tree(record: Record) -> dict[str, Any]:
+    """Return the record as the tree of its file."""
+    tree = {
+        RECORD: VERSION,
+        "mission": mission_to_tree(record.mission),
+        "method": record.method,
+        "seed": record.seed,
+        "orders": _lists(record.orders),
+        "start": _lists(record.start),
+        "steps": [step_to_tree(step) for step in record.steps],
+        "end": {key: _lists(value) for key, value in vars(record.end).items()},
+        "lower_bound": record.lower_bound,
+    }
+    if record.truth is not None:
+        tree["truth"] = truth_to_tree(record.mission, record.truth)
+    if record.plans:
+        tree["plans"] = _lists(record.plans)
+    if record.scouts:
+        tree["scouts"] = _lists(record.scouts)
+    if record.heeds:
+        tree["heeds"] = list(record.heeds)
+    if record.decisions:
+        tree["decisions"] = _lists(record.decisions)
+    if record.foresight != "scouting":
+        tree["foresight"] = record.foresight
+    tree["told"] = told_to_tree(told_of(record))
+    return tree
+
+
+def step_to_tree(step: Step) -> dict[str, Any]:
+    """Return what a step changed as it stands in the file; what has nothing to say is left out."""
+    return {key: _lists(value) for key, value in vars(step).items() if value}
+
+
+def _lists(value: Any) -> Any:
+    """Turn tuples, nested ones too, into lists."""
+    return [_lists(part) for part in value] if isinstance(value, tuple) else value
+
+
+def save_record(record: Record, path: Path) -> None:
+    """Write a record, one step a line, whole or not at all.
+
+    Raises OSError where the folder cannot be written.
+    """
+    write_whole(path, "".join(_lines(record_to_tree(record))))
+
+
+def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
+    yield "{\n"
+    last = list(tree)[-1]
+    for key, value in tree.items():
+        comma = "\n" if key == last else ",\n"
+        if key in ("steps", "decisions"):
+            rows = ",\n".join(_compact(row) for row in value)
+            yield f'"{key}": [\n{rows}\n]{comma}'
+        elif key == "told":
+            parts = ",\n".join(f"{_compact(part)}: {_compact(it)}" for part, it in value.items())
+            yield f'"told": {{\n{parts}\n}}{comma}'
+        else:
+            yield f"{_compact(key)}: {_compact(value)}{comma}"
+    yield "}\n"
+
+
+def _compact(value: Any) -> str:
+    # ASCII: a name given to a policy on the command line need not be text that UTF-8 can hold.
+    return json.dumps(value, separators=(",", ":"), allow_nan=False, default=own_number)

@@ -1,1 +1,0 @@
-"""What plans may say, when they are made, and whether teams go by them."""

@@ -1,1 +1,0 @@
-"""The rules of a step in plain code: what teams may do, where they walk, what is done."""

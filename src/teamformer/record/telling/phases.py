@@ -1,0 +1,99 @@
+"""What each team did in a step: worked out for those teams only for which something changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from teamformer.mission.model import Mission
+from teamformer.mission.parts.grid import Place
+from teamformer.record.phases import IDLE, LOST, WALKING, is_same_place, phase_of
+from teamformer.record.record import Step
+from teamformer.record.teams import Teams
+from teamformer.world.rules.constants import NOBODY
+
+Deed = tuple[str, int]
+"""What somebody did in a step, one of PHASES, and the task that it was about, or NOBODY."""
+
+
+class Before:
+    """How the teams stood that a step is about to change; `slot` has the robots of some of them."""
+
+    def __init__(self, teams: Teams, step: Step) -> None:
+        self.slot: dict[int, int] = {}
+        self.stood: dict[int, tuple[Place, int]] = {}
+        parted = (robot for parts in step.splits for part in parts for robot in part)
+        slots = {teams.slot[robot] for robot in (*parted, *step.lost)}
+        for slot in slots | {slot for pair in step.joins for slot in pair}:
+            self.slot |= dict.fromkeys(teams.robots.get(slot, ()), slot)
+        for slot in {*self.slot.values(), *(row.slot for row in step.teams)}:
+            if slot in teams.robots:
+                self.stood[slot] = teams.at[slot], teams.task[slot]
+        for robot in step.back:
+            self.stood[robot] = teams.place(robot), NOBODY
+
+    def of(self, teams: Teams, robot: int) -> tuple[Place, int]:
+        """Return where a robot was, and what it headed for; `teams` are those after the step."""
+        slot = teams.slot[robot]
+        found = self.stood.get(self.slot.get(robot, slot))
+        return found or (teams.at[slot], teams.task[slot])
+
+
+class Phases:
+    """What teams did in the latest step, by slot; `apart` has robots that came with other tasks."""
+
+    def __init__(self) -> None:
+        self.deeds: dict[int, Deed] = {}
+        self.apart: dict[int, Deed] = {}
+
+    def of(self, teams: Teams, robot: int) -> Deed:
+        """Return what a robot did; before the first step it is idle."""
+        slot = teams.slot[robot]
+        if slot == NOBODY:
+            return LOST, NOBODY
+        return self.apart.get(robot) or self.deeds.get(slot, (IDLE, NOBODY))
+
+    def follow(
+        self,
+        mission: Mission,
+        teams: Teams,
+        step: Step,
+        slots: Iterable[int],
+        before: Before,
+        formed: set[int],
+        work: Mapping[int, str],
+        goals: Sequence[Place],
+    ) -> list[int]:
+        """Take in a step that the teams have made; return which of some do something else.
+
+        `formed` are the teams that have parted or joined, `work` is what teams do for tasks,
+        `goals` where each task is believed to be, or is brought to.
+        """
+        told, others, self.apart = dict(step.pursued), [], {}
+        special = formed | work.keys() | told.keys() | set(step.back)
+        for slot in sorted(slots):
+            if slot not in special and self._walks_on(teams, slot, before):
+                continue
+            was_at, was_for = before.of(teams, slot)
+            place, heads_for = teams.at[slot], teams.task[slot]
+            task = told.get(slot, was_for if heads_for == NOBODY else heads_for)
+            phase = phase_of(
+                is_lost=slot in step.back,
+                has_formed=slot in formed,
+                work=work.get(slot),
+                has_moved=place != was_at,
+                task=task,
+                is_there=task != NOBODY and is_same_place(mission, place, goals[task]),
+            )
+            if (phase, task) != self.deeds.get(slot):
+                self.deeds[slot] = phase, task
+                others.append(slot)
+            if slot in formed and heads_for == NOBODY and slot not in told:
+                came_for = {robot: before.of(teams, robot)[1] for robot in teams.robots[slot]}
+                self.apart |= {r: (phase, own) for r, own in came_for.items() if own != task}
+        return others
+
+    def _walks_on(self, teams: Teams, slot: int, before: Before) -> bool:
+        """Say whether a team has got on towards the task that it walked to before."""
+        stood = before.stood.get(slot)
+        has_moved = stood is not None and stood[0] != teams.at[slot]
+        return has_moved and self.deeds.get(slot) == (WALKING, teams.task[slot])

@@ -1,0 +1,199 @@
+"""What a team does and why, in words, by what was known then."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from teamformer.mission.parts.capabilities import describe, missing, total
+from teamformer.mission.parts.plane import Plane
+from teamformer.record.happenings import Event
+from teamformer.record.phases import (
+    AT_WORK,
+    CARRYING,
+    FORMING,
+    IDLE,
+    LOADING,
+    LOST,
+    SERVING,
+    UNLOADING,
+    WAITING,
+)
+from teamformer.record.telling.unrolled import Unrolled
+from teamformer.world.rules.constants import NEVER, NOBODY
+
+MANY = 3
+"""Names that are written out where more would be too many to read."""
+
+FORMS, PARTS = "forms a team", "parts from"
+"""What is said of forming: who joins, and who parts."""
+
+RANKS = ("first", "second", "third")
+
+
+class Narrator:
+    """Tells what teams do in the latest step of a unrolled, and why."""
+
+    def __init__(self, unrolled: Unrolled) -> None:
+        self._now = unrolled
+        self._news: list[str] = []  # of the step before the latest
+        self._plan = ""  # when the plan that holds was made, and after what, if not at the start
+        self._useful: dict[tuple[str, ...], list[str]] = {}  # open tasks by what robots can
+        self._ranks: dict[int, int] = {}  # of open tasks in the order
+
+    def go_on(self) -> None:
+        """Go on to the step that the unrolled has gone on to."""
+        if self._now.is_planned:
+            self._plan = self._planned_anew()
+        self._news = self._happened()
+        self._useful, self._ranks = {}, {}
+        self._parted: dict[int, tuple[int, ...]] = {
+            robot: (*stay, *leave)
+            for stay, leave in self._now.latest.splits
+            for robot in (*stay, *leave)
+        }
+
+    def _happened(self) -> list[str]:
+        """Return what happened in the latest step that may have a plan made anew."""
+        now, step = self._now, self._now.latest
+        found = [
+            *(Event(now.steps, "cancelled", task=task) for task in now.called_off),
+            *(Event(now.steps, "lost", (robot,)) for robot in step.lost),
+            *(Event(now.steps, "back", (robot,)) for robot in step.back),
+            *(Event(now.steps, "found", task=task) for task in step.found),
+            *(Event(now.steps, "needs", task=task) for task in step.shown),
+            *(Event(now.steps, "appears", task=task) for task in now.news),
+        ]
+        return [event.text(now.mission) for event in found]
+
+    def _planned_anew(self) -> str:
+        plans, world = self._now.plans, self._now.source.world
+        if not plans.made:
+            return ""
+        when = f"after step {plans.made}"
+        if isinstance(world, Plane):
+            when = f"at {round(plans.made * world.step, 2):g} s"
+        taken_over = ["a longer search was taken over"] if "taken over" in plans.reasons else []
+        causes = [*self._news, *taken_over] or plans.reasons
+        return f"planned anew {when}{': ' if causes else ''}{', '.join(causes)}"
+
+    def what(self, slot: int) -> str:
+        """Return what a team does."""
+        phase, task = self._now.phases.deeds[slot]
+        name = "" if task == NOBODY else self._now.source.tasks[task].name
+        return {
+            LOST: "lost",
+            IDLE: "idle",
+            FORMING: self._parting(slot) or FORMS,
+            SERVING: f"serves {name}",
+            LOADING: f"loads {name}",
+            CARRYING: f"carries {name}",
+            UNLOADING: f"unloads {name}",
+            WAITING: f"waits at {name}",
+        }.get(phase, f"walks to {name}" if name else "walks, while plans are made anew")
+
+    def why(self, slot: int) -> tuple[str, ...]:
+        """Return why a team does it; nothing where that goes without saying."""
+        phase, task = self._now.phases.deeds[slot]
+        if phase in (LOST, FORMING):
+            return ()
+        if phase in AT_WORK:
+            return (self._why_at_work(phase),)
+        if phase == IDLE:
+            return (self._why_idle(self._now.teams.robots[slot]),)
+        if phase == WAITING:
+            return (self._why_waiting(slot, task),)
+        if task == NOBODY:
+            return ()
+        return tuple(filter(None, (self._why_task(slot, task), self._plan)))
+
+    def _why_at_work(self, phase: str) -> str:
+        if phase in (CARRYING, UNLOADING):
+            return "its team brings all that the load takes, and stays with it until it is unloaded"
+        return "its team brings all that the task needs, and stays until that is done"
+
+    def _parting(self, slot: int) -> str:
+        """Return the words for whom a team parts from in the step; empty if it does not."""
+        slots = self._now.teams.slot
+        left = [r for r in sorted(self._parted.get(slot, ())) if slots[r] != slot]
+        return f"{PARTS} {self._names(left)}" if left else ""
+
+    def _why_waiting(self, slot: int, task: int) -> str:
+        now, tasks = self._now, self._now.source.tasks
+        over = {tasks[other].name for other in now.before.get(task, ()) if other in now.over}
+        before = [name for name in tasks[task].after if name not in over]
+        if before:
+            return f"the task comes after {', '.join(before)}"
+        if now.steps <= now.opens(task) < NEVER:
+            return f"the task may not begin before step {now.opens(task) + 1}"
+        robots, mates = now.source.robots, now.teams.robots[slot]
+        can = total(robots[mate].can for mate in mates)
+        short = missing(can, now.mission.tasks[task].needs)
+        if not short:
+            return "its team brings all that the task needs"
+        coming = [
+            other
+            for other in now.heading_for(task)
+            if other not in mates and set(short) & set(robots[other].can)
+        ]
+        who = self._names(coming) or "nobody on the way"
+        return f"lacks {describe(short)}, which {who} {'bring' if len(coming) > 1 else 'brings'}"
+
+    def _why_idle(self, team: Sequence[int]) -> str:
+        now = self._now
+        if now.plans.has_shared_plan:
+            left = [k for mate in team for k in now.plans.tasks_of(mate) if k not in now.over]
+            if left:
+                following = min(left, key=now.plans.order.index)
+                return f"the plan has it do {now.source.tasks[following].name} next"
+            return "the plan has nothing left for it" if now.open_tasks() else "no task is open"
+        can = total(now.source.robots[mate].can for mate in team)
+        useful = self._tasks_that_need(tuple(sorted(can)))
+        if useful is None:
+            return "no task is open"
+        if not useful:
+            return "no open task needs what it brings"
+        return f"others are to do {_listed(useful)}"
+
+    def _tasks_that_need(self, can: tuple[str, ...]) -> list[str] | None:
+        """Return the open tasks that need one of some capabilities, by name; None if none is."""
+        if can not in self._useful:
+            tasks, is_open = self._now.source.tasks, self._now.open_tasks()
+            if not is_open:
+                return None
+            found = (tasks[k] for k in is_open if not set(can).isdisjoint(tasks[k].needs))
+            self._useful[can] = [task.name for task in found]
+        return self._useful[can]
+
+    def _why_task(self, slot: int, task: int) -> str:
+        """Return which plan said so: the policy itself, the plan, or the shared order."""
+        now, plans = self._now, self._now.plans
+        if slot in now.latest.named:
+            return "its policy named the task itself"
+        if plans.has_shared_plan:
+            looking = plans.scouts_of(task).intersection(now.teams.robots[slot])
+            if looking:
+                names = self._names(sorted(looking))
+                return f"the plan has {names} look first what is to be known of it"
+            coalition = plans.coalition(task)
+            together = " together" if len(coalition) > 1 else ""
+            return f"the plan has {self._names(coalition)} do it{together}" if coalition else ""
+        if not self._ranks:
+            tasks = [k for k in plans.order if k not in now.over or k in now.done]
+            self._ranks = {k: rank for rank, k in enumerate(tasks)}
+        return _ranked(self._ranks[task]) if task in self._ranks else ""
+
+    def _names(self, robots: Sequence[int]) -> str:
+        """Name robots; of many the first, and how many more there are."""
+        return _listed([self._now.source.robots[robot].name for robot in robots])
+
+
+def _ranked(rank: int) -> str:
+    """Return how a place in the shared order is told."""
+    told = RANKS[rank] if rank < len(RANKS) else f"number {rank + 1}"
+    order = f"{told} in the order that everybody shares"
+    return order if rank == 0 else f"{order}, the first it was sent to"
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:MANY])
+    return f"{shown} and {len(names) - MANY} more" if len(names) > MANY else shown

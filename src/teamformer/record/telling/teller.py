@@ -1,0 +1,111 @@
+"""Tells a record, step by step or whole: the one place where it is worked out what robots did."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TypeVar
+
+from teamformer.record.critical_path.stretches import Stretch
+from teamformer.record.phases import LOST, WAITING
+from teamformer.record.record import Record
+from teamformer.record.telling.reasons import Narrator
+from teamformer.record.telling.told import Chapter, Run, ToldOfStep, ToldRecord
+from teamformer.record.telling.unrolled import Unrolled
+from teamformer.world.rules.constants import NOBODY
+
+Part = TypeVar("Part", Run, Chapter)
+
+
+class Teller:
+    """Goes through a record once; `go_on` tells of the next step, `told` of all up to there."""
+
+    def __init__(self, record: Record) -> None:
+        self.unrolled = Unrolled(record)
+        self._narrator = Narrator(self.unrolled)
+        robots = record.mission.robots
+        self._runs: list[list[Run]] = [[] for _ in robots]
+        self._chapters: list[list[Chapter]] = [[] for _ in robots]
+        self._texts: dict[str, int] = {}
+        self._apart: set[int] = set()  # the teams whose robots came with other tasks before
+
+    @property
+    def steps(self) -> int:
+        """Return how many steps it has told of."""
+        return self.unrolled.steps
+
+    def go_on(self, record: Record) -> ToldOfStep:
+        """Tell of the next step of a record, which begins as what has been told of."""
+        now, known = self.unrolled, len(self._texts)
+        now.go_on(record)
+        self._narrator.go_on()
+        runs = _added(self._runs, self._what_robots_did())
+        chapters = _added(self._chapters, self._stories())
+        self._apart = {now.teams.slot[robot] for robot in now.phases.apart}
+        rows = now.services.rows
+        services = tuple((row, rows[row]) for row in now.services.changed)
+        return ToldOfStep(services, runs, chapters, (*self._texts,)[known:])
+
+    def told(self, path: tuple[Stretch, ...] = ()) -> ToldRecord:
+        """Return all that has been told, with the critical path."""
+        services = tuple(self.unrolled.services.rows)
+        runs = tuple(tuple(row) for row in self._runs)
+        chapters = tuple(tuple(row) for row in self._chapters)
+        return ToldRecord(self.steps, services, runs, chapters, tuple(self._texts), path)
+
+    def _what_robots_did(self) -> Iterator[tuple[int, Run]]:
+        """Yield what robots may do since the latest step that they did not do before."""
+        now, since = self.unrolled, self.steps - 1
+        for slot in sorted({*now.others, *now.formed}):
+            yield slot, Run(since, *now.phases.deeds[slot])
+        for robot, slot in self._other_mates():
+            deed = now.phases.apart.get(robot, (None, slot))
+            yield robot, Run(since, *deed)
+        for robot in now.latest.lost:
+            yield robot, Run(since, LOST, NOBODY)
+
+    def _stories(self) -> Iterator[tuple[int, Chapter]]:
+        """Yield the chapters that may begin with the latest step."""
+        now, since = self.unrolled, self.steps - 1
+        for slot in self._whose_story_goes_on():
+            why = tuple(self._text(reason) for reason in self._narrator.why(slot))
+            yield slot, Chapter(since, self._text(self._narrator.what(slot)), why)
+        for robot, slot in self._other_mates():
+            yield robot, Chapter(since, None, (slot,))
+        for robot in now.latest.lost:
+            yield robot, Chapter(since, self._text(LOST), ())
+
+    def _whose_story_goes_on(self) -> Iterable[int]:
+        """Return the teams that do something else, or for another reason."""
+        now, opened = self.unrolled, self.unrolled.opened
+        if now.is_planned or self.steps == 1:
+            return sorted(now.teams.robots)
+        others = {*now.others, *now.formed}
+        if opened:
+            deeds = now.phases.deeds
+            waiting = {(WAITING, task) for task in opened}
+            others |= {slot for slot in now.teams.robots if deeds[slot] in waiting}
+        return sorted(others)
+
+    def _other_mates(self) -> Iterator[tuple[int, int]]:
+        """Yield each robot that may have another lowest mate than before, and that one."""
+        now = self.unrolled
+        slots = now.teams.robots if self.steps == 1 else now.formed | self._apart
+        for slot in sorted(slots):
+            for robot in now.teams.robots.get(slot, ())[1:]:
+                yield robot, slot
+
+    def _text(self, text: str) -> int:
+        """Return the number of a text, which is kept once."""
+        return self._texts.setdefault(text, len(self._texts))
+
+
+def _added(
+    rows: list[list[Part]], parts: Iterable[tuple[int, Part]]
+) -> tuple[tuple[int, Part], ...]:
+    """Add what robots begin to the rows of theirs; return what is not what they go on with."""
+    added = []
+    for robot, part in parts:
+        if not rows[robot] or rows[robot][-1][1:] != part[1:]:
+            rows[robot].append(part)
+            added.append((robot, part))
+    return tuple(added)

@@ -1,0 +1,1 @@
+"""Missions for programs that talk: tools and resources of the Model Context Protocol."""

@@ -1,0 +1,44 @@
+// Lengths and times in words: metres and seconds on planes, cells and steps on grids.
+
+export function describeWay(/** @type {World} */ world, length) {
+  return world.isPlane ? `${(length * world.square).toFixed(2)} m` : plural(length, "cell");
+}
+
+export function describePlace(/** @type {World} */ world, at) {
+  const [x, y] = world.isPlane ? at.map((along) => (along * world.square).toFixed(2)) : at;
+  return `[${x}, ${y}]${world.isPlane ? " m" : ""}`;
+}
+
+// A moment or a span: seconds on planes; on grids, whose steps have no length, steps.
+export function describeMoment(/** @type {World} */ world, step) {
+  return world.isPlane ? `${secondsOf(world, step)} s` : `step ${step}`;
+}
+
+export function describeSpan(/** @type {World} */ world, steps) {
+  return world.isPlane ? `${secondsOf(world, steps)} s` : plural(steps, "step");
+}
+
+// The same where a column says what it is.
+export function shortMoment(/** @type {World} */ world, step) {
+  return world.isPlane ? `${secondsOf(world, step)} s` : String(step);
+}
+
+export function secondsOf(/** @type {World} */ world, steps) {
+  return Number((steps * world.stepSeconds).toFixed(2));
+}
+
+export function plural(count, word) {
+  return `${count} ${word}${count === 1 ? "" : "s"}`;
+}
+
+export function capitalised(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+export function percent(part) {
+  return `${Math.round(100 * part)}%`;
+}
+
+export function describeAmount(/** @type {World} */ world, steps) {
+  return world.isPlane ? describeSpan(world, steps) : String(steps);
+}

@@ -1,0 +1,158 @@
+"""Phase 7: services go on, break off, begin and end; and when all is over."""
+
+from __future__ import annotations
+
+from teamformer.mission.parts.capabilities import covers, total
+from teamformer.mission.parts.reach import can_reach
+from teamformer.world.reference.carrying import carry, put_down, take_up
+from teamformer.world.reference.state import PlainTeam, PlainWorld
+
+
+def complete_tasks(world: PlainWorld) -> None:
+    """Let services go on; then teams, in slot order, begin with what they stand at and can do."""
+    for slot, team in world.in_slot_order():
+        for task in sorted(team.serving):
+            _serve(world, slot, team, task)
+    for slot, team in world.in_slot_order():
+        if _is_with_load(world, slot, team):
+            continue
+        for task in world.tasks_at(team.at):
+            if world.mission.tasks[task].to is None and _is_ready(world, team, task):
+                _begin(world, slot, team, task)
+    put_down(world)
+    world.happened.done = dict(sorted(world.happened.done.items()))
+    for team in world.teams.values() if world.happened.done else ():
+        if team.task is not None and team.task not in world.open:
+            team.task, team.is_detour = None, False
+
+
+def _serve(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
+    if task in world.carried:
+        if carry(world, team, task):
+            _finish(world, slot, team, task)
+        return
+    team.serving[task] -= 1
+    if not (world.covers(team.has, task) and world.is_same(team.at, world.at[task])):
+        del team.serving[task]
+        world.served.discard(task)
+        world.happened.any_broken_off = True
+    elif team.serving[task] > 0:
+        _expect_end(world, team, task)
+    else:
+        _end_work_there(world, slot, team, task)
+
+
+def _end_work_there(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
+    """Let a task be done, or a load be taken up, once the steps are over that it takes."""
+    if world.mission.tasks[task].to is None or take_up(world, slot, team, task):
+        _finish(world, slot, team, task)
+
+
+def _is_with_load(world: PlainWorld, slot: int, team: PlainTeam) -> bool:
+    """Let a team begin with the load that it has come for; say whether it is at one.
+
+    It then begins nothing else, and nobody takes up a load on the way to something else.
+    """
+    task = team.task
+    if task is None or world.mission.tasks[task].to is None:
+        return False
+    is_here = not team.serving and world.is_same(team.at, world.at[task])
+    if is_here and _is_ready(world, team, task):
+        _begin(world, slot, team, task)
+        return True
+    return task in team.serving
+
+
+def _is_ready(world: PlainWorld, team: PlainTeam, task: int) -> bool:
+    """Say whether a team can do a task, which may begin and which nobody does."""
+    is_free = task in world.open and task in world.may_begin and task not in world.served
+    return is_free and task not in world.let_go and world.covers(team.has, task)
+
+
+def _begin(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
+    duration, is_load = int(world.truth.tasks[task].duration), world.mission.tasks[task].to
+    if duration or is_load is not None:
+        world.served.add(task)
+        world.happened.begun.append(task)
+        team.serving[task] = duration
+        team.credit = 0.0
+        world.due[task] = max(1, int(world.mission.tasks[task].duration))
+    if not duration:
+        _end_work_there(world, slot, team, task)
+
+
+def _expect_end(world: PlainWorld, team: PlainTeam, task: int) -> None:
+    """Expect a service that ought to be over to end amid what is left of the longest."""
+    served = int(world.truth.tasks[task].duration) - team.serving[task]
+    if served >= world.due[task]:
+        world.due[task] = (served + 1 + int(world.mission.tasks[task].longest) + 1) // 2
+        world.happened.any_overdue = True
+
+
+def _finish(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
+    team.serving.pop(task, None)
+    for tasks in (world.open, world.carried, world.served):
+        tasks.discard(task)
+    world.done[task] = world.steps + 1
+    world.happened.done[task] = slot
+
+
+def release_tasks(world: PlainWorld) -> None:
+    """Make known what appears now, and write down what may begin from the next step on."""
+    for task, wanted in enumerate(world.mission.tasks):
+        is_unknown = task not in world.known and task not in world.cancelled
+        if is_unknown and world.steps >= wanted.appears:
+            world.known.add(task)
+            world.open.add(task)
+            world.happened.known.append(task)
+    for task in sorted(world.open - world.may_begin):
+        if _has_opened(world, task):
+            world.may_begin.add(task)
+            world.happened.opened.append(task)
+
+
+def _has_opened(world: PlainWorld, task: int) -> bool:
+    """Say whether the window of a task has begun, and all that it comes after is over."""
+    between = world.mission.tasks[task].between
+    has_begun = between is None or world.steps >= between[0]
+    return has_begun and all(world.over_in(k) is not None for k in world.before.get(task, ()))
+
+
+def drop_assignments(world: PlainWorld) -> None:
+    """Free every team that is not serving its assignment: what everybody knows has changed."""
+    for team in world.teams.values():
+        if team.task not in team.serving:
+            team.task, team.is_detour = None, False
+
+
+def blocked_tasks(world: PlainWorld) -> list[str]:
+    """Name the undone tasks that the robots left and due back can never do.
+
+    A task that is to be called off is none of them.
+    """
+    mission = world.truth
+    robots = [
+        robot
+        for robot, slot in zip(mission.robots, world.slot_of, strict=True)
+        if slot is not None or robot.is_due(world.steps)
+    ]
+    return [
+        task.name
+        for number, task in enumerate(mission.tasks)
+        if number not in world.done
+        and task.cancelled is None
+        and not covers(
+            total(r.can for r in robots if can_reach(mission.world, r, task.at)), task.needs
+        )
+    ]
+
+
+def status_of(world: PlainWorld) -> str:
+    """Say how a mission stands after a step: `running`, or why no more step is made."""
+    happened = world.happened
+    if len(world.done) + len(world.cancelled) == len(world.mission.tasks):
+        return "completed"
+    is_news = bool(happened.lost or happened.back or happened.cancelled or happened.is_elsewhere)
+    if is_news and blocked_tasks(world):
+        return "infeasible"
+    return "step limit" if world.steps >= world.mission.step_limit else "running"

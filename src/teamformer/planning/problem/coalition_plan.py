@@ -115,9 +115,15 @@ Made = TypeVar("Made", bound=Judged)
 
 
 def without_riders(
-    counts: Int32s, needs: Int32s, made: Made, judged: Callable[[CoalitionPlan], Made]
+    counts: Int32s,
+    needs: Int32s,
+    made: Made,
+    judged: Callable[[CoalitionPlan], Made],
+    is_strict: bool = False,
 ) -> Made:
     """Return a plan without the robots that a task can be done without, where it is no worse then.
+
+    If it `is_strict`, only where it is better.
 
     A search has some come along, as that may pay; others only trail along. What is judged may have
     its robots renamed. `counts` is (robots, caps), `needs` (tasks, caps).
@@ -133,6 +139,6 @@ def without_riders(
             fewer = CoalitionPlan(*(array.copy() for array in made.plan))
             fewer.size[task], fewer.coalition[task, : len(rest)] = len(rest), rest
             found = judged(fewer)
-            if found.rank <= made.rank:
+            if found.rank < made.rank or (found.rank == made.rank and not is_strict):
                 made, seat = found, min(seat, int(found.plan.size[task]) - 1)
     return made

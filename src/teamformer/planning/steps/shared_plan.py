@@ -153,7 +153,7 @@ def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | Non
     name, best = _by_halving(arcs, plans, rounds.arcs * (len(plans) + MORE))
     problem = situation.problem
     timed = partial(time_team_plan, situation)
-    return name, without_riders(problem.counts, problem.needs, best, timed)
+    return name, without_riders(problem.counts, problem.needs, best, timed, is_strict=True)
 
 
 def _by_halving(arcs: TeamArcs, plans: list[Named], rounds: int) -> Named:

@@ -30,6 +30,7 @@ CALLS: dict[str, tuple[tuple[str, ...], str]] = {
     "live": (("live", MISSION), "live"),
     "methods": (("methods",), ""),
     "schema": (("schema",), ""),
+    "mcp": (("mcp",), "mcp"),
     "bench": (("bench", "table1", "--trials", "1", "--methods", "join-all"), ""),
     "bench robotarium": (("bench", "robotarium", "--trials", "1"), "robotarium"),
     "bench fleet": (("bench", "fleet", "--trials", "1"), "fleet"),

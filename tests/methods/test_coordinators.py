@@ -144,7 +144,7 @@ def test_it_is_news_when_a_task_may_begin_that_the_plan_leaves_out() -> None:
     assert [order for _, order in record.orders] == [(0, 1, 2), (2,)]
     assert judge(record).findings == ()
     forged = replace(record, plans=record.plans[:1], orders=record.orders[:1])
-    assert f"there is no plan from after {done[1]} steps" in str(judge(forged).findings)
+    assert f"there is no plan made after {done[1]} steps" in str(judge(forged).findings)
 
 
 def test_a_coordinator_hears_only_of_what_it_heeds() -> None:

@@ -3,8 +3,8 @@
 numba compiles on one core. So while this process compiles a planner, which it needs first,
 `python -m teamformer.cli.terminal.compiling METHOD` compiles what comes after it into the cache;
 with `--simulator` only the step and the bound, as by a shared plan no policy has to think. With
-`--planner` it compiles the shared plan, as `make run` has it do while pip installs what that does
-not need. With `--everything` it compiles what any first run needs, for a wheel that brings it.
+`--planner` it compiles the shared plan, as `make run` has it do while pip brings what that does not
+need. With `--everything` it compiles what any first run needs, for a wheel that brings it.
 """
 
 from __future__ import annotations

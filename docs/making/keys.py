@@ -11,7 +11,7 @@ from pathlib import Path
 
 from teamformer.files.schema import schema_text
 from teamformer.live.serving.openapi import openapi_text
-from teamformer.mission.keys.key import REQUIRED, Key
+from teamformer.mission.keys.key import FIRST_VERSION, REQUIRED, Key
 from teamformer.mission.keys.kinds import KeyedParts
 from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
@@ -26,7 +26,8 @@ def rows(keys: Sequence[Key], before: str = "") -> Iterator[str]:
     """Yield a row for each key: what it means, and what holds if it is left out."""
     for key in keys:
         without = REQUIRED if key.is_required else key.without or said(key.default)
-        yield f"| `{before}{key.name}` | {key.means} | {without} |"
+        since = "" if key.since == FIRST_VERSION else f" (since {key.since})"
+        yield f"| `{before}{key.name}` | {key.means}{since} | {without} |"
         if isinstance(key.kind, KeyedParts):
             yield from rows(key.kind.keys, f"{before}{key.name}[].")
 

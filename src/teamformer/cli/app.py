@@ -24,7 +24,9 @@ Method = Annotated[
         help="how it is solved; see `methods`; else plan, or crews if the mission is too large"
     ),
 ]
-TimeLimit = Annotated[float, typer.Option(min=0, help="seconds that central may plan")]
+TimeLimit = Annotated[
+    float, typer.Option(min=0, help="seconds for the method central; others ignore it")
+]
 Port = Annotated[
     str,
     typer.Option(

@@ -31,7 +31,7 @@ def bench(
     settings: Annotated[str, typer.Option(help="the only ones wanted")] = "",
     seed: Annotated[int, typer.Option(min=0, help="of the first world")] = 0,
     time_limit: Annotated[
-        float | None, typer.Option(min=0, help="seconds that central may plan")
+        float | None, typer.Option(min=0, help="seconds for the method central; others ignore it")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="folder for rows, tables and figures")] = None,
     workers: Annotated[

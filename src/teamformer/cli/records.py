@@ -74,7 +74,7 @@ def export(
         typer.Argument(metavar="FILE", help=".mcap, .gif, .yaml (the mission), or a folder"),
     ],
 ) -> None:
-    """Write a recorded trial for other tools: what each file is to be, its ending says.
+    """Write a recorded trial for other tools: the ending of each file chooses its format.
 
     .mcap is for Foxglove; .yaml is the mission with all that happened to it; a folder gets CSV
     tables of robots, tasks, events and the Gantt chart.

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from teamformer.mission.keys import kinds
-from teamformer.mission.keys.key import Key, plain
+from teamformer.mission.keys.key import FIRST_VERSION, Key, plain
 from teamformer.mission.keys.mission_keys import MISSION_KEYS
 
 Schema = dict[str, Any]
@@ -51,6 +51,8 @@ def object_of(keys: Sequence[Key]) -> Schema:
 def schema_of_key(key: Key) -> Schema:
     """Return the schema of what stands under a key, with what it means, its default, an example."""
     about: Schema = {"description": key.in_words}
+    if key.since != FIRST_VERSION:
+        about["description"] += f" (since {key.since})"
     if key.without:
         about["description"] += f". If left out: {plain(key.without)}"
     elif not key.is_required and key.default is not None:

@@ -128,7 +128,7 @@ class Faults:
         if self.late:
             yield f"{100 * self.late:.0f}% of messages are up to {self.delay:g} s late"
         if self.radio is not None:
-            yield f"messages get {self.radio:.1f} far"
+            yield f"messages reach {self.radio:.1f} far"
         if self.junk:
             yield f"{self.junk:g} messages a second are malformed or foreign"
         if self.stutter:

@@ -81,7 +81,7 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
     """Return what a plan cannot count with that is made before the mission begins."""
     remedy = "drop cancelled, or use `teamformer run` with its default method"
-    rest = f"which nobody can know who plans beforehand; {remedy}"
+    rest = f"which a plan made in advance cannot know; {remedy}"
     yield from told_once(mission, find_unknown(mission, BEFOREHAND), lambda _: rest)
 
 

@@ -11,6 +11,8 @@ from teamformer.mission.keys.kinds import Kind
 REQUIRED: Final = "must be there"
 """What stands for the default of a key that has none."""
 
+FIRST_VERSION = "0.1.0"
+
 STEPS, CONTINUOUS = "steps", "continuous time"
 REAL_ROBOTS = "fleets and the Robotarium"
 BEFOREHAND = "plans made beforehand"
@@ -37,8 +39,9 @@ class Key:
 
     `default` is what the model has then. `held_as` is the name of the field of the model, if that
     is another one. What `is_always_written` stands in written files even if it is the default.
-    `label` is what pages call it; a key with a label has a field in the editor. One that
-    `is_in_details` is shown wherever its thing is in detail: in the page's side, in CSV tables.
+    `since` is the version that has it first. `label` is what pages call it; a key with a label has
+    a field in the editor. One that `is_in_details` is shown wherever its thing is in detail: in the
+    page's side, in CSV tables.
     """
 
     name: str
@@ -48,6 +51,7 @@ class Key:
     without: str = ""
     held_as: str = ""
     is_always_written: bool = False
+    since: str = FIRST_VERSION
     label: str = ""
     is_in_details: bool = False
     example: Any = None

@@ -77,9 +77,9 @@ ROBOT_KEYS = (
         "lost",
         Moments(1, LARGEST_NUMBER),
         "the step from which the robot is out of the mission; the first step is 1. So `lost: 15` "
-        "is 14 steps after the start. If the robots that are left, with those still to come back, "
-        "can never do some task, the mission is given up in that step, even if other tasks could "
-        "be done; `cancelled` calls a task off. A list if it is lost more than once",
+        "is 14 steps after the start. The mission stops in that step if some task can then never "
+        "be done, even if others could; `cancelled` calls a task off. A list if it is lost more "
+        "than once",
         default=(),
         without="never",
         label="Lost in steps",
@@ -135,6 +135,7 @@ ROBOT_KEYS = (
         without="none",
         label="Note",
         is_in_details=True,
+        since="0.2.0",
     ),
 )
 

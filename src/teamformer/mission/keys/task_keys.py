@@ -57,8 +57,7 @@ TASK_KEYS = (
     Key(
         "appears",
         Whole(0, is_checked_later=True),
-        "how many steps have been made when everybody learns of the task; 0: it is known from the "
-        "start",
+        "the step after which everybody knows the task; 0: it is known from the start",
         default=0,
         label="Appears after step",
     ),
@@ -162,6 +161,7 @@ TASK_KEYS = (
         without="none",
         label="Note",
         is_in_details=True,
+        since="0.2.0",
     ),
 )
 

@@ -60,7 +60,7 @@ def _prepare(mission: Mission, method: str) -> None:
     """Compile what planning in steps needs, and say what is planned."""
     compile_ahead([load_method(method)])
     if mission.has_surprises:
-        say("not everything is known: this is planned for what is to be expected")
+        say("some values are uncertain: planned with expected values")
 
 
 def _show(made: PlannedMission, row: Mapping[str, Any]) -> None:

@@ -209,14 +209,15 @@ def pages() -> None:
     from teamformer.record.export.gif_file import write_gif
 
     folder = ROOT / "build" / "pictures"
-    tf.run(tf.load(ROOT / "examples" / "four-robots.yaml")).save(folder)
-    write_gif(tf.run(tf.load(ROOT / "examples" / "warehouse.yaml")).record, IMAGES / "mission.gif")
+    trial = tf.run(tf.load(ROOT / "examples" / "warehouse.yaml"))
+    trial.save(folder)
+    write_gif(trial.record, IMAGES / "mission.gif")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox"]
         )
-        page = browser.new_page(viewport={"width": 1100, "height": 620}, color_scheme="light")
-        for name, where in (("page-map", "step=17"), ("page-gantt", "step=17&view=gantt")):
+        page = browser.new_page(viewport={"width": 1200, "height": 720}, color_scheme="light")
+        for name, where in (("page-map", "step=28"), ("page-gantt", "step=28&view=gantt")):
             page.goto(f"file://{folder}/record.html#{where}")
             page.reload()
             page.wait_for_timeout(800)

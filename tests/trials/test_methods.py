@@ -15,6 +15,7 @@ from teamformer.methods.by_name import Method, as_method, default_for, load_meth
 from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.coordinators.soonest import Soonest
 from teamformer.methods.learned.policy import Learned
 from teamformer.methods.listings import method_listings, method_names
 from teamformer.methods.scripted.heuristic import Heuristic
@@ -134,7 +135,7 @@ def test_names_are_listed_once() -> None:
 
 def test_each_name_brings_its_coordinator_or_its_policy() -> None:
     made_of = {}
-    for name in method_names()[:6]:
+    for name in method_names()[:7]:
         method = load_method(name)
         assert method.name == name
         made_of[name] = type(method.coordinator or method.policy)
@@ -145,8 +146,9 @@ def test_each_name_brings_its_coordinator_or_its_policy() -> None:
         "heuristic": Heuristic,
         "join-all": JoinAll,
         "join-fitting": JoinFitting,
+        "soonest": Soonest,
     }
-    assert {type(load_method(name).policy) for name in method_names()[6:]} == {Learned}
+    assert {type(load_method(name).policy) for name in method_names()[7:]} == {Learned}
 
 
 def test_suites_change_settings_of_methods() -> None:

@@ -193,5 +193,7 @@ def test_the_cost_is_of_what_was_done() -> None:
 
 
 def test_who_plans_beforehand_says_that_it_cannot_know() -> None:
-    with pytest.raises(MissionError, match="task 'far' is cancelled, which nobody can know"):
+    with pytest.raises(
+        MissionError, match="task 'far' is cancelled, which a plan made in advance cannot know"
+    ):
         run_trial(corridor(Task("far", (9, 0), {"a": 1}, cancelled=3)), Central(time_limit=0.1))

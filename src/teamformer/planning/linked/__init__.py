@@ -1,0 +1,1 @@
+"""The search where starts of tasks are linked, or plans are judged by a cost of their own."""

@@ -106,22 +106,7 @@ class TeamFormation:
         reward = reward or Reward()
         self._weights = (reward.done, reward.step, reward.fit)
         count, robots, caps = self.worlds.has.shape
-        hides_needs, hides_places = (
-            room.shape[1] > 0 for room in (self.worlds.may_need, self.worlds.spots)
-        )
-        tasks = self.worlds.needs.shape[1]
-        if any(mission.arrivals for mission in self.missions):  # nobody knows how many
-            tasks = max(tasks, NEXT_TASKS)
-        has_loads = bool(self.worlds.rules["has_loads"].any())
-        self._room = make_view(
-            worlds=count,
-            robots=robots,
-            tasks=tasks,
-            caps=caps,
-            hides_needs=hides_needs,
-            hides_places=hides_places,
-            has_loads=has_loads,
-        )
+        self._room = _room_for_views(self.worlds, self.missions)
         self._shown = self._room  # as many rows of it as the latest view had
         self._first_row = np.zeros(count + 1, dtype=np.int64)
         self._first_member = np.zeros(count + 1, dtype=np.int64)
@@ -354,6 +339,23 @@ class TeamFormation:
             work(0, len(self.missions))
         else:
             list(self._pool.map(work, *zip(*self._chunks, strict=True)))
+
+
+def _room_for_views(worlds: Worlds, missions: Sequence[Mission]) -> View:
+    """Return room for the views of all teams of a batch."""
+    count, robots, caps = worlds.has.shape
+    tasks = worlds.needs.shape[1]
+    if any(mission.arrivals for mission in missions):  # nobody knows how many
+        tasks = max(tasks, NEXT_TASKS)
+    return make_view(
+        worlds=count,
+        robots=robots,
+        tasks=tasks,
+        caps=caps,
+        hides_needs=worlds.may_need.shape[1] > 0,
+        hides_places=worlds.spots.shape[1] > 0,
+        has_loads=bool(worlds.rules["has_loads"].any()),
+    )
 
 
 def _for_each(

@@ -1,0 +1,97 @@
+"""What can happen in a mission in continuous time, and what is told of it.
+
+Whoever makes something happen writes an `Event`. Everybody else reads events: nobody works out by
+rules of their own what has happened.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from teamformer.mission.parts.grid import Place
+from teamformer.world.rules.constants import NOBODY
+
+
+class Passed(NamedTuple):
+    """A place on a way, and when it is passed if nothing happens."""
+
+    at: float
+    place: Place
+
+
+class Event(NamedTuple):
+    """One thing that happened, at a time in the mission's unit.
+
+    `cause` is the number of the event that this one hung on: had that come later, so had this. A
+    chain of causes leads from the end of a mission to its start, and is its critical path.
+    """
+
+    at: float
+    kind: str  # a name of `KINDS`
+    robots: tuple[int, ...] = ()
+    task: int = NOBODY
+    place: Place | None = None
+    until: float | None = None  # when it is expected to end
+    way: tuple[Passed, ...] = ()  # from where it begins to where it leads
+    more: tuple[object, ...] = ()  # what the kind says
+    cause: int = NOBODY  # nothing: it came from outside, or the mission began with it
+
+
+class Kind(NamedTuple):
+    """A kind of event: the fields that it uses besides `at` and `cause`, and what it says."""
+
+    fields: tuple[str, ...]
+    says: str
+
+
+KINDS = {
+    "plan": Kind(
+        ("more",),
+        "a plan is in force from now on; more: why it was made, and its tasks in order, each with "
+        "the robots of its coalition and its expected end",
+    ),
+    "walk": Kind(
+        ("robots", "task", "way", "until"),
+        "a robot sets out, to a task or (no task) home or to where it stops, and is there at until",
+    ),
+    "arrive": Kind(("robots", "task", "place"), "a robot is where it was going"),
+    "form": Kind(
+        ("robots", "task", "place", "until"), "a coalition that is all there begins to form"
+    ),
+    "formed": Kind(("robots", "task", "place"), "a coalition has formed"),
+    "opens": Kind(
+        ("task",),
+        "a task may begin from now on: its window opens, or its linked start or its hold has come",
+    ),
+    "serve": Kind(
+        ("robots", "task", "place", "until"),
+        "a team begins to serve a task, or to take up its load",
+    ),
+    "lift": Kind(
+        ("robots", "task", "place", "way", "until"), "a team sets out with a load that it took up"
+    ),
+    "unload": Kind(
+        ("robots", "task", "place", "until"), "a team with a load is where it goes, and unloads it"
+    ),
+    "done": Kind(("robots", "task", "place"), "a task is done"),
+    "broken": Kind(
+        ("robots", "task", "place"),
+        "a service has broken off; robots: those of it that are left; place: where the load lies",
+    ),
+    "lost": Kind(("robots", "place"), "a robot is lost"),
+    "back": Kind(("robots", "place"), "a lost robot is back, where it was lost"),
+    "appear": Kind(("task",), "a task becomes known"),
+    "cancel": Kind(("task",), "a task is called off"),
+    "know": Kind(
+        ("robots", "task", "more"), "what a task needs becomes known; more: the needs by capability"
+    ),
+    "found": Kind(
+        ("robots", "task", "place"), "where a task is becomes known, to robots that saw it"
+    ),
+    "moved": Kind(("task", "place"), "a task is believed elsewhere from now on: it was not there"),
+    "overdue": Kind(
+        ("task", "until"), "a service lasts longer than believed; until: its new expected end"
+    ),
+    "over": Kind(("more",), "the mission is over; more: its status"),
+}
+"""Every kind of event, by name."""

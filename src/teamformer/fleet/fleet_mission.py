@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.ways import Ways
+from teamformer.world.continuous.ways import Ways
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import Counts, exact
 from teamformer.mission.parts.grid import Grid, Place

@@ -12,11 +12,10 @@ import numpy.typing as npt
 from teamformer.base.array_types import Floats, Ints
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.checks.costs import judged_by, weighed
-from teamformer.mission.checks.windows import latest_end, release_of
+from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.coordination import Known, Plan, known_at_start
 from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.roads import Roads
-from teamformer.mission.precedence import tasks_before
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.tables import (
     distances,
@@ -40,6 +39,7 @@ from teamformer.planning.problem.relaxed_problem import count_table, least_carri
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.ways import ends_of
 from teamformer.world.rules.starts import Gap
+from teamformer.world.rules.waits import waits_at
 
 STRAIGHT = 1 - 1e-9
 """A way is shorter than another if it is by more than what rounding makes of equal ones."""
@@ -149,9 +149,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     mission, now = known.mission, known.now
     robots = [mission.robots[robot] for robot in numbers]
     tasks = [mission.tasks[task] for task in chosen]
-    depot_of = [
-        (known.places[r], known.free_at[r] - now, known.came_from[r]) for r in numbers
-    ]
+    depot_of = [(known.places[r], known.free_at[r] - now, known.came_from[r]) for r in numbers]
     depots = list(dict.fromkeys(depot_of))
     places = [*ends_of(tasks), *(place for place, _, _ in depots)]
     sites = [*ends_of(tasks), *(came_from for _, _, came_from in depots)]
@@ -166,9 +164,15 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     np.einsum("pkk->pk", ways[:, : len(tasks)])[:] = 0.0  # not the way from an end to a beginning
     home = ways_home(mission, robots, places)
     ready = [left for _, left, _ in depots]
-    waits = _Waits(known, chosen)
+    waits = waits_at(known, chosen)
+    release = [waits.release[task] for task in chosen]
+    number_of = {task: number for number, task in enumerate(chosen)}
+    before = {number_of[k]: [number_of[o] for o in others] for k, others in waits.before.items()}
+    gaps = [
+        gap._replace(task=number_of[gap.task], other=number_of[gap.other]) for gap in waits.gaps
+    ]
     busy = longest_of(tasks, mission.forming, ways, home, carry) + max(ready, default=0.0)
-    longest_wait = max((release - now for release in waits.release), default=0.0)
+    longest_wait = max((begin - now for begin in release), default=0.0)
     scale = ticks_in_a_unit(busy, longest_wait, sum(task.weight for task in tasks))
 
     def ticks(times: npt.ArrayLike) -> Ints:
@@ -179,7 +183,10 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     needs = count_table([task.needs for task in tasks], mission)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
     takes = np.array([task.duration + task.unload for task in tasks]) + carried
-    due = [waits.due(number, takes[number]) for number in range(len(tasks))]
+    due = [
+        min(latest_end(tasks[number].between), waits.latest[task] + takes[number])
+        for task, number in number_of.items()
+    ]
     problem = pose_problem(
         ways=ticks(ways),
         home=ticks(home),
@@ -189,9 +196,9 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         needs=needs,
         duration=ticks(takes),
         slower=np.maximum(0, ticks(carry) - ticks(carried)),
-        release=ticks([release - now for release in waits.release]),
+        release=ticks([begin - now for begin in release]),
         due=[NEVER if math.isinf(end) else round((end - now) * scale) for end in due],
-        precedence=[(k, task) for task, before in waits.before.items() for k in before],
+        precedence=[(k, task) for task, others in before.items() for k in others],
         forming=round(mission.forming * scale),
         spares=SPARES if _may_spare_pay(mission, tasks, ways, home, pace, takes) else 0,
         site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
@@ -206,13 +213,13 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         site=problem.site,
         carry=carry,
         free=[known.free_at[robot] for robot in numbers],
-        release=waits.release,
-        before=waits.before,
-        gaps=waits.gaps,
+        release=release,
+        before=before,
+        gaps=gaps,
         forming=mission.forming,
         cost=mission.cost,
     )
-    is_plain = judged_by(mission) is None and not waits.gaps
+    is_plain = judged_by(mission) is None and not gaps
     return ContinuousMission(
         source=mission,
         now=now,
@@ -220,42 +227,8 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         tasks=tuple(chosen),
         clock=clock,
         scale=scale,
-        problem=problem if is_plain else _link(mission, tasks, waits.gaps, problem, scale),
+        problem=problem if is_plain else _link(mission, tasks, gaps, problem, scale),
     )
-
-
-class _Waits:
-    """What some tasks wait for at a moment, by their places among these, in the mission's time."""
-
-    def __init__(self, known: Known, chosen: Sequence[int]) -> None:
-        every = known.mission.tasks
-        self._tasks = [every[task] for task in chosen]
-        self.before = tasks_before(self._tasks)
-        ends = {every[task].name: end for task, end in known.under_way}
-        begun = {every[task].name: start for task, start in known.started.items()}
-        number_of = {task.name: number for number, task in enumerate(self._tasks)}
-        self.gaps: list[Gap] = []
-        self.release: list[float] = []
-        self._latest = [math.inf] * len(self._tasks)  # when each is to start by links with others
-        for number, task in enumerate(self._tasks):
-            waits = [known.now, release_of(task), *(ends.get(name, 0.0) for name in task.after)]
-            for name, (least, most) in task.starts.items():
-                if name in number_of:
-                    self.gaps.append(Gap(number, number_of[name], least, most))
-                elif name in begun:
-                    waits.append(begun[name] + least)
-                    self._latest[number] = min(self._latest[number], begun[name] + most)
-            self.release.append(max(waits))
-        for other, start in known.started.items():
-            for name, (least, most) in every[other].starts.items():
-                if name in number_of:
-                    number = number_of[name]
-                    self.release[number] = max(self.release[number], start - most)
-                    self._latest[number] = min(self._latest[number], start - least)
-
-    def due(self, number: int, takes: float) -> float:
-        """Return when a task that takes so long has to end not to be late."""
-        return min(latest_end(self._tasks[number].between), self._latest[number] + takes)
 
 
 def rounding_of(tasks: int) -> int:
@@ -329,5 +302,3 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
             f"{mission.source.name}: no plan was found in which all can get to their tasks",
             "open the map, give ways a time under roads, move robots or tasks, or drop a link",
         )
-
-

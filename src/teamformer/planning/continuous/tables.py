@@ -22,9 +22,7 @@ MOST_WEIGHT = 10**6
 """Tasks that weigh more together have fewer ticks: what they cost has to stay a whole number."""
 
 
-def distances(
-    world: World, moves: str, origins: Sequence[Place], goals: Sequence[Place]
-) -> Floats:
+def distances(world: World, moves: str, origins: Sequence[Place], goals: Sequence[Place]) -> Floats:
     """Return how long ways take at speed 1, as (origins, goals); infinite where there is none."""
     if isinstance(world, Roads):
         here, there = ([int(number) for number, _ in some] for some in (origins, goals))

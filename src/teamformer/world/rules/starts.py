@@ -100,9 +100,7 @@ def time_tasks(
     return timed
 
 
-def _ready(
-    rules: StartRules, timed: Timed, task: int, came: Sequence[tuple[int, int]]
-) -> float:
+def _ready(rules: StartRules, timed: Timed, task: int, came: Sequence[tuple[int, int]]) -> float:
     """Return when a task can start, but for its links."""
     arrive = [_visit(rules, timed, task, *one).arrive for one in came]
     ready = max(rules.release[task], *arrive)

@@ -1,6 +1,7 @@
-"""Writes what the tables of keys say into docs/reference/mission.md, and the JSON Schema.
+"""Writes what the tables of keys and of kinds of events say into the reference, and the schemas.
 
-`python docs/making/keys.py` after a change of `src/teamformer/mission/keys`.
+`python docs/making/keys.py` after a change of `src/teamformer/mission/keys`, of the kinds in
+`world/continuous/events.py`, or of `live/serving`.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ from teamformer.mission.keys.key import FIRST_VERSION, REQUIRED, Key
 from teamformer.mission.keys.kinds import KeyedParts
 from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
+from teamformer.world.continuous.events import KINDS
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "reference" / "mission.md"
+PAGES = tuple(ROOT / "docs" / "reference" / name for name in ("mission.md", "record.md"))
 SCHEMA = ROOT / "mission.schema.json"
 OPENAPI = ROOT / "live.openapi.json"
 
@@ -44,12 +46,20 @@ def tables() -> dict[str, list[str]]:
     return {
         "every key": [*head, *rows(MISSION_KEYS)],
         "planes": [*head, *rows(PLANE_KEYS, "world.")],
+        "events": ["| kind | its fields | says |", "|---|---|---|", *kinds_of_events()],
         "cost": ["| key | what it measures |", "|---|---|", *cost],
     }
 
 
+def kinds_of_events() -> Iterator[str]:
+    """Yield a row for each kind of event in a record in continuous time."""
+    for name, kind in KINDS.items():
+        fields = (f"`{it}`" + ("?" if it in kind.may_lack else "") for it in kind.fields)
+        yield f"| `{name}` | {', '.join(fields)} | {kind.says} |"
+
+
 def page(text: str) -> str:
-    """Return the text of the page with its tables as the keys have them now."""
+    """Return the text of a page with its tables as the keys have them now."""
     for name, lines in tables().items():
         begin, end = f"<!-- keys: {name} -->", "<!-- end of keys -->"
         table = "\n".join([begin, "", *lines, "", end])
@@ -58,6 +68,7 @@ def page(text: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for one in PAGES:
+        one.write_text(page(one.read_text(encoding="utf-8")), encoding="utf-8")
     SCHEMA.write_text(schema_text(), encoding="utf-8")
     OPENAPI.write_text(openapi_text(), encoding="utf-8")

@@ -22,8 +22,8 @@ class Bars:
     `least` is the least of what plans of the mission are judged by: of the costs, say.
     """
 
-    best: int | None
-    bound: int | None
+    best: float | None
+    bound: float | None
     least: float | None
 
 
@@ -93,7 +93,7 @@ def percent_over(value: float | None, bar: float | None) -> float | None:
     return None if value is None or not bar else round(100 * (value / bar - 1), 2)
 
 
-def seconds_of(mission: Mission, steps: int | None) -> float | None:
+def seconds_of(mission: Mission, steps: float | None) -> float | None:
     """Return how long steps take on a plane; None on grids, whose steps have no length."""
     if steps is None or not isinstance(mission.world, Plane):
         return None

@@ -48,7 +48,7 @@ class RecordRow:
     seed: int | None = None
     ended: str = ""
     steps: int | None = None
-    bound: int | None = None
+    bound: float | None = None
     done: str = ""  # of how many tasks
     late: float | None = None  # all tasks together
     cost: float | None = None

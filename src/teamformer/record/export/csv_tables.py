@@ -89,7 +89,7 @@ def _tasks(record: Record) -> Iterable[Row]:
         who = () if event is None else (_name(record, robot) for robot in event.robots)
         appears = "" if known[number] == NEVER else known[number]
         called_off, began = cancelled.get(number, ""), begun.get(number, "")
-        end = ("" if event is None else event.step, late.get(task.name, ""), ", ".join(who))
+        end = ("" if event is None else event.at, late.get(task.name, ""), ", ".join(who))
         said = (getattr(task, key.field) for key in more)
         yield (*_wanted(task), *said, appears, called_off, began, *end)
 
@@ -107,8 +107,8 @@ def _events(record: Record) -> Iterable[Row]:
     for event in events(record):
         names = ", ".join(_name(record, robot) for robot in event.robots)
         task = "" if event.task is None else record.mission.tasks[event.task].name
-        seconds = round(event.step * length, 6)
-        yield (event.step, seconds, event.kind, names, task, event.text(record.true_mission))
+        seconds = round(event.at * length, 6)
+        yield (event.at, seconds, event.kind, names, task, event.text(record.true_mission))
 
 
 def _bars(record: Record, seen: Sequence[Moment]) -> Iterable[Row]:

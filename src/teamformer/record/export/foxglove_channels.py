@@ -48,7 +48,7 @@ from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.grid import Grid as GridWorld
 from teamformer.mission.parts.grid import Place
 from teamformer.record.export.moments import Moment, moments
-from teamformer.record.happenings import Event, events
+from teamformer.record.happenings import LogEntry, events
 from teamformer.record.record import Record
 from teamformer.record.task_times import known_steps, over_steps
 from teamformer.world.rules.constants import NOBODY
@@ -60,8 +60,8 @@ GOLDEN_ANGLE = 0.381966  # of a turn
 BLOCKED = 255
 
 
-Span = tuple[int, int]
-"""Steps made when a task became known, and the step in which it was done or called off."""
+Span = tuple[float, float]
+"""When a task became known, and when it was done or called off, in steps or units of time."""
 
 
 class Told(NamedTuple):
@@ -70,25 +70,25 @@ class Told(NamedTuple):
     moment: Moment
     time: int  # nanoseconds from the start
     spans: Sequence[Span]
-    events: Sequence[Event]
+    events: Sequence[LogEntry]
 
 
 def telling(record: Record) -> Iterator[Told]:
     """Yield what is told of a record, moment by moment, the start first."""
     length = record.mission.seconds_a_step
-    log: defaultdict[int, list[Event]] = defaultdict(list)
+    log: defaultdict[float, list[LogEntry]] = defaultdict(list)
     for event in events(record):
-        log[event.step].append(event)
+        log[event.at].append(event)
     spans = list(zip(known_steps(record), _ends(record), strict=True))
     for moment in moments(record):
         time = round(moment.step * length * NANOSECONDS)
         yield Told(moment, time, spans, log.get(moment.step, ()))
 
 
-def _ends(record: Record) -> list[int]:
-    """Return the step in which each task was over, or one after the last."""
+def _ends(record: Record) -> list[float]:
+    """Return when each task was over, or one step or unit after the end."""
     over = over_steps(record)
-    return [over.get(task, len(record.steps) + 1) for task in range(len(record.mission.tasks))]
+    return [over.get(task, record.length + 1) for task in range(len(record.mission.tasks))]
 
 
 class Channels:

@@ -88,7 +88,7 @@ def _happenings(record: Record, unit: float) -> Iterator[Row]:
             "ph": "i",
             "name": event.text(record.true_mission),
             "cat": event.kind,
-            "ts": event.step * unit,
+            "ts": event.at * unit,
             "pid": TASKS if on_task else ROBOTS,
             "tid": track or 0,
             "s": "g" if track is None else "t",  # for all tracks, or this one

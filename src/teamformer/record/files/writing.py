@@ -10,6 +10,8 @@ from typing import Any
 from teamformer.base.whole_files import own_number, write_whole
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.files.trees.mission import RECORD
+from teamformer.record.files.endings import ending_to_tree
+from teamformer.record.files.events import event_to_tree
 from teamformer.record.files.truths import truth_to_tree
 from teamformer.record.record import VERSION, Record, Step
 from teamformer.record.telling.trees import told_to_tree
@@ -23,10 +25,8 @@ def record_to_tree(record: Record) -> dict[str, Any]:
         "mission": mission_to_tree(record.mission),
         "method": record.method,
         "seed": record.seed,
-        "orders": _lists(record.orders),
-        "start": _lists(record.start),
-        "steps": [step_to_tree(step) for step in record.steps],
-        "end": {key: _lists(value) for key, value in vars(record.end).items()},
+        **(_of_events(record) if record.is_continuous else _of_steps(record)),
+        "end": ending_to_tree(record.end, record.is_continuous),
         "lower_bound": record.lower_bound,
     }
     if record.truth is not None:
@@ -45,6 +45,18 @@ def record_to_tree(record: Record) -> dict[str, Any]:
     return tree
 
 
+def _of_steps(record: Record) -> dict[str, Any]:
+    return {
+        "orders": _lists(record.orders),
+        "start": _lists(record.start),
+        "steps": [step_to_tree(step) for step in record.steps],
+    }
+
+
+def _of_events(record: Record) -> dict[str, Any]:
+    return {"events": [event_to_tree(event) for event in record.events]}
+
+
 def step_to_tree(step: Step) -> dict[str, Any]:
     """Return what a step changed as it stands in the file; what has nothing to say is left out."""
     return {key: _lists(value) for key, value in vars(step).items() if value}
@@ -56,7 +68,7 @@ def _lists(value: Any) -> Any:
 
 
 def save_record(record: Record, path: Path) -> None:
-    """Write a record, one step a line, whole or not at all.
+    """Write a record, one step or event a line, whole or not at all.
 
     Raises OSError where the folder cannot be written.
     """
@@ -68,7 +80,7 @@ def _lines(tree: Mapping[str, Any]) -> Iterator[str]:
     last = list(tree)[-1]
     for key, value in tree.items():
         comma = "\n" if key == last else ",\n"
-        if key in ("steps", "decisions"):
+        if key in ("steps", "decisions", "events"):
             rows = ",\n".join(_compact(row) for row in value)
             yield f'"{key}": [\n{rows}\n]{comma}'
         elif key == "told":

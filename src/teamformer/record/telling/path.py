@@ -25,7 +25,7 @@ def find_path(record: Record, told: ToldRecord) -> tuple[Stretch, ...]:
         return ()
     if any(slot is None for step in record.steps for _, slot in step.done):
         return ()
-    return in_order(_Tracing(record, told).stretches(record.end.makespan))
+    return in_order(_Tracing(record, told).stretches(int(record.end.makespan)))
 
 
 class _Tracing:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.happenings import Event
+from teamformer.record.happenings import LogEntry
 from teamformer.record.phases import (
     AT_WORK,
     CARRYING,
@@ -56,12 +56,12 @@ class Narrator:
         """Return what happened in the latest step that may have a plan made anew."""
         now, step = self._now, self._now.latest
         found = [
-            *(Event(now.steps, "cancelled", task=task) for task in now.called_off),
-            *(Event(now.steps, "lost", (robot,)) for robot in step.lost),
-            *(Event(now.steps, "back", (robot,)) for robot in step.back),
-            *(Event(now.steps, "found", task=task) for task in step.found),
-            *(Event(now.steps, "needs", task=task) for task in step.shown),
-            *(Event(now.steps, "appears", task=task) for task in now.news),
+            *(LogEntry(now.steps, "cancelled", task=task) for task in now.called_off),
+            *(LogEntry(now.steps, "lost", (robot,)) for robot in step.lost),
+            *(LogEntry(now.steps, "back", (robot,)) for robot in step.back),
+            *(LogEntry(now.steps, "found", task=task) for task in step.found),
+            *(LogEntry(now.steps, "needs", task=task) for task in step.shown),
+            *(LogEntry(now.steps, "appears", task=task) for task in now.news),
         ]
         return [event.text(now.mission) for event in found]
 

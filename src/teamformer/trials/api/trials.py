@@ -64,12 +64,12 @@ class Trial:
         return self.record.end.status == "completed"
 
     @property
-    def makespan(self) -> int | None:
+    def makespan(self) -> float | None:
         """Return the step in which the last task was done; None if not all were."""
         return self.record.end.makespan
 
     @property
-    def lower_bound(self) -> int | None:
+    def lower_bound(self) -> float | None:
         """Return a number of steps that no plan can be faster than, None if unknown."""
         return self.record.lower_bound
 

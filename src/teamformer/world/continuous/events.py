@@ -55,7 +55,7 @@ class Event(NamedTuple):
     status: str = ""  # how the mission ended
 
 
-class Kind(NamedTuple):
+class EventKind(NamedTuple):
     """A kind of event: the fields that it uses besides `at` and `cause`, and what it says.
 
     Those that it `may_lack` have something to say in some events of the kind only.
@@ -67,61 +67,63 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "plan": Kind(
+    "plan": EventKind(
         ("plan",),
         "a plan is in force from now on: why it was made, and its tasks in order, each with the "
         "robots of its coalition and its expected end",
     ),
-    "walk": Kind(
+    "walk": EventKind(
         ("robots", "task", "way", "until"),
         "a robot sets out, to a task or (no task) home or to where it stops, and is there at until",
         may_lack=("task",),
     ),
-    "arrive": Kind(
+    "arrive": EventKind(
         ("robots", "task", "place"), "a robot is where it was going", may_lack=("task",)
     ),
-    "form": Kind(
+    "form": EventKind(
         ("robots", "task", "place", "until"), "a coalition that is all there begins to form"
     ),
-    "formed": Kind(("robots", "task", "place"), "a coalition has formed"),
-    "opens": Kind(
+    "formed": EventKind(("robots", "task", "place"), "a coalition has formed"),
+    "opens": EventKind(
         ("task",),
         "a task may begin from now on: its window opens, or its linked start or its hold has come",
     ),
-    "serve": Kind(
+    "serve": EventKind(
         ("robots", "task", "place", "until"),
         "a team begins to serve a task, or to take up its load",
     ),
-    "lift": Kind(
+    "lift": EventKind(
         ("robots", "task", "place", "way", "until"), "a team sets out with a load that it took up"
     ),
-    "unload": Kind(
+    "unload": EventKind(
         ("robots", "task", "place", "until"), "a team with a load is where it goes, and unloads it"
     ),
-    "done": Kind(("robots", "task", "place"), "a task is done"),
-    "broken": Kind(
+    "done": EventKind(("robots", "task", "place"), "a task is done"),
+    "broken": EventKind(
         ("robots", "task", "place"),
         "a service has broken off; robots: those of it that are left; place: where the load lies",
         may_lack=("robots", "place"),
     ),
-    "lost": Kind(("robots", "place"), "a robot is lost"),
-    "back": Kind(("robots", "place"), "a lost robot is back, where it was lost"),
-    "appear": Kind(("task",), "a task becomes known"),
-    "cancel": Kind(("task",), "a task is called off"),
-    "know": Kind(
+    "lost": EventKind(("robots", "place"), "a robot is lost"),
+    "back": EventKind(("robots", "place"), "a lost robot is back, where it was lost"),
+    "appear": EventKind(("task",), "a task becomes known"),
+    "cancel": EventKind(("task",), "a task is called off"),
+    "know": EventKind(
         ("robots", "task", "needs"),
         "what a task needs becomes known, to robots that are there or to everybody",
         may_lack=("robots",),
     ),
-    "found": Kind(
+    "found": EventKind(
         ("robots", "task", "place"),
         "where a task is becomes known, to robots that saw it",
         may_lack=("robots",),
     ),
-    "moved": Kind(("task", "place"), "a task is believed elsewhere from now on: it was not there"),
-    "overdue": Kind(
+    "moved": EventKind(
+        ("task", "place"), "a task is believed elsewhere from now on: it was not there"
+    ),
+    "overdue": EventKind(
         ("task", "until"), "a service lasts longer than believed; until: its new expected end"
     ),
-    "over": Kind(("status",), "the mission is over, and how"),
+    "over": EventKind(("status",), "the mission is over, and how"),
 }
 """Every kind of event, by name."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import math
 import time
 from collections.abc import Callable
 from functools import partial
@@ -26,6 +27,7 @@ from teamformer.live.running.incidents import (
     note_of_plans,
     search_plan,
 )
+from teamformer.live.running.live_mission import LiveMission
 from teamformer.live.running.messages import (
     Message,
     read_incident,
@@ -33,12 +35,13 @@ from teamformer.live.running.messages import (
     read_search,
     read_speed,
 )
-from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.page_trees import (
     Tree,
     done_at_to_tree,
+    felt_at,
     forecast_to_tree,
-    news_of_step,
+    moment_text,
+    news_of_move,
     record_so_far,
     what_happened,
 )
@@ -53,8 +56,8 @@ from teamformer.record.telling.latest import LatestTold
 AT_ONCE = 0.3
 """Seconds within which a step is made without a word; what takes longer is told to be planned."""
 
-Moment = tuple[int, int]
-"""Steps made, and how often the mission has been changed."""
+Moment = tuple[float, int]
+"""The time of a mission, and how often it has been changed."""
 
 FORECAST, BOUND, SEARCH = "forecast", "bound", "search"
 """What is worked out beside the conversation for all pages; what one has weighed is its own."""
@@ -65,7 +68,7 @@ class Session:
 
     def __init__(
         self,
-        mission: RunningMission,
+        mission: LiveMission,
         folder: Path,
         speed: float,
         has_editor: bool = False,
@@ -89,15 +92,16 @@ class Session:
         self._offer: tuple[Moment, PlanTakenOver] | None = None
 
     async def run(self) -> None:
-        """Make steps while the mission plays, until cancelled."""
+        """Let time pass while the mission plays, until cancelled."""
         due = time.monotonic()
         while True:
             if not self.is_playing:
                 self._wake.clear()
                 await self._wake.wait()
                 due = time.monotonic()
-            await self.step()
-            due = max(due + 1 / self.speed, time.monotonic() - 1 / self.speed)
+            seconds, units = self.mission.beat(self.speed)
+            await self.move(units)
+            due = max(due + seconds, time.monotonic() - seconds)
             with contextlib.suppress(TimeoutError):  # a page that acts need not wait for the step
                 self._wake.clear()
                 await asyncio.wait_for(self._wake.wait(), max(0.0, due - time.monotonic()))
@@ -126,17 +130,16 @@ class Session:
         """Do what a page asks for, or tell it why not."""
         await or_refuse(watcher, self._do(watcher, text))
 
-    async def step(self) -> None:
-        """Make one step, if there is one, and tell everybody."""
+    async def move(self, units: float | None = None) -> None:
+        """Make a step, or let so much time pass, and tell everybody; by default to what is next."""
         async with self.lock:
             if not self.mission.is_running:
                 self._pause()
                 return
-            telling = asyncio.get_running_loop().call_later(
-                AT_ONCE, self._tell_planning, f"step {self.mission.steps + 1}"
-            )
+            upcoming = moment_text(self.mission.source, math.floor(self.mission.now) + 1)
+            telling = asyncio.get_running_loop().call_later(AT_ONCE, self._tell_planning, upcoming)
             try:
-                await asyncio.to_thread(self.mission.step)
+                await asyncio.to_thread(self.mission.move, units)
             except TeamformerError as error:  # of a policy that is the user's own
                 self._tell_all("refused", {"text": str(error)})
                 self._pause()
@@ -144,9 +147,9 @@ class Session:
             finally:
                 telling.cancel()
                 self._planning_is_over()
-            self._autosave.step(self.mission)
+            self._autosave.move(self.mission)
             self._alarm.look(self.mission)
-            self._tell_all("step", await asyncio.to_thread(news_of_step, self.mission, self._told))
+            self._tell_all(*await asyncio.to_thread(news_of_move, self.mission, self._told))
         if not self.mission.is_running:
             self._pause()
         elif self.mission.has_shown_more:
@@ -160,7 +163,9 @@ class Session:
         The lock is held meanwhile. That it has happened is told before robots have planned for it.
         """
         self.mission.mission_with(incident)
-        text = f"step {self.mission.steps + incident.steps_later}: {incident.text()}"
+        source = self.mission.source
+        when = moment_text(source, felt_at(source, self.mission.now, incident))
+        text = f"{when}: {incident.text()}"
         self._happening = incident
         self._tell_planning(text)
         try:
@@ -168,7 +173,8 @@ class Session:
             self._autosave.happen(self.mission)
             self._planning = ""
             record = self._record()
-            record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
+            if source.time == "steps":
+                record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
             news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
             self._tell_all("incident", news | self._state())
         finally:
@@ -182,7 +188,8 @@ class Session:
         async with self.lock:
             incident = self.mission.undo()
             self._autosave.undo()
-            back = f"Undone: {incident.text()}. The mission is back at step {self.mission.steps}."
+            back = moment_text(self.mission.source, self.mission.now)
+            back = f"Undone: {incident.text()}. The mission is back at {back}."
             self._tell_another_past(back)
 
     async def restart(self) -> None:
@@ -233,7 +240,7 @@ class Session:
             await works[command]()
         elif command == "step":
             self._pause()
-            await self.step()
+            await self.move()
         elif command == "speed":
             self.speed = read_speed(message)
             self._wake.set()
@@ -334,7 +341,7 @@ class Session:
             await self.happen(plan)
 
     def _moment(self) -> Moment:
-        return self.mission.steps, self._changes
+        return self.mission.now, self._changes
 
     def _predict(self) -> None:
         """Work out the mission's end in the background; only incidents change it."""
@@ -386,6 +393,7 @@ class Session:
         return {
             "id": self._autosave.id,
             "is_playing": self.is_playing,
+            "now": self.mission.now,
             "speed": self.speed,
             "watchers": len(self.watchers),
             **what_happened(self.mission, self._happening),

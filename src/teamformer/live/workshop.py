@@ -28,8 +28,8 @@ from teamformer.live.drawing.drafts import (
 from teamformer.live.keeping.autosave import NAME, Autosave, Identity
 from teamformer.live.keeping.resuming import Kept, StartMission, play_again
 from teamformer.live.running.alarm import OnAlerts
+from teamformer.live.running.live_mission import LiveMission
 from teamformer.live.running.messages import Message, read_files, read_message
-from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.serving.watchers import Watcher
 from teamformer.live.session import AT_ONCE, Session
 from teamformer.mission.model import Mission
@@ -209,7 +209,7 @@ class Workshop:
                 autosave.go_on()
                 self._have_run(mission, autosave)
 
-    async def _made(self, start: Callable[[], RunningMission], doing: str) -> RunningMission | None:
+    async def _made(self, start: Callable[[], LiveMission], doing: str) -> LiveMission | None:
         """Return a mission once it is made; or tell all pages why it cannot be, and return None."""
         if self.session is not None:
             raise TeamformerError("another page has run a mission already")
@@ -230,7 +230,7 @@ class Workshop:
             self._say(f"the mission is ready after {took:.1f} s; the page starts it")
         return mission
 
-    def _have_run(self, mission: RunningMission, autosave: Autosave) -> None:
+    def _have_run(self, mission: LiveMission, autosave: Autosave) -> None:
         """Let time pass for a mission, and have all pages come to it."""
         self.session = Session(mission, self._folder, self._speed, True, autosave, self._on_alerts)
         self._clock = asyncio.create_task(self.session.run())
@@ -267,12 +267,12 @@ class Workshop:
         self._watchers.clear()
 
 
-async def _start_apart(start: Callable[[], RunningMission]) -> RunningMission:
+async def _start_apart(start: Callable[[], LiveMission]) -> LiveMission:
     """Make a mission, with its first plan, in a thread that does not keep Ctrl-C waiting."""
     loop = asyncio.get_running_loop()
-    made: asyncio.Future[RunningMission] = loop.create_future()
+    made: asyncio.Future[LiveMission] = loop.create_future()
 
-    def tell(mission: RunningMission | None, error: BaseException | None) -> None:
+    def tell(mission: LiveMission | None, error: BaseException | None) -> None:
         if made.done():  # nobody waits any more
             return
         if mission is None:
@@ -281,7 +281,7 @@ async def _start_apart(start: Callable[[], RunningMission]) -> RunningMission:
             made.set_result(mission)
 
     def work() -> None:
-        mission: RunningMission | None = None
+        mission: LiveMission | None = None
         error: BaseException | None = None
         try:
             mission = start()

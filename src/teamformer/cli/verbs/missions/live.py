@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from teamformer.fleet.observer.session import ObserverSession
     from teamformer.live.keeping.resuming import StartMission
     from teamformer.live.running.alarm import OnAlerts
-    from teamformer.live.running.mission_with_past import RunningMission
+    from teamformer.live.steps.mission_with_past import RunningMission
     from teamformer.live.workshop import Workshop
 
 SPEED = 4.0
@@ -144,9 +144,9 @@ def _prepare_to_go_on(
 
 def _starting(method: str | None, seed: int) -> StartMission:
     """Return what makes missions: by a method, or by the one that suits each if none is named."""
-    from teamformer.live.running.mission_with_past import RunningMission
+    from teamformer.live.steps.mission_with_past import RunningMission
 
-    def start(mission: Mission, plans: Sequence[tuple[int, Plan]] = ()) -> RunningMission:
+    def start(mission: Mission, plans: Sequence[tuple[float, Plan]] = ()) -> RunningMission:
         chosen = chosen_method(method, mission, TIME_LIMIT).name
         return RunningMission(mission, lambda: load_method(chosen, TIME_LIMIT), seed, plans)
 

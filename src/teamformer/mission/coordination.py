@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Protocol
 
 from teamformer.mission.checks.links import groups_of, linked_with
+from teamformer.mission.keys.mission_keys import TIMES
 from teamformer.mission.model import Mission, Robot
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
@@ -179,3 +180,12 @@ def heeded_by(coordinator: Coordinator) -> tuple[str, ...]:
     """Return the news after which a coordinator is asked."""
     heeds: tuple[str, ...] = getattr(coordinator, "heeds", UNFORESEEN)
     return heeds
+
+
+def times_of(coordinator: Coordinator) -> tuple[str, ...]:
+    """Return of which times missions are that a coordinator can plan: of all, if it does not say.
+
+    One whose plans count in steps says so in its attribute `times`.
+    """
+    times: tuple[str, ...] = getattr(coordinator, "times", TIMES)
+    return times

@@ -276,9 +276,9 @@ class Mission:
 
 
 def as_believed(mission: Mission, **changes: object) -> Mission:
-    """Return a mission with changes, without checks: what is believed at a moment may be impossible.
+    """Return a mission with changes, without checks.
 
-    Robots may be lost that are needed, and windows may have passed.
+    What is believed at a moment may be impossible: robots that are needed are lost, say.
     """
     changed = copy.copy(mission)
     for name in ("units", "has_surprises"):

@@ -78,10 +78,10 @@ class TaskClock:
             by = end - latest_end(self.tasks[task].between)
             if by > 0:
                 late[task] = by
-        last = [made[-1].task if made else int(at) for made, at in zip(stops, self.origin)]
-        home = self.home[np.arange(len(last)), last]
-        left = [ends[k] if made else free for k, made, free in zip(last, stops, self.free)]
-        back = [free + float(way) for free, way in zip(left, home, strict=True)]
+        rows = zip(stops, self.origin.tolist(), self.free, strict=True)
+        last = [(made[-1].task, made[-1].end) if made else (at, free) for made, at, free in rows]
+        home = self.home[np.arange(len(last)), [place for place, _ in last]]
+        back = [left + float(way) for (_, left), way in zip(last, home, strict=True)]
         parts = {
             "makespan": max(back),
             "travel": travel + float(home.sum()),

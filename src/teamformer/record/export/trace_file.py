@@ -18,8 +18,8 @@ from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.happenings import events
 from teamformer.record.phases import IDLE
 from teamformer.record.record import Record
-from teamformer.record.telling.told import ToldRecord
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.told_record import ToldRecord
 from teamformer.world.rules.constants import NOBODY
 
 ROBOTS, TASKS = 1, 2
@@ -68,7 +68,7 @@ def _runs(mission: Mission, told: ToldRecord, unit: float) -> Iterator[Row]:
 
 def _services(mission: Mission, told: ToldRecord, unit: float) -> Iterator[Row]:
     for service in told.services:
-        ended = told.steps if service.ended is None else service.ended
+        ended = told.length if service.ended is None else service.ended
         names = [mission.robots[robot].name for robot in service.begun_by]
         yield _slice(service.begun, ended, unit) | {
             "name": f"{service.doing} by {', '.join(names)}",

@@ -14,8 +14,8 @@ from teamformer.record.files.endings import ending_to_tree
 from teamformer.record.files.events import event_to_tree
 from teamformer.record.files.truths import truth_to_tree
 from teamformer.record.record import VERSION, Record, Step
-from teamformer.record.telling.trees import told_to_tree
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.trees import told_to_tree
 
 
 def record_to_tree(record: Record) -> dict[str, Any]:

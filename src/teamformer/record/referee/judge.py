@@ -14,8 +14,8 @@ from teamformer.record.referee.playing import Play
 from teamformer.record.referee.truth import judge_truth
 from teamformer.record.referee.verdict import Notes, Verdict
 from teamformer.record.task_times import cost_of_record, lateness
-from teamformer.record.telling.trees import told_to_tree
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.trees import LAYOUT, told_to_tree
 
 WHY_OVER = {
     "completed": "everything was done before",
@@ -59,7 +59,7 @@ def _judge_told(record: Record, notes: Notes) -> None:
         return
     said, due = record.told, told_to_tree(told_of(record))
     keys = due.keys() | said.keys() if isinstance(said, dict) else due.keys()
-    for key in sorted(keys):
+    for key in sorted(keys - {LAYOUT}):
         if not isinstance(said, dict) or said.get(key) != due.get(key):
             notes.note(f"what is told of {key} is not what happened")
 

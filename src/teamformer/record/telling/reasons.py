@@ -19,13 +19,8 @@ from teamformer.record.phases import (
     WAITING,
 )
 from teamformer.record.telling.unrolled import Unrolled
+from teamformer.record.told.words import FORMS, PARTS, listed
 from teamformer.world.rules.constants import NEVER, NOBODY
-
-MANY = 3
-"""Names that are written out where more would be too many to read."""
-
-FORMS, PARTS = "forms a team", "parts from"
-"""What is said of forming: who joins, and who parts."""
 
 RANKS = ("first", "second", "third")
 
@@ -152,7 +147,7 @@ class Narrator:
             return "no task is open"
         if not useful:
             return "no open task needs what it brings"
-        return f"others are to do {_listed(useful)}"
+        return f"others are to do {listed(useful)}"
 
     def _tasks_that_need(self, can: tuple[str, ...]) -> list[str] | None:
         """Return the open tasks that need one of some capabilities, by name; None if none is."""
@@ -184,7 +179,7 @@ class Narrator:
 
     def _names(self, robots: Sequence[int]) -> str:
         """Name robots; of many the first, and how many more there are."""
-        return _listed([self._now.source.robots[robot].name for robot in robots])
+        return listed([self._now.source.robots[robot].name for robot in robots])
 
 
 def _ranked(rank: int) -> str:
@@ -192,8 +187,3 @@ def _ranked(rank: int) -> str:
     told = RANKS[rank] if rank < len(RANKS) else f"number {rank + 1}"
     order = f"{told} in the order that everybody shares"
     return order if rank == 0 else f"{order}, the first it was sent to"
-
-
-def _listed(names: Sequence[str]) -> str:
-    shown = ", ".join(names[:MANY])
-    return f"{shown} and {len(names) - MANY} more" if len(names) > MANY else shown

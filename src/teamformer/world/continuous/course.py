@@ -8,10 +8,10 @@ and links allow it.
 from __future__ import annotations
 
 import copy
-import time
 from collections.abc import Iterable
 from dataclasses import replace
 
+from teamformer.base.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.coordination import IDLE, Coordinator, Known, heeded_by
@@ -36,13 +36,16 @@ RUNNING = "running"
 class Course:
     """A mission from its start to its end, moment by moment.
 
-    `seconds` is what the coordinator took; `status` is RUNNING or how the mission ended.
+    `seconds` is what the coordinator took; `status` is RUNNING or how the mission ended. If a
+    coordinator `is_told_all`, tasks that will appear are known from the start, and wait for that.
     """
 
-    def __init__(self, mission: Mission, truth: Mission, coordinator: Coordinator) -> None:
+    def __init__(
+        self, mission: Mission, truth: Mission, coordinator: Coordinator, is_told_all: bool = False
+    ) -> None:
         mission = with_arrivals(mission, truth)
         self.mission, self.coordinator = mission, coordinator
-        self.world = PhysicalWorld(mission, truth)
+        self.world = PhysicalWorld(mission, truth, is_told_all)
         self.follower = Follower(mission)
         self.status, self.blocked = RUNNING, tuple[int, ...]()
         self.seconds = 0.0
@@ -51,7 +54,6 @@ class Course:
         self._after = _followers(mission)
         self.links = Links(mission)
         self._asked_idle = NOBODY
-        self._begin()
 
     def fork(self) -> Course:
         """Return another course with the same past that goes its own way."""
@@ -65,6 +67,14 @@ class Course:
         """Say whether the mission is not over."""
         return self.status == RUNNING
 
+    def begin(self) -> None:
+        """Let the first plan be made, and do what follows at once."""
+        for robot in range(len(self.mission.robots)):
+            self.world.sense(robot)
+        happened = self.world.take_happened()
+        happened.news = {"start": None}
+        self._act(happened)
+
     def go_on(self) -> None:
         """Go to the next moment and do what follows."""
         if self.world.next_time > self.mission.step_limit:
@@ -73,17 +83,14 @@ class Course:
             return
         self._act(self.world.advance())
 
+    def break_off(self, status: str) -> None:
+        """End the mission as it stands."""
+        if self.is_running:
+            self._end(status)
+
     def known(self, news: tuple[str, ...] = ()) -> Known:
         """Return what everybody knows now."""
         return known_of(self.world, news)
-
-    def _begin(self) -> None:
-        """Let the first plan be made, and do what follows at once."""
-        for robot in range(len(self.mission.robots)):
-            self.world.sense(robot)
-        happened = self.world.take_happened()
-        happened.news = {"start": None}
-        self._act(happened)
 
     def _act(self, happened: Happened) -> None:
         """Do what follows from what has happened at this moment."""
@@ -139,9 +146,9 @@ class Course:
         world, follower = self.world, self.follower
         known = self.known(news)
         old = None if follower.plan is None else follower.rest(world)
-        asked = time.perf_counter()
+        asked = working_seconds()
         plan = self.coordinator.update(known, old)
-        self.seconds += time.perf_counter() - asked
+        self.seconds += working_seconds() - asked
         refuse_unfit(known, plan)
         plan = replace(plan, why=news)
         ends = plan.ends or (None,) * len(plan.order)
@@ -294,7 +301,7 @@ class Course:
         return all(self.follower.is_home(world, robot) for robot in range(len(world.bodies)))
 
     def _is_blocked(self) -> bool:
-        """Say whether robots are lost without whom some task can never be done; then all is over."""
+        """Say whether robots are lost without whom some task is never done; then all is over."""
         world, truth = self.world, self.world.truth
         left = [
             replace(robot, at=world.next_place(number).place)

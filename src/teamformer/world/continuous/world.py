@@ -54,7 +54,7 @@ class Happened:
 class PhysicalWorld:
     """All robots, tasks and loads; `advance` goes to the next moment at which something is due."""
 
-    def __init__(self, mission: Mission, truth: Mission) -> None:
+    def __init__(self, mission: Mission, truth: Mission, is_all_known: bool = False) -> None:
         self.mission, self.truth = mission, truth
         self.now = 0.0
         self.events: list[Event] = []
@@ -64,7 +64,9 @@ class PhysicalWorld:
         self.done: set[int] = set()
         self.started: dict[int, float] = {}  # when the latest service of each began
         self.served_by: dict[int, int] = {}  # the event with which it did
-        self.appeared = {k for k, task in enumerate(truth.tasks) if task.appears == 0}
+        self.appeared = {
+            number for number, task in enumerate(truth.tasks) if task.appears == 0 or is_all_known
+        }
         self.unseen = {k for k, task in enumerate(mission.tasks) if task.may_need}
         self.lies: dict[int, Place] = {}  # where loads were set down, by task
         self.travel = 0.0  # time that robots have spent on their ways

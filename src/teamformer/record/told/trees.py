@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from teamformer.mission.parts.layout import Layout
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.phases import PHASES
-from teamformer.record.telling.told import Chapter, Run, ToldOfStep, ToldRecord, ToldService
+from teamformer.record.told.told_record import Chapter, Run, ToldOfStep, ToldRecord, ToldService
 from teamformer.world.rules.constants import NOBODY
 
 Tree = dict[str, Any]
+
+LAYOUT = "map"
+"""The key that says where places of roads are drawn, which is nobody's claim."""
 
 
 def told_to_tree(told: ToldRecord) -> Tree:
@@ -23,6 +27,7 @@ def told_to_tree(told: ToldRecord) -> Tree:
             "robots": [[_chapter(chapter) for chapter in row] for row in told.chapters],
         },
         "path": path_to_tree(told.path),
+        **({} if told.layout is None else {LAYOUT: _layout(told.layout)}),
     }
 
 
@@ -38,22 +43,36 @@ def news_to_tree(news: ToldOfStep) -> Tree:
 
 def path_to_tree(path: Iterable[Stretch]) -> list[list[Any]]:
     """Return the rows of a critical path."""
-    return [[s.begin, s.end, s.doing, _one(s.robot), _one(s.task)] for s in path]
+    return [[_time(s.begin), _time(s.end), s.doing, _one(s.robot), _one(s.task)] for s in path]
+
+
+def _layout(layout: Layout) -> Tree:
+    return {
+        "size": [layout.width, layout.height],
+        "places": [list(place) for place in layout.places],
+        "roads": [list(road) for road in layout.roads],
+    }
 
 
 def _service(service: ToldService) -> list[Any]:
-    return [*service[:4], list(service.begun_by), list(service.robots)]
+    begun, ended = (_time(when) for when in service[2:4])
+    return [*service[:2], begun, ended, list(service.begun_by), list(service.robots)]
 
 
 def _run(run: Run) -> list[Any]:
     phase = None if run.phase is None else PHASES.index(run.phase)
-    return [run.begun, phase, _one(run.task)]
+    return [_time(run.begun), phase, _one(run.task)]
 
 
 def _chapter(chapter: Chapter) -> list[Any]:
     if chapter.what is None:
-        return [chapter.begun, None, chapter.why[0]]
-    return [chapter.begun, chapter.what, list(chapter.why)]
+        return [_time(chapter.begun), None, chapter.why[0]]
+    return [_time(chapter.begun), chapter.what, list(chapter.why)]
+
+
+def _time(when: Any) -> Any:
+    """Return a time without a point if it is whole."""
+    return int(when) if isinstance(when, float) and when.is_integer() else when
 
 
 def _one(number: int) -> int | None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
+from teamformer.mission.parts.layout import Layout
 from teamformer.record.critical_path.stretches import Stretch
 
 Robots = tuple[int, ...]
@@ -17,15 +18,15 @@ Part = TypeVar("Part", "Run", "Chapter")
 
 
 class ToldService(NamedTuple):
-    """What a team did for a task, from the end of one step to the end of another.
+    """What a team did for a task, from the end of one step to the end of another, or by times.
 
     A load has several: each time that it is loaded and carried, and at last unloaded.
     """
 
     task: int
     doing: str  # one of phases.AT_WORK
-    begun: int
-    ended: int | None  # None while it goes on
+    begun: float
+    ended: float | None  # None while it goes on
     begun_by: Robots
     robots: Robots  # those that were with it when it ended; nobody yet while it goes on
 
@@ -33,10 +34,10 @@ class ToldService(NamedTuple):
 class Run(NamedTuple):
     """What a robot did from the end of a step on, or another robot whose doings were its own.
 
-    What a team does is told once, by its lowest robot.
+    What a team does is told once, by its lowest robot; in continuous time each robot has its own.
     """
 
-    begun: int
+    begun: float
     phase: str | None  # one of phases.PHASES; None: as another robot
     task: int  # that it was about, or NOBODY; or that other robot
 
@@ -47,28 +48,33 @@ class Chapter(NamedTuple):
     Or another robot whose story is its own: then `what` is None, and `why` names that.
     """
 
-    begun: int
+    begun: float
     what: int | None
     why: tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class ToldRecord:
-    """What is told of a record of so many steps; `runs` and `chapters` are by robot."""
+    """What is told of a record of such a length; `runs` and `chapters` are by robot.
 
-    steps: int
+    The length is in steps, or in the unit of continuous time, and so are all times. `layout` says
+    where a map draws the places of roads.
+    """
+
+    length: float
     services: tuple[ToldService, ...]
     runs: tuple[tuple[Run, ...], ...]
     chapters: tuple[tuple[Chapter, ...], ...]
     texts: tuple[str, ...]
     path: tuple[Stretch, ...] = ()
+    layout: Layout | None = None
 
-    def runs_of(self, robot: int) -> Iterator[tuple[int, Run]]:
+    def runs_of(self, robot: int) -> Iterator[tuple[float, Run]]:
         """Yield the ends of a robot's runs and the runs, its team's among them.
 
         What it goes on with as it comes into a team, or leaves one, is one run.
         """
-        latest: tuple[int, Run] | None = None
+        latest: tuple[float, Run] | None = None
         for end, run in self._runs(robot):
             if latest is not None and latest[1][1:] == run[1:]:
                 run = latest[1]
@@ -78,17 +84,17 @@ class ToldRecord:
         if latest is not None:
             yield latest
 
-    def _runs(self, robot: int) -> Iterator[tuple[int, Run]]:
-        for begun, end, run in _parts(self.runs[robot], 0, self.steps):
+    def _runs(self, robot: int) -> Iterator[tuple[float, Run]]:
+        for begun, end, run in _parts(self.runs[robot], 0, self.length):
             if run.phase is not None:
                 yield end, run
                 continue
             for start, until, other in _parts(self.runs[run.task], begun, end):
                 yield until, other._replace(begun=start)
 
-    def chapters_of(self, robot: int) -> Iterator[tuple[int, Chapter]]:
+    def chapters_of(self, robot: int) -> Iterator[tuple[float, Chapter]]:
         """Yield the ends of a robot's chapters and the chapters, its team's among them."""
-        for begun, end, chapter in _parts(self.chapters[robot], 0, self.steps):
+        for begun, end, chapter in _parts(self.chapters[robot], 0, self.length):
             if chapter.what is not None:
                 yield end, chapter
                 continue
@@ -109,7 +115,7 @@ class ToldOfStep:
     texts: tuple[str, ...]
 
 
-def _parts(row: Sequence[Part], begin: int, end: int) -> Iterator[tuple[int, int, Part]]:
+def _parts(row: Sequence[Part], begin: float, end: float) -> Iterator[tuple[float, float, Part]]:
     """Yield begin, end and each of a robot's runs or chapters between two moments."""
     first = max(0, bisect_right(row, begin, key=lambda part: part.begun) - 1)
     for place in range(first, len(row)):

@@ -242,7 +242,7 @@ class Session:
             self._pause()
             await self.move()
         elif command == "speed":
-            self.speed = read_speed(message)
+            self.speed = read_speed(message, self.mission.source.time)
             self._wake.set()
             self._tell_all("state", self._state())
         elif command == "happen":

@@ -232,7 +232,8 @@ class Workshop:
 
     def _have_run(self, mission: LiveMission, autosave: Autosave) -> None:
         """Let time pass for a mission, and have all pages come to it."""
-        self.session = Session(mission, self._folder, self._speed, True, autosave, self._on_alerts)
+        speed = mission.usual_speed(self._speed)
+        self.session = Session(mission, self._folder, speed, True, autosave, self._on_alerts)
         self._clock = asyncio.create_task(self.session.run())
         self._have_all_come_again()
 

@@ -50,8 +50,11 @@ class Kept:
 
     def text(self) -> str:
         """Return what there is to go on with, as words."""
-        happened = len(self.entries) - self.steps
+        happened = sum("happen" in entry for entry in self.entries)
+        times = [entry["now"] for entry in self.entries if "now" in entry]
         what = f"{self.steps} step{'s' * (self.steps != 1)}"
+        if self.mission.time == "continuous":
+            what = moment_text(self.mission, max(times, default=0))
         if happened:
             what += f" and {happened} incident{'s' * (happened != 1)}"
         return f"mission '{self.mission.name}', {what}"

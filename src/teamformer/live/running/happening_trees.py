@@ -33,7 +33,7 @@ def happening_to_tree(happening: Happening) -> Tree:
             return weight | {"plan": None if happening.plan is None else vars(happening.plan)}
         case PlanTakenOver():
             ends = {key: _forecast_to_tree(getattr(happening, key)) for key in ENDS}
-            return {"plan": vars(happening.plan)} | ends
+            return {"plan": vars(happening.plan), "unit": happening.unit} | ends
         case _:
             return {"back": happening.robot}
 
@@ -42,7 +42,8 @@ def happening_from_tree(tree: Tree, mission: Mission) -> Happening:
     """Return what happened to a mission; TeamformerError says why it cannot."""
     plan = None if tree.get("plan") is None else plan_from_tree(tree["plan"])
     if plan is not None and "weighs" not in tree:
-        return PlanTakenOver(plan, *(_forecast_from_tree(tree[key]) for key in ENDS))
+        ends = [_forecast_from_tree(tree[key]) for key in ENDS]
+        return PlanTakenOver(plan, *ends, tree.get("unit", " steps"))
     incident = read_incident(tree, mission)
     if isinstance(incident, NewWeight):
         return NewWeight(incident.task, incident.weight, plan)

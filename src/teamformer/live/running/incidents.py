@@ -190,6 +190,7 @@ class PlanTakenOver(_Told):
     plan: Plan
     forecast: Forecast
     without: Forecast  # how the mission was to end before
+    unit: str = " steps"  # stands behind times
 
     def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission as it is: it holds no plans."""
@@ -197,7 +198,8 @@ class PlanTakenOver(_Told):
 
     def text(self) -> str:
         """Return what happened as words."""
-        return f"plan of central taken over: {self.forecast.text()}; before: {self.without.text()}"
+        found, before = (it.text(self.unit) for it in (self.forecast, self.without))
+        return f"plan of central taken over: {found}; before: {before}"
 
 
 Happening = Incident | PlanTakenOver
@@ -235,8 +237,10 @@ def search_plan(past: Past, seconds: float, is_over: IsOver = never) -> PlanTake
         if seed == 0 or not is_over()
     ]
     ends = [forecast(past.with_plan(plan), is_over) for plan in plans]
+    unit = " steps" if past.mission.time == "steps" else ""
     found = [
-        PlanTakenOver(plan, end, Forecast(0, ())) for plan, end in zip(plans, ends, strict=True)
+        PlanTakenOver(plan, end, Forecast(0, ()), unit)
+        for plan, end in zip(plans, ends, strict=True)
     ]
     best = min(found, key=lambda it: it.forecast.rank)
     return replace(best, without=forecast(past, is_over))

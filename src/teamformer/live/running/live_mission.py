@@ -64,6 +64,12 @@ class LiveMission(Protocol):
     def ends(self) -> Mapping[int, float]:
         """Return when each task was done that was, by number."""
 
+    def usual_speed(self, speed: float) -> float:
+        """Return the speed to begin with, in steps or units of time a second.
+
+        In steps that is what it is given. Units of continuous time differ from mission to mission.
+        """
+
     def beat(self, speed: float) -> tuple[float, float]:
         """Return how many seconds there are between two moves, and how far each goes.
 

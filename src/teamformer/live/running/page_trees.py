@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from teamformer.live.running.forecasts import Forecast
@@ -12,8 +13,8 @@ from teamformer.mission.model import Mission
 from teamformer.record.files.writing import record_to_tree, step_to_tree
 from teamformer.record.record import Record
 from teamformer.record.telling.latest import LatestTold
-from teamformer.record.telling.whole import path_of_record
-from teamformer.record.told.trees import news_to_tree, path_to_tree
+from teamformer.record.telling.whole import path_of_record, told_of
+from teamformer.record.told.trees import added_to_tree, news_to_tree, path_to_tree
 
 Tree = dict[str, Any]
 
@@ -25,6 +26,8 @@ def news_of_move(mission: LiveMission, latest: LatestTold) -> tuple[str, Tree]:
     were; and what is told of it.
     """
     record = mission.record()
+    if record.is_continuous:
+        return "moment", _news_of_moment(mission, record)
     told = news_to_tree(latest.of(record))
     made = len(record.steps)
     news: Tree = {"at": made, "step": step_to_tree(record.steps[-1]), "told": told}
@@ -35,6 +38,20 @@ def news_of_move(mission: LiveMission, latest: LatestTold) -> tuple[str, Tree]:
         news["end"] = vars(record.end)
         told["path"] = path_to_tree(path_of_record(record))
     return "step", news
+
+
+def _news_of_moment(mission: LiveMission, record: Record) -> Tree:
+    """Return how late it is, the latest events, and what these add to what is told."""
+    news = mission.latest
+    before = len(record.events) - len(news["events"])
+    if not mission.is_running:
+        news["end"] = vars(record.end)
+    elif record.events[-1].kind == "over":  # which it is not: the record is of a mission broken off
+        before -= 1
+    if news["events"]:
+        known = replace(record, events=record.events[:before])
+        news["told"] = added_to_tree(told_of(known), told_of(record))
+    return news | {"from": before}
 
 
 def what_happened(mission: LiveMission, happening: Happening | None) -> Tree:
@@ -70,6 +87,8 @@ def record_so_far(record: Record, is_running: bool) -> Tree:
     tree = record_to_tree(record)
     if is_running:
         tree["end"]["status"] = "running"
+        if record.is_continuous:
+            tree["events"].pop()  # that it is over
     return finite(tree)
 
 

@@ -136,6 +136,10 @@ class RunningMission:
         """Return the step in which each task was done that was, by number."""
         return self._env.ends()
 
+    def usual_speed(self, speed: float) -> float:
+        """Return the steps a second to begin with."""
+        return speed
+
     def beat(self, speed: float) -> tuple[float, float]:
         """Return how many seconds there are between two steps at so many steps a second; a step."""
         return 1 / speed, 1.0

@@ -69,13 +69,21 @@ def plan_continuous(
 
 
 def central_plan(
-    mission: ContinuousMission, seconds: float, workers: int, start: CoalitionPlan | None = None
+    mission: ContinuousMission,
+    seconds: float,
+    workers: int,
+    start: CoalitionPlan | None = None,
+    seed: int = 0,
+    is_over: Callable[[], bool] = lambda: False,
 ) -> Solution | LinkedSolution | None:
-    """Return what `central` finds in so many seconds by so many threads; None if nothing."""
+    """Return what `central` finds in so many seconds by so many threads; None if nothing.
+
+    `is_over` says that nobody waits for it any more.
+    """
     problem = mission.problem
     if isinstance(problem, LinkedProblem):
-        return solve_linked(problem, seconds, workers=workers, start=start)
-    return solve(problem, seconds, workers=workers, start=start)
+        return solve_linked(problem, seconds, seed, workers, start, is_over)
+    return solve(problem, seconds, seed, workers, start, is_over)
 
 
 def _solve(

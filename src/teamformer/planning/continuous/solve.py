@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -85,11 +85,13 @@ def solve(
     seed: int = 0,
     workers: int = 2,
     start: CoalitionPlan | None = None,
+    is_over: Callable[[], bool] = lambda: False,
 ) -> Solution | None:
     """Return the best plan found in so many seconds; None if some task can never be done.
 
     It begins with the shared plan, or with `start` if that is better, and ends early if a plan is
-    proven. The main thread only waits, so that Ctrl-C reaches it.
+    proven, or if it `is_over` because nobody waits for it. The main thread only waits, so that
+    Ctrl-C reaches it.
     """
     begun = time.perf_counter()
     shared = plan_together(problem, seed)
@@ -101,7 +103,7 @@ def solve(
         race.offer(start)
     jobs = [partial(_prove_and_search, problem, seed + 1, race)]
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
-    race.run(jobs, len(jobs))
+    race.run(jobs, len(jobs), is_over)
     schedule = _schedule(problem, race.plan)
     bound = min(race.bound, int(schedule.total[MAKESPAN]))
     return Solution(schedule, bound, (first, *race.curve))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -91,6 +92,7 @@ def solve_linked(
     seed: int = 0,
     workers: int = 2,
     start: CoalitionPlan | None = None,
+    is_over: Callable[[], bool] = lambda: False,
 ) -> LinkedSolution | None:
     """Return the best plan found in so many seconds; None if no coalitions were found.
 
@@ -109,7 +111,7 @@ def solve_linked(
             race.offer(_solution(given))
     jobs = [partial(_bound_and_search, problem, seed + 1, race)]
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
-    race.run(jobs, len(jobs))
+    race.run(jobs, len(jobs), is_over)
     is_proven = race.judgement.bounded <= race.bound
     best = _without_riders(problem, race.plan)
     return replace(best, bound=race.bound, is_proven=is_proven, curve=(first, *race.curve))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, TypeVar
 
 from teamformer.mission.parts.layout import Layout
 from teamformer.record.critical_path.stretches import Stretch
@@ -12,6 +12,8 @@ from teamformer.record.told.told_record import Chapter, Run, ToldOfStep, ToldRec
 from teamformer.world.rules.constants import NOBODY
 
 Tree = dict[str, Any]
+
+Part = TypeVar("Part", Run, Chapter)
 
 LAYOUT = "map"
 """The key that says where places of roads are drawn, which is nobody's claim."""
@@ -39,6 +41,40 @@ def news_to_tree(news: ToldOfStep) -> Tree:
         "phases": [[robot, _run(run)] for robot, run in news.runs],
         "reasons": {"texts": list(news.texts), "robots": chapters},
     }
+
+
+def added_to_tree(before: ToldRecord, after: ToldRecord) -> Tree:
+    """Return what is told of events and was not told before the latest, as pages are told.
+
+    There is a path only if the mission has ended.
+    """
+    known = len(before.services)
+    services = [
+        [row, _service(service)]
+        for row, service in enumerate(after.services)
+        if row >= known or service != before.services[row]
+    ]
+    tree: Tree = {
+        "services": services,
+        "phases": [[robot, _run(run)] for robot, run in _added(before.runs, after.runs)],
+        "reasons": {
+            "texts": list(after.texts[len(before.texts) :]),
+            "robots": [
+                [robot, _chapter(chapter)]
+                for robot, chapter in _added(before.chapters, after.chapters)
+            ],
+        },
+    }
+    return tree | {"path": path_to_tree(after.path)} if after.path else tree
+
+
+def _added(
+    before: Sequence[Sequence[Part]], after: Sequence[Sequence[Part]]
+) -> Iterator[tuple[int, Part]]:
+    """Yield what each robot has more than before."""
+    for robot, row in enumerate(after):
+        for part in row[len(before[robot]) :]:
+            yield robot, part
 
 
 def path_to_tree(path: Iterable[Stretch]) -> list[list[Any]]:

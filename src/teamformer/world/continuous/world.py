@@ -10,7 +10,7 @@ from __future__ import annotations
 import copy
 import heapq
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from teamformer.mission.checks.windows import release_of
@@ -35,6 +35,9 @@ from teamformer.world.rules.constants import NOBODY
 LOSE, BRING_BACK, CALL_OFF, APPEAR, OPEN, ARRIVE, FINISH, EXPECT, WAKE = range(9)
 """What can be on the agenda; of what is due at one moment, what comes from outside is first."""
 
+FROM_INSIDE = (ARRIVE, FINISH, EXPECT, WAKE)
+"""What follows from what has happened in the world."""
+
 SHORTEST_HOPE = 10
 """A service that is overdue is expected to take a tenth more of the longest at least."""
 
@@ -57,6 +60,7 @@ class PhysicalWorld:
     def __init__(self, mission: Mission, truth: Mission, is_all_known: bool = False) -> None:
         self.mission, self.truth = mission, truth
         self.now = 0.0
+        self._reached = 0.0  # all has happened that was due until then
         self.events: list[Event] = []
         self.bodies = [Body((Passed(0.0, r.at),), r.at) for r in truth.robots]
         self.works: dict[int, Work] = {}  # by task
@@ -84,8 +88,55 @@ class PhysicalWorld:
         twin.works = {task: copy.copy(work) for task, work in self.works.items()}
         for part in ("over", "done", "started", "served_by", "appeared", "unseen", "lies"):
             setattr(twin, part, copy.copy(getattr(self, part)))
+        twin._still = self._still.fork()
         twin._happened = copy.deepcopy(self._happened)
         return twin
+
+    def under(self, mission: Mission, truth: Mission) -> PhysicalWorld:
+        """Return a fork to which from now on happens what another truth says.
+
+        Its tasks are those of this world; others may come behind all that have appeared. What has
+        happened so far must be the same in both.
+        """
+        twin = self.fork()
+        twin.mission, twin.truth = mission, truth
+        twin._still = StandingStill(truth.robots)
+        twin._agenda = [entry for entry in self._agenda if entry[1] in FROM_INSIDE]
+        twin._put_what_is_to_come()
+        for task, work in twin.works.items():
+            has_changed = truth.tasks[task].duration != self.truth.tasks[task].duration
+            if work.part == SERVING and has_changed:
+                twin._last_otherwise(task, work)
+        for robot, (one, other) in enumerate(zip(truth.robots, self.truth.robots, strict=True)):
+            if one.delays != other.delays:
+                twin._walk_on(robot)
+        return twin
+
+    def _walk_on(self, robot: int) -> None:
+        """Have a robot go on by a way whose times are worked out anew, with its team if it carries.
+
+        A team goes on with the first of its robots of which this is asked.
+        """
+        body = self.bodies[robot]
+        work = self.works.get(body.work)
+        if work is not None and work.part == CARRYING:
+            self._carry(body.work, turning(work.way, self.now, self._is_plane), work.event)
+        elif work is None and body.is_walking and not body.is_lost:
+            goal = body.way[-1].place
+            self._go(robot, turning(body.way, self.now, self._is_plane), goal, body.since)
+
+    def _last_otherwise(self, task: int, work: Work) -> None:
+        """Let a service that goes on end when it really does."""
+        told = (task, work.event)
+        self._agenda = [e for e in self._agenda if e[1] not in (FINISH, EXPECT) or e[2:] != told]
+        real, wanted = self.truth.tasks[task], self.mission.tasks[task]
+        carried = self._carried(task, work.robots)
+        work.all_done = work.begun + (real.duration + carried + real.unload)
+        work.end = work.all_done if real.to is None else work.begun + real.duration
+        self._put(work.end, FINISH, task, work.event)
+        believed = work.expected - carried - wanted.unload
+        if believed < work.begun + real.duration:
+            self._put(max(believed, self.now), EXPECT, task, work.event)
 
     @property
     def next_time(self) -> float:
@@ -101,7 +152,7 @@ class PhysicalWorld:
 
     def advance(self) -> Happened:
         """Go to the next moment and let all happen that is due then."""
-        self.now = self.next_time
+        self.now = self._reached = self.next_time
         while self.next_time <= self.now:
             _, what, which, stamp = heapq.heappop(self._agenda)
             self._let_happen(what, which, stamp)
@@ -136,13 +187,18 @@ class PhysicalWorld:
 
         It stays if it is there already, or if no way leads there.
         """
-        body, real = self.bodies[robot], self.truth.robots[robot]
+        body = self.bodies[robot]
         body.task = task
         stub = turning(body.way, self.now, self._is_plane)
-        start = stub[-1]
-        goal = start.place if goal is None else goal
+        goal = stub[-1].place if goal is None else goal
         if body.is_walking and body.way[-1].place == goal and self._heads_for(body) == task:
             return
+        self._go(robot, stub, goal, cause)
+
+    def _go(self, robot: int, stub: tuple[Passed, ...], goal: Place, cause: int) -> None:
+        """Have a robot go to its task or elsewhere, from the next place of the way it is on."""
+        body, real, start = self.bodies[robot], self.truth.robots[robot], stub[-1]
+        task = body.task
         if not math.isfinite(self.ways.length(start.place, goal, real.moves)):
             goal = start.place
         stages = self.ways.stages(start.place, goal, real.moves)
@@ -203,18 +259,23 @@ class PhysicalWorld:
         return latest if is_now or not self.events else len(self.events) - 1
 
     def _put_what_is_to_come(self) -> None:
+        """Put on the agenda what comes from outside and has not happened."""
+        self._agenda += [entry for entry in self._from_outside() if entry[0] > self._reached]
+        heapq.heapify(self._agenda)
+
+    def _from_outside(self) -> Iterator[Entry]:
         for number, robot in enumerate(self.truth.robots):
             for away in robot.absences:
-                self._put(away.lost, LOSE, number, NOBODY)
+                yield away.lost, LOSE, number, NOBODY
                 if away.back is not None:
-                    self._put(away.back, BRING_BACK, number, NOBODY)
+                    yield away.back, BRING_BACK, number, NOBODY
         for number, task in enumerate(self.truth.tasks):
             if task.appears > 0:
-                self._put(task.appears, APPEAR, number, NOBODY)
+                yield task.appears, APPEAR, number, NOBODY
             if task.cancelled is not None:
-                self._put(task.cancelled, CALL_OFF, number, NOBODY)
+                yield task.cancelled, CALL_OFF, number, NOBODY
             if release_of(task) > task.appears:
-                self._put(release_of(task), OPEN, number, NOBODY)
+                yield release_of(task), OPEN, number, NOBODY
 
     def _put(self, at: float, what: int, which: int, stamp: int) -> None:
         heapq.heappush(self._agenda, (at, what, which, stamp))

@@ -142,7 +142,7 @@ def test_plans_of_an_operator_are_kept(tmp_path: Path) -> None:
     (_, taken), (_, weighed) = again.incidents
     assert isinstance(taken, PlanTakenOver)
     assert isinstance(weighed, NewWeight)
-    assert taken.text() == found.text()
+    assert taken.text(mission.source) == found.text(mission.source)
     assert weighed.plan == mission.incidents[1][1].plan  # type: ignore[union-attr]
 
 

@@ -89,7 +89,7 @@ def on_a_plane() -> Mission:
 
 
 def on_roads() -> Mission:
-    robots = [{"name": f"r{n}", "at": "yard", "can": ["a"]} for n in range(2)]
+    robots = [{"name": f"r{n}", "at": "yard", "can": ["a"]} for n in range(3)]
     robots += [{"name": "s", "at": "dock", "can": ["b"]}]
     tasks = [
         {"name": "pair", "at": "hall", "needs": ["a", "b"], "duration": 2},
@@ -161,7 +161,6 @@ DEEDS: Sequence[Sequence[tuple[float, Happening]]] = [
     [(2.5, LostRobot("r0")), (3.25, RobotBack("r0"))],
     [(0.0, LostRobot("r1")), (0.0, RobotBack("r1")), (7.0, LostRobot("r0"))],
     [(1.2345, CancelledTask("pair"))],
-    [(99.0, LostRobot("r0")), (99.0, RobotBack("r0"))],
 ]
 
 
@@ -229,7 +228,7 @@ def test_an_incident_that_is_undone_has_not_happened() -> None:
     run.happen(LostRobot("r0"))
     run.move(1.0)
     assert isinstance(run.undo(), LostRobot)
-    assert (run.now, run.incidents) == (3.0, plain.incidents)
+    assert (run.now, run.incidents) == (plain.now, plain.incidents) == (3.001, plain.incidents)
     assert play(run).record() == play(plain).record()
     run.undo()
     assert (run.now, run.source) == (2.0, on_roads())
@@ -353,8 +352,8 @@ def test_a_plan_that_is_taken_over_is_what_robots_go_by_and_the_record_says_so()
     run.move(1.0)
     worse = forecast(run.past().with_plan(swapped(run)))
     assert worse.ends == (14.0,)
-    run.happen(PlanTakenOver(swapped(run), worse, forecast(run.past()), unit=""))
-    assert run.incidents[-1][1].text() == (
+    run.happen(PlanTakenOver(swapped(run), worse, forecast(run.past())))
+    assert run.incidents[-1][1].text(run.source) == (
         "plan of central taken over: done after 14; before: done after 2"
     )
     plan = [event.plan for event in run.record().events if event.plan is not None][-1]
@@ -548,7 +547,8 @@ def test_plans_of_an_operator_are_kept(tmp_path: Path) -> None:
         read_autosave(tmp_path / NAME), lambda *given: running(given[0], 0, given[1])
     )
     assert again.record() == run.record()
-    assert [it.text() for _, it in again.incidents] == [it.text() for _, it in run.incidents]
+    told = [[it.text(one.source) for _, it in one.incidents] for one in (again, run)]
+    assert told[0] == told[1]
 
 
 def test_what_comes_out_otherwise_is_refused(tmp_path: Path) -> None:

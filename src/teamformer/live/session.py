@@ -163,15 +163,13 @@ class Session:
         The lock is held meanwhile. That it has happened is told before robots have planned for it.
         """
         self.mission.mission_with(incident)
-        source = self.mission.source
-        when = moment_text(source, felt_at(source, self.mission.now, incident))
-        text = f"{when}: {incident.text()}"
         self._happening = incident
-        self._tell_planning(text)
+        self._tell_planning(self._text_of(self.mission.now, incident))
         try:
             await asyncio.to_thread(self.mission.happen, incident)
             self._autosave.happen(self.mission)
             self._planning = ""
+            text, source = self._text_of(*self.mission.incidents[-1]), self.mission.source
             record = self._record()
             if source.time == "steps":
                 record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
@@ -188,8 +186,9 @@ class Session:
         async with self.lock:
             incident = self.mission.undo()
             self._autosave.undo()
-            back = moment_text(self.mission.source, self.mission.now)
-            back = f"Undone: {incident.text()}. The mission is back at {back}."
+            source = self.mission.source
+            back = moment_text(source, self.mission.now)
+            back = f"Undone: {incident.text(source)}. The mission is back at {back}."
             self._tell_another_past(back)
 
     async def restart(self) -> None:
@@ -339,6 +338,12 @@ class Session:
             if moment != self._moment():
                 raise TeamformerError("the mission has gone on since then; plan anew")
             await self.happen(plan)
+
+    def _text_of(self, at: float, happening: Happening) -> str:
+        """Return what happened at a time, with when it is felt, as words."""
+        source = self.mission.source
+        when = moment_text(source, felt_at(source, at, happening))
+        return f"{when}: {happening.text(source)}"
 
     def _moment(self) -> Moment:
         return self.mission.now, self._changes

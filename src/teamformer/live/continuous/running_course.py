@@ -260,7 +260,8 @@ class RunningCourse:
         """Return when an incident happens: now, or just after what has happened now.
 
         What comes from outside is first of what happens at one moment, so it would come before
-        that. If possible the moment has few places after the point.
+        that; a plan that an operator brings comes last. If possible the moment has few places after
+        the point.
         """
         world = self._course.world
         latest = max((event.at for event in world.events), default=0.0)
@@ -286,15 +287,18 @@ class RunningCourse:
 
     def _changed(self, happening: Happening, order: int = 0) -> tuple[Happening, Course, Mission]:
         """Return what happens, with its plan, and the course and the mission after it."""
-        moment = self._moment()
+        brings_plan = isinstance(happening, PlanTakenOver | NewWeight)
+        moment = self.now if brings_plan else self._moment()
         mission = self._mission_at(moment, happening)
         present = self._course if self.is_running else self._last
         course = present.under(mission, draw_truth(mission, self.seed))
         course.coordinator = self._coordinator(order)
         course.go_until(moment)
+        if not course.is_running and (brings_plan or course.world.now < moment):
+            raise TeamformerError("the mission is over, and this changes nothing about it")
         if isinstance(happening, NewWeight) and happening.plan is None:
             happening = happening.planned(course.known(), course.rest(), course.coordinator)
-        if (plan := plan_of(happening)) is not None and course.is_running:
+        if (plan := plan_of(happening)) is not None:
             course.take_over(plan)
         return happening, course, mission
 

@@ -76,7 +76,9 @@ class Autosave:
 
     def happen(self, mission: LiveMission) -> None:
         """Write down the latest incident."""
-        self._write({"happen": happening_to_tree(mission.incidents[-1][1])}, mission)
+        self._write(
+            {"happen": happening_to_tree(mission.incidents[-1][1], mission.source)}, mission
+        )
 
     def undo(self) -> None:
         """Write down that the latest incident was undone."""

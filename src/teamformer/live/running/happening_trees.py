@@ -17,13 +17,16 @@ from teamformer.live.running.messages import read_incident
 from teamformer.live.running.page_trees import Tree
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
+from teamformer.mission.parts.roads import Roads
 
 
-def happening_to_tree(happening: Happening) -> Tree:
+def happening_to_tree(happening: Happening, mission: Mission) -> Tree:
     """Return what happens as the message of a page has it, with the plan that it brings."""
     match happening:
         case NewTask():
-            return {"task": vars(happening) | {"needs": dict(happening.needs)}}
+            place, world = happening.at, mission.world
+            at = world.places[int(place[0])] if isinstance(world, Roads) else place
+            return {"task": vars(happening) | {"at": at, "needs": dict(happening.needs)}}
         case LostRobot():
             return {"lost": happening.robot}
         case CancelledTask():
@@ -33,7 +36,7 @@ def happening_to_tree(happening: Happening) -> Tree:
             return weight | {"plan": None if happening.plan is None else vars(happening.plan)}
         case PlanTakenOver():
             ends = {key: _forecast_to_tree(getattr(happening, key)) for key in ENDS}
-            return {"plan": vars(happening.plan), "unit": happening.unit} | ends
+            return {"plan": vars(happening.plan)} | ends
         case _:
             return {"back": happening.robot}
 
@@ -42,8 +45,7 @@ def happening_from_tree(tree: Tree, mission: Mission) -> Happening:
     """Return what happened to a mission; TeamformerError says why it cannot."""
     plan = None if tree.get("plan") is None else plan_from_tree(tree["plan"])
     if plan is not None and "weighs" not in tree:
-        ends = [_forecast_from_tree(tree[key]) for key in ENDS]
-        return PlanTakenOver(plan, *ends, tree.get("unit", " steps"))
+        return PlanTakenOver(plan, *(_forecast_from_tree(tree[key]) for key in ENDS))
     incident = read_incident(tree, mission)
     if isinstance(incident, NewWeight):
         return NewWeight(incident.task, incident.weight, plan)

@@ -9,9 +9,10 @@ from typing import ClassVar
 from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.live.running.forecasts import Forecast, IsOver, Past, forecast, never
 from teamformer.mission.coordination import Coordinator, Known, Plan
-from teamformer.mission.model import Absence, Mission, Robot, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import Counts, describe
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.roads import Roads
 
 SEARCHES = 4
 """Plans that are searched for, each from other random numbers, and played: the best play counts."""
@@ -65,9 +66,9 @@ class NewTask(_Told):
         task = Task(self.name, self.at, dict(self.needs), self.duration, now.now)
         return _checked(mission, tasks=(*mission.tasks, task))
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
-        place = f"[{self.at[0]}, {self.at[1]}]"
+        place = place_text(mission.world, self.at)
         return f"task {self.name} at {place} that needs {describe(self.needs)}"
 
 
@@ -92,7 +93,7 @@ class LostRobot(_Told):
             return _with_absences(mission, number, (*been[:-1], Absence(last.lost)))
         return _with_absences(mission, number, (*been, Absence(now.next)))
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
         return f"robot {self.robot} lost"
 
@@ -119,7 +120,7 @@ class RobotBack(_Told):
         again = (*been[:-1], replace(been[-1], back=now.next), *later)
         return _with_absences(mission, number, again)
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
         return f"robot {self.robot} back"
 
@@ -141,7 +142,7 @@ class CancelledTask(_Told):
             raise TeamformerError(f"task '{self.task}' was called off already")
         return _with_task(mission, number, replace(task, cancelled=now.next))
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
         return f"task {self.task} called off"
 
@@ -172,7 +173,7 @@ class NewWeight(_Told):
         asked = replace(known, news=("task appeared",), mission=mission)
         return replace(self, plan=coordinator.update(asked, plan))
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
         return f"task {self.task} has the weight {self.weight:g}"
 
@@ -190,19 +191,26 @@ class PlanTakenOver(_Told):
     plan: Plan
     forecast: Forecast
     without: Forecast  # how the mission was to end before
-    unit: str = " steps"  # stands behind times
 
     def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission as it is: it holds no plans."""
         return mission
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return what happened as words."""
-        found, before = (it.text(self.unit) for it in (self.forecast, self.without))
+        unit = " steps" if mission.time == "steps" else ""
+        found, before = (it.text(unit) for it in (self.forecast, self.without))
         return f"plan of central taken over: {found}; before: {before}"
 
 
 Happening = Incident | PlanTakenOver
+
+
+def place_text(world: World, place: Place) -> str:
+    """Return a place as words: the name of one on roads."""
+    if isinstance(world, Roads):
+        return world.places[int(place[0])]
+    return f"[{place[0]}, {place[1]}]"
 
 
 def plan_of(happening: Happening) -> Plan | None:
@@ -237,10 +245,8 @@ def search_plan(past: Past, seconds: float, is_over: IsOver = never) -> PlanTake
         if seed == 0 or not is_over()
     ]
     ends = [forecast(past.with_plan(plan), is_over) for plan in plans]
-    unit = " steps" if past.mission.time == "steps" else ""
     found = [
-        PlanTakenOver(plan, end, Forecast(0, ()), unit)
-        for plan, end in zip(plans, ends, strict=True)
+        PlanTakenOver(plan, end, Forecast(0, ())) for plan, end in zip(plans, ends, strict=True)
     ]
     best = min(found, key=lambda it: it.forecast.rank)
     return replace(best, without=forecast(past, is_over))

@@ -66,7 +66,9 @@ def what_happened(mission: LiveMission, happening: Happening | None) -> Tree:
     latest += [] if happening is None else [happening]
     lost = (it.robot for it in latest if isinstance(it, LostRobot) and is_in_steps)
     return {
-        "incidents": [[felt_at(mission.source, at, it), it.text()] for at, it in incidents],
+        "incidents": [
+            [felt_at(mission.source, at, it), it.text(mission.source)] for at, it in incidents
+        ],
         "undo_to": incidents[-1][0] if incidents else None,
         "leaving": list(dict.fromkeys(lost)),
     }

@@ -35,7 +35,7 @@ class WhatIf:
     def to_tree(self) -> Tree:
         """Return it as pages are told; `is_planned` says that they are told of luck later."""
         ends = forecast_to_tree(self.found) | {"without": forecast_to_tree(self.without)}
-        about = {"text": self.incident.text(), "at": self.now.now}
+        about = {"text": self.incident.text(self.now.source), "at": self.now.now}
         return ends | about | {"is_planned": self.now.is_planned}
 
     @property

@@ -17,7 +17,7 @@ from teamformer.world.continuous.world import PhysicalWorld
 from teamformer.world.rules.constants import NOBODY
 
 
-class Follower:
+class PlanFollower:
     """The plan in force, as each robot's list of tasks."""
 
     def __init__(self, mission: Mission) -> None:
@@ -29,7 +29,7 @@ class Follower:
         self._routes: list[list[int]] = [[] for _ in mission.robots]
         self._scouts: dict[int, int] = {}
 
-    def fork(self, mission: Mission | None = None) -> Follower:
+    def fork(self, mission: Mission | None = None) -> PlanFollower:
         """Return another one that goes its own way, perhaps in a mission that has changed."""
         twin = copy.copy(self)
         if mission is not None:

@@ -8,7 +8,7 @@ and links allow it.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from teamformer.base.kernels.clock import working_seconds
@@ -96,7 +96,9 @@ class Course:
         """Do what follows from what has happened at this moment."""
         if "robot lost" in happened.news and self._is_blocked():
             return
-        self._tend(happened)
+        while happened:
+            self._tend(happened)
+            happened = self.world.take_happened()  # what it has brought about at this moment
         if self._is_over():
             self._end(COMPLETED)
         elif not self.world.is_busy and not self._waits_for_a_time():
@@ -168,12 +170,22 @@ class Course:
             task: [robot for robot in self.follower.robots_of[task] if robot in there]
             for task in order
         }
-        order = [task for task in order if robots_of[task]]
+        order = self._in_turn([task for task in order if robots_of[task]], known)
         timed = foresee(known, self.world.ways, order, robots_of)
         self.links.foresee(timed, holds_of(known, timed))
         for task, at in self.links.holds.items():
             if at > self.world.now:
                 self.world.wake(at, task)
+
+    def _in_turn(self, order: Sequence[int], known: Known) -> list[int]:
+        """Return the tasks of an order without those that come after one that nobody is to do."""
+        coming = {*known.over, *(task for task, _ in known.under_way)}
+        kept = []
+        for task in order:
+            if coming.issuperset(self._before.get(task, ())):
+                coming.add(task)
+                kept.append(task)
+        return kept
 
     def _send(self, robot: int) -> int:
         """Send a robot to its next task; return that task."""
@@ -277,8 +289,7 @@ class Course:
         if self._asked_idle != events:
             self._plan((IDLE,))
             self._asked_idle = len(self.world.events)
-            happened = Happened(robots=set(range(len(self.mission.robots))))
-            self._tend(happened)
+            self._tend(Happened(robots=set(range(len(self.mission.robots)))))
             self._asked_idle = len(self.world.events)
         if self.world.is_busy or self._waits_for_a_time() or not self.is_running:
             return

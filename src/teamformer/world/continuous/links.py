@@ -44,7 +44,7 @@ class GapKeeper:
     def is_off(self, world: PhysicalWorld, tasks: Iterable[int]) -> bool:
         """Say whether some tasks have begun or ended at another time than foreseen.
 
-        Where robots may be delayed nobody knows before, so it is looked at anew.
+        Where robots may be delayed nobody knows before, so it is looked at anew while one walks.
         """
         return self._foreseen is not None and any(self._differs(world, task) for task in tasks)
 
@@ -103,7 +103,7 @@ class GapKeeper:
             return not _is_near(ended, self._foreseen.end(task), world.now)
         if task in world.started:
             return not _is_near(world.started[task], foreseen, world.now)
-        return self._has_delays and task in self.linked
+        return self._has_delays and task in self.linked and world.is_busy
 
     def _start(self, task: int) -> float | None:
         return None if self._foreseen is None else self._foreseen.start.get(task)

@@ -50,6 +50,10 @@ class Happened:
     robots: set[int] = field(default_factory=set)
     tasks: set[int] = field(default_factory=set)
 
+    def __bool__(self) -> bool:
+        """Say whether anything has to be looked at."""
+        return bool(self.news or self.robots or self.tasks)
+
 
 class PhysicalWorld:
     """All robots, tasks and loads; `advance` goes to the next moment at which something is due."""

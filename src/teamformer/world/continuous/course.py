@@ -24,7 +24,8 @@ from teamformer.world.continuous.following import PlanFollower
 from teamformer.world.continuous.foresight import foresee, holds_of
 from teamformer.world.continuous.known import known_of
 from teamformer.world.continuous.links import GapKeeper
-from teamformer.world.continuous.world import Happened, PhysicalWorld
+from teamformer.world.continuous.moving import Happened
+from teamformer.world.continuous.world import PhysicalWorld
 from teamformer.world.guidance.guide import refuse_unfit
 from teamformer.world.rules.constants import NOBODY
 
@@ -224,11 +225,14 @@ class Course:
         if task in world.over or task in world.works or task not in world.appeared:
             return False
         team, place = self._team(task), world.place_of(task)
+        if task in world.maybe:
+            return False
         is_there = all(
             world.is_at(robot, place) and self.follower.next_task(world, robot) == task
             for robot in team
         )
-        return bool(team) and is_there and world.covers(team, task)
+        is_able = world.covers(team, task) and world.can_carry(team, task)
+        return bool(team) and is_there and is_able
 
     def _let_begin(self, tasks: Iterable[int]) -> list[int]:
         """Let those of some tasks form or begin that may; return those that have begun."""

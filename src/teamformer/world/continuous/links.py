@@ -10,12 +10,10 @@ import copy
 from collections.abc import Iterable, Mapping
 
 from teamformer.mission.model import Mission
+from teamformer.world.continuous.body import SAME
 from teamformer.world.continuous.world import PhysicalWorld
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.rules.starts import Gap, Timed
-
-SAME = 1e-9
-"""Moments nearer than this share of the time that has passed are the same: sums are rounded."""
 
 
 class GapKeeper:

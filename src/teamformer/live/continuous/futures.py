@@ -95,7 +95,8 @@ def _possible_task(
 ) -> Task:
     """Return a task as it could be.
 
-    What it needs once that is known; how long it takes once it is done, or its load taken up.
+    Where it is once it is found, else in one of the places left; what it needs once that is known;
+    how long it takes once it is done, or its load taken up.
     """
     real, work = world.truth.tasks[number], world.works.get(number)
     needs = drawn.needs if number in world.unseen else real.needs
@@ -104,7 +105,10 @@ def _possible_task(
         duration = real.duration
     elif task.lasts is not None and work is not None and work.part == SERVING:
         duration = _lasts_on(task.lasts, world.now - work.begun, rng)
-    return task.once_known(drawn.at, needs, duration)
+    at, left = real.at, world.maybe.get(number, ())
+    if left:
+        at = left[int(rng.integers(len(left)))]
+    return task.once_known(at, needs, duration)
 
 
 def _lasts_on(lasts: tuple[float, float], so_far: float, rng: np.random.Generator) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -109,9 +110,9 @@ class Robot:
         last = self.absences[-1] if self.absences else None
         return last.lost if last is not None and last.back is None else None
 
-    def is_due(self, steps_made: int) -> bool:
-        """Say whether it will be back in a step after `steps_made`."""
-        return any(away.back is not None and away.back > steps_made for away in self.absences)
+    def is_due(self, now: float) -> bool:
+        """Say whether it will be back after a moment; in steps, after so many that are made."""
+        return any(away.back is not None and away.back > now for away in self.absences)
 
 
 @dataclass(frozen=True)
@@ -272,6 +273,19 @@ class Mission:
     def out_of_units(self, counts: Mapping[str, int]) -> dict[str, float]:
         """Return counts that arrays hold as they are written; needs as they were rounded up."""
         return out_of_units(counts, self.units)
+
+
+def as_believed(mission: Mission, **changes: object) -> Mission:
+    """Return a mission with changes, without checks.
+
+    What is believed at a moment may be impossible: robots that are needed are lost, say.
+    """
+    changed = copy.copy(mission)
+    for name in ("units", "has_surprises"):
+        changed.__dict__.pop(name, None)  # worked out of what is changed
+    for name, value in changes.items():
+        object.__setattr__(changed, name, value)
+    return changed
 
 
 def default_step_limit(mission: Mission) -> int:

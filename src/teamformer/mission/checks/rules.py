@@ -60,11 +60,11 @@ def find_rule_problems(mission: Mission) -> Iterator[Problem]:
 
 def rules_not_played(mission: Mission) -> Iterator[Problem]:
     """Return why the step simulator cannot play a mission; nothing if it can."""
-    remedy = "plan it with `teamformer plan`"
     if mission.time == "continuous":
-        yield Problem(("time",), f"missions in continuous time are not played in steps; {remedy}")
+        what = "missions in continuous time are not played in steps"
+        yield Problem(("time",), f"{what}; use `teamformer run`, `compare` or `plan`")
         return
-    remedy = f"write time: continuous and {remedy}"
+    remedy = "write time: continuous"
     yield from find_flown_loads(mission)
     for where, what in find_unknown(mission, STEPS):
         yield Problem(where, f"{what}; {remedy}")
@@ -76,6 +76,12 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}; {remedy}")
     for problem in find_endless_play(mission):
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
+
+
+def rules_not_run(mission: Mission) -> Iterator[Problem]:
+    """Return why a mission cannot be run, be it in steps or in continuous time."""
+    if mission.time == "steps":
+        yield from rules_not_played(mission)
 
 
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
@@ -93,8 +99,8 @@ def rules_not_planned(mission: Mission) -> Iterator[Problem]:
 
 
 VERBS = {
-    "run": rules_not_played,
-    "compare": rules_not_played,
+    "run": rules_not_run,
+    "compare": rules_not_run,
     "plan": rules_not_planned,
     "live": rules_not_played,
 }

@@ -41,7 +41,7 @@ LINKED_PLANNERS: dict[str, LinkedPlanner] = {
 }
 """The same where starts are linked or plans have a cost of their own."""
 
-__all__ = ["PLANNERS", "plan_continuous", "warm_up"]
+__all__ = ["PLANNERS", "central_plan", "plan_continuous", "warm_up"]
 
 
 def plan_continuous(
@@ -66,6 +66,16 @@ def plan_continuous(
             "different robots do them, so add robots or drop a link",
         )
     return made
+
+
+def central_plan(
+    mission: ContinuousMission, seconds: float, workers: int, start: CoalitionPlan | None = None
+) -> Solution | LinkedSolution | None:
+    """Return what `central` finds in so many seconds by so many threads; None if nothing."""
+    problem = mission.problem
+    if isinstance(problem, LinkedProblem):
+        return solve_linked(problem, seconds, workers=workers, start=start)
+    return solve(problem, seconds, workers=workers, start=start)
 
 
 def _solve(

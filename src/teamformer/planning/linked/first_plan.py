@@ -26,7 +26,8 @@ def construct(problem: LinkedProblem, draws: Random | None) -> CoalitionPlan | N
     waiting = [{group_of[other] for task in tasks for other in before[task]} for tasks in members]
     due = [min((int(base.due[t]), int(base.release[t])) for t in tasks) for tasks in members]
     left, plan, order = set(range(len(members))), empty_plan(base), list[int]()
-    place, free = base.origin.astype(np.int64), np.zeros(len(base.origin), np.int64)
+    place = base.origin.astype(np.int64)
+    free = base.ready[place - len(base.needs)]
     while left:
         ready = [group for group in sorted(left) if not waiting[group] & left]
         group = _draw(ready, draws) if draws else min(ready, key=lambda one: (due[one], one))

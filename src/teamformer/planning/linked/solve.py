@@ -17,6 +17,9 @@ from teamformer.planning.race import Judgement, Race
 ROUNDS_EACH, MOST_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task, and so many at most: about a second."""
 
+SHORTER, LESS_HOT = 5, 8
+"""A search after news is so many times shorter than the first one, and begins less hot."""
+
 FEW_TASKS, SECONDS_EACH = 100, 15.0
 """With fewer tasks than this a search anneals again after so many seconds; with more it anneals
 once in all the time there is."""
@@ -51,12 +54,35 @@ def plan_linked(problem: LinkedProblem, seed: int = 0) -> LinkedSolution | None:
     if not search.begin_anew():
         return None
     search.quench()
-    heat = search.heat
-    rounds = min(MOST_ROUNDS, ROUNDS_EACH * len(problem.group)) // COOLINGS
-    for _ in range(COOLINGS):
-        search.anneal(heat, rounds)
-        heat *= COOLER
+    _cool(search, search.heat, shared_rounds(len(problem.group)))
     return _without_riders(problem, _solution(search))
+
+
+def plan_linked_again(
+    problem: LinkedProblem, start: CoalitionPlan, seed: int = 0
+) -> LinkedSolution | None:
+    """Return the plan that every robot computes after news: from what is left of the old one.
+
+    It is never worse than that, unless robots wait in it for one another for ever. The search is
+    shorter than a first one and begins less hot. None if no coalitions were found.
+    """
+    search = LinkedSearch(problem, seed)
+    if not search.begin_at(start) and not search.begin_anew():
+        return None
+    _cool(search, search.heat / LESS_HOT, shared_rounds(len(problem.group)) // SHORTER)
+    return _without_riders(problem, _solution(search))
+
+
+def shared_rounds(tasks: int) -> int:
+    """Return how many rounds the shared plan of so many tasks takes."""
+    return min(MOST_ROUNDS, ROUNDS_EACH * tasks)
+
+
+def _cool(search: LinkedSearch, heat: float, rounds: int) -> None:
+    """Anneal from some heat on, so many rounds in all."""
+    for _ in range(COOLINGS):
+        search.anneal(heat, rounds // COOLINGS)
+        heat *= COOLER
 
 
 def solve_linked(

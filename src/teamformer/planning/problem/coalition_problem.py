@@ -57,6 +57,7 @@ class CoalitionProblem(NamedTuple):
     after: Int32s  # (tasks, most) the tasks that each must have ended before, then NOBODY
     forming: Ints  # (1,) what a coalition takes whose robots do not all come from one site
     spares: int  # how many robots more than it needs come to a task at most
+    ready: Ints  # (places - tasks,) when who is at each place that is no task can leave it
 
 
 def pose_problem(
@@ -75,12 +76,14 @@ def pose_problem(
     site: npt.ArrayLike | None = None,
     apart: npt.ArrayLike | None = None,
     spares: int = 0,
+    ready: npt.ArrayLike | None = None,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
     `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
     `site` no two places lie at the same position; without `slower` all carry loads equally fast.
-    Robots with different numbers in `apart` (robots,) are of different kinds.
+    Robots with different numbers in `apart` (robots,) are of different kinds. Without `ready` all
+    robots can leave at once.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
@@ -111,6 +114,7 @@ def pose_problem(
         after=listed([[j for i, j in precedence if i == task] for task in range(tasks)]),
         forming=np.array([forming]),
         spares=spares,
+        ready=np.asarray(np.zeros(ways.shape[1] - tasks) if ready is None else ready, np.int64),
     )
 
 

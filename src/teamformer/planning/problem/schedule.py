@@ -28,19 +28,21 @@ class Schedule(NamedTuple):
     rank: Int32s  # (tasks,) positions in the order
     last: Int32s  # (tasks + 1, robots) where each robot is before a position of the order
     start: Ints  # (tasks,)
-    end: Ints  # (places,) 0 for the places where robots start
+    end: Ints  # (places,) for the places where robots are: when they can leave
     total: Ints  # (4,) makespan, cost, sum of the times at home, lateness
 
 
 def empty_schedule(problem: CoalitionProblem) -> Schedule:
     """Return room for a plan and its times."""
     tasks, robots = len(problem.needs), len(problem.counts)
+    end = np.zeros(problem.ways.shape[1], np.int64)
+    end[tasks:] = problem.ready
     return Schedule(
         plan=empty_plan(problem),
         rank=np.arange(tasks, dtype=np.int32),
         last=np.zeros((tasks + 1, robots), np.int32),
         start=np.zeros(tasks, np.int64),
-        end=np.zeros(problem.ways.shape[1], np.int64),
+        end=end,
         total=np.zeros(4, np.int64),
     )
 

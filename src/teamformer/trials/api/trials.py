@@ -10,10 +10,9 @@ from typing import Any
 from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.methods.by_name import Method, Player, as_method, default_for, load_method
 from teamformer.mission.arrivals import with_arrivals
-from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.checks.rules import rules_not_run
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
-from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.files.reading import read_record
@@ -33,7 +32,7 @@ from teamformer.trials.comparison import compare_methods
 from teamformer.trials.outputs import write_record
 from teamformer.trials.planned import PlannedMission, plan_mission
 from teamformer.trials.rows import bars_of, result_row
-from teamformer.trials.trial import PlayedTrial, run_trial
+from teamformer.trials.trial import PlayedTrial, bound_of, run_trial
 from teamformer.viewer.html import record_page
 from teamformer.viewer.notebook_page import Page
 
@@ -207,9 +206,9 @@ def check(record: Trial | Record | PathOrName) -> Verdict:
 
 
 def refuse_unplayed(mission: Mission, verb: str) -> None:
-    """Raise `TeamformerError` for what is no mission, or none that is played in steps."""
+    """Raise `TeamformerError` for what is no mission, or none that can be run."""
     refuse_no_mission(mission, verb)
-    if problems := list(rules_not_played(mission)):
+    if problems := list(rules_not_run(mission)):
         raise MissionError(problems)
 
 
@@ -236,4 +235,4 @@ def _run_one(
     mission: Mission, method: Method, seed: int, truth: Mission | None = None
 ) -> PlayedTrial:
     truth = draw_truth(mission, seed) if truth is None else truth
-    return run_trial(mission, method, seed, lower_bound(truth), truth=truth)
+    return run_trial(mission, method, seed, bound_of(truth), truth=truth)

@@ -43,9 +43,15 @@ class ContinuousTrial:
             seed=seed,
             end=ending_of(self.course),
             events=tuple(self.course.world.events),
+            lower_bound=self._bound(),
             truth=truth if mission.has_surprises else None,
             heeds=heeded_by(self.coordinator),
         )
+
+    def _bound(self) -> float | None:
+        """Return what no plan is over before; None if nobody has worked it out."""
+        bound = self.coordinator.bound if isinstance(self.coordinator, InHindsight) else 0.0
+        return bound or None
 
 
 def run_continuous(

@@ -28,7 +28,7 @@ from teamformer.trials.api.arguments import (
     refuse_no_mission,
     whole_seed,
 )
-from teamformer.trials.comparison import compare_methods
+from teamformer.trials.comparison import IN_CONTINUOUS_TIME, IN_STEPS, compare_methods
 from teamformer.trials.outputs import write_record
 from teamformer.trials.planned import PlannedMission, plan_mission
 from teamformer.trials.rows import bars_of, result_row
@@ -146,13 +146,14 @@ def run(
 
 def compare(
     mission: Mission,
-    methods: Sequence[str | Player] = ("heuristic", "join-all", "crews", "plan", "central"),
+    methods: Sequence[str | Player] | None = None,
     seeds: int = 1,
     seconds: float = 10.0,
 ) -> list[dict[str, Any]]:
     """Run a mission by several methods and return a row for each trial.
 
-    Each method runs once with each seed from 0 to `seeds` - 1. A row is what
+    Without `methods` these are heuristic, join-all, crews, plan and central; in continuous time
+    plan and central. Each method runs once with each seed from 0 to `seeds` - 1. A row is what
     `teamformer compare --json` prints: `method`, `seed`, `makespan`, `percent_over_best`,
     `lower_bound` and others. Only the row of a trial that could not be run has an `error`; one that
     came to its step limit has a makespan of None. If no trial could be run, the first error is
@@ -165,6 +166,8 @@ def compare(
     refuse_unplayed(mission, "compare")
     if isinstance(methods, str):
         raise TeamformerError("methods is a text", f"write a list, [{methods!r}]")
+    if methods is None:
+        methods = IN_STEPS if mission.time == "steps" else IN_CONTINUOUS_TIME
     chosen = [_method(method, seconds) for method in methods]
     compared = compare_methods(mission, chosen, seeds, _run_one)
     if compared.is_interrupted:

@@ -8,10 +8,10 @@ and links allow it.
 from __future__ import annotations
 
 import copy
-import time
 from collections.abc import Iterable
 from dataclasses import replace
 
+from teamformer.base.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.coordination import IDLE, Coordinator, Known, heeded_by
@@ -146,9 +146,9 @@ class Course:
         world, follower = self.world, self.follower
         known = self.known(news)
         old = None if follower.plan is None else follower.rest(world)
-        asked = time.perf_counter()
+        asked = working_seconds()
         plan = self.coordinator.update(known, old)
-        self.seconds += time.perf_counter() - asked
+        self.seconds += working_seconds() - asked
         refuse_unfit(known, plan)
         plan = replace(plan, why=news)
         ends = plan.ends or (None,) * len(plan.order)

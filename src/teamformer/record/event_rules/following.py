@@ -102,7 +102,7 @@ class Following:
     # What must have happened before a later moment
 
     def settle(self, later: float) -> None:
-        """Check that all has happened at this moment that had to, and nothing is due before later."""
+        """Check that all has happened that had to before a later moment."""
         for task in self._breaks:
             raise BrokenRuleError(
                 f"the service of {self._task(task)} breaks off, and nothing says so"
@@ -312,14 +312,15 @@ class Following:
         robot = self._one(event)
         it, name = self.now.robots[robot], self._robot(robot)
         self._need(not it.is_lost and it.work == NOBODY, f"robot {name} cannot arrive")
+        stub = self.now.turns_at(robot)
         if it.is_walking and is_near(it.way[-1].at, event.at):
+            stub = it.way[-1:]
             self._need(event.cause == it.walk, f"robot {name} arrives by another way than its own")
             self._need(event.task == it.task, f"robot {name} arrives for another task than its own")
         elif event.task != NOBODY:
-            self._judge_goal(robot, event.task, self.now.turns_at(robot)[-1].place)
-        last = it.way[-1]
-        is_there = last.at <= event.at or is_near(last.at, event.at) or not it.is_walking
-        self._need(is_there, f"robot {name} arrives at {last.at:.9g} by its way")
+            self._judge_goal(robot, event.task, stub[-1].place)
+        last = stub[-1]
+        self._need(len(stub) == 1, f"robot {name} is between two places, and arrives")
         place = self._place(last.place)
         self._need(event.place == last.place, f"robot {name} is at {place}, and arrives elsewhere")
         self._stop_walking(robot)

@@ -148,9 +148,10 @@ class PhysicalWorld:
         stages = self.ways.stages(start.place, goal, real.moves)
         way = (*stub, *self._passing((robot,), start.at, [(p, d / real.speed) for p, d in stages]))
         if len(way) == 1:
+            stops = body.is_walking
             self._stop_walking(body)
             body.way = way
-            if task != NOBODY:
+            if task != NOBODY or stops:
                 body.since = self.tell("arrive", (robot,), task, cause, place=goal)
                 self.sense(robot)
             return

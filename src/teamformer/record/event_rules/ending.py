@@ -37,14 +37,14 @@ def wrong_endings(now: Standing, status: str) -> Iterator[str]:
         parts = {"makespan": makespan, "travel": now.travel, **parts_of_ends(truth.tasks, ends)}
         cost = cost_of(truth.cost, parts)
     late = {truth.tasks[k].name: at - latest_end(truth.tasks[k].between) for k, at in ends.items()}
-    facts = {
+    facts: dict[str, tuple[Any, Any]] = {
         "makespan": (end.makespan, makespan),
         "tasks_done": (end.tasks_done, len(now.done)),
         "cost": (end.cost, cost),
         "late": (dict(end.late), {name: by for name, by in late.items() if by > 0}),
         "broken_links": (sorted(end.broken_links), sorted(_broken_links(now))),
     }
-    if status not in ("infeasible",):
+    if status != "infeasible":
         facts["blocked_tasks"] = (end.blocked_tasks, ())
     for name, (said, found) in facts.items():
         if not _is_same(said, found):

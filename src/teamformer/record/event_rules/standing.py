@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from teamformer.mission.checks.windows import release_of
@@ -11,9 +12,11 @@ from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.precedence import keep_precedence, tasks_before
-from teamformer.record.event_rules.lengths import Lengths
+from teamformer.record.event_rules.lengths import Lengths, is_near
+from teamformer.record.event_rules.names import BrokenRuleError, Names, need
+from teamformer.record.event_rules.outside import what_is_to_come
 from teamformer.record.record import Record
-from teamformer.world.continuous.events import Passed, PlanMade
+from teamformer.world.continuous.events import Event, Passed, PlanMade
 from teamformer.world.rules.constants import NOBODY
 
 FORMS, SERVES, CARRIES, UNLOADS = range(4)
@@ -52,7 +55,7 @@ class WorkNow:
 
 @dataclass
 class Standing:
-    """All of a mission at a time; `outside` is what is still to come from outside, in order."""
+    """All of a mission at a time; `to_come` is what is still to come from outside, in order."""
 
     record: Record
     mission: Mission = field(init=False)
@@ -78,6 +81,12 @@ class Standing:
         self.coalitions: dict[int, tuple[int, ...]] = {}
         self.order: list[int] = []
         self.linked = _linked(self.mission)
+        self.events, self.count = self.record.events, 0  # how many of them have been taken in
+        self.names = Names(self.truth)
+        self.to_come = what_is_to_come(self.truth)
+        self.news: dict[str, None] = {"start": None}  # of this moment, since the latest plan
+        self.plans = 0  # made at this moment
+        self.breaks: dict[int, int] = {}  # tasks whose service breaks off now, and by which event
 
     def place_of(self, task: int) -> Place:
         """Return where a task is, or its load lies."""
@@ -174,3 +183,35 @@ def _linked(mission: Mission) -> set[int]:
         (number, number_of[name]) for number, it in enumerate(mission.tasks) for name in it.starts
     )
     return {task for pair in pairs for task in pair}
+
+
+def has_to_form(now: Standing, team: Sequence[int]) -> bool:
+    """Say whether a team has to form: if forming takes time and not all come from one place."""
+    came_from = {now.robots[robot].came_from for robot in team}
+    return now.mission.forming > 0 and len(came_from) > 1
+
+
+def work_on(now: Standing, event: Event) -> WorkNow:
+    """Return the work on the task of an event."""
+    work = now.works.get(event.task)
+    if work is None:
+        raise BrokenRuleError(f"nobody is at work on {now.names.task(event.task)}")
+    return work
+
+
+def expect(event: Event, until: float) -> None:
+    """Check that an event says when it is to end."""
+    is_so = event.until is not None and is_near(event.until, until)
+    need(is_so, f"{event.kind} is to end at {until:.9g}, and the record says {event.until}")
+
+
+def is_due(now: Standing, kind: str, which: int) -> bool:
+    """Say whether what is to come from outside still is."""
+    return kind not in ("cancel", "opens") or which not in now.over
+
+
+def one(event: Event) -> int:
+    """Return the one robot of an event."""
+    if len(event.robots) != 1:
+        raise BrokenRuleError(f"{event.kind} is of one robot, not of {len(event.robots)}")
+    return event.robots[0]

@@ -39,22 +39,25 @@ class Breakdown:
     """How a robot may break down: with probability `rate` in each step.
 
     After a random number of steps it is back where it stood. `repair` has the least and the most;
-    every whole number between them is equally likely. None means that it never comes back.
+    every whole number between them is equally likely. None means that it never comes back. In
+    continuous time `rate` is how often it breaks down in a unit of time, at any moment, and every
+    time between those of `repair` is equally likely.
     """
 
     rate: float
-    repair: tuple[int, int] | None = None
+    repair: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
 class Absence:
     """A robot is lost from step `lost` on; the first step of a trial is step 1.
 
-    From step `back` on it is there again, alone and where it was lost; None means never.
+    From step `back` on it is there again, alone and where it was lost; None means never. In
+    continuous time both are times.
     """
 
-    lost: int
-    back: int | None = None
+    lost: float
+    back: float | None = None
 
 
 @dataclass(frozen=True)
@@ -105,7 +108,7 @@ class Robot:
         return max(SLOWEST, self.speed * (1 - self.delays.chance)) if self.delays else self.speed
 
     @property
-    def lost_for_good(self) -> int | None:
+    def lost_for_good(self) -> float | None:
         """Return the step from which it is lost and never back; None if there is none."""
         last = self.absences[-1] if self.absences else None
         return last.lost if last is not None and last.back is None else None
@@ -135,36 +138,38 @@ class Arrivals:
 class Task:
     """A task: where it is and which capabilities one team must bring there together.
 
-    `duration` is how many steps the team must stay. `appears` is how many steps have been made
-    when everybody learns of the task; 0 means that it is known from the start. In step `cancelled`
-    the task is called off if it is not done by then; nobody knows this before. The tasks named in
-    `after` must be over, done or called off, before this one begins. `between` is the earliest time
-    at which it may begin, and the time after which its end is late. In continuous time durations
-    may be fractions, and `starts` links tasks: `starts[other]` is the least and the most time that
-    this task starts after `other` starts; other robots do it.
+    `duration` is how many steps the team must stay. All spans and moments are in steps, whole
+    numbers; in continuous time they are in the mission's unit and may be fractions. `appears` is
+    how many steps have been made when everybody learns of the task; 0 means that it is known from
+    the start. In step `cancelled` the task is called off if it is not done by then; nobody knows
+    this before. The tasks named in `after` must be over, done or called off, before this one
+    begins. `between` is the earliest time at which it may begin, and the time after which its end
+    is late. In continuous time `starts` links tasks: `starts[other]` is the least and the most time
+    that this task starts after `other` starts; other robots do it.
 
     A task with `to` has a load. The team takes it up at `at`, which takes `duration` steps, carries
     it to `to`, and stays `unload` steps; then the task is done.
 
-    Some values may be uncertain. `lasts` has the least and the most steps that the task may take;
-    every whole number between them is equally likely, and `duration` is then their mean, rounded
-    up. `may_need` has the probabilities with which one more of a capability is needed. `within` is
-    how far from `at` the task may be, in cells or metres; with 0 it is at `at`. `has_arrived` marks
-    a task that comes from the mission's `Arrivals`.
+    Some values may be uncertain. `lasts` has the least and the most that the task may take; every
+    whole number of steps between them is equally likely, in continuous time every time. `duration`
+    is then their mean, rounded up if both are whole. `may_need` has the probabilities with which
+    one more of a capability is needed. `within` is how far from `at` the task may be, in cells or
+    metres; with 0 it is at `at`. `has_arrived` marks a task that comes from the mission's
+    `Arrivals`.
     """
 
     name: str
     at: Place
     needs: Counts
     duration: float = 0
-    appears: int = 0
-    cancelled: int | None = None
+    appears: float = 0
+    cancelled: float | None = None
     after: tuple[str, ...] = ()
     between: tuple[float, float] | None = None
     starts: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     to: Place | None = None
     unload: float = 0
-    lasts: tuple[int, int] | None = None
+    lasts: tuple[float, float] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
     weight: float = 1.0  # of its lateness and its end in the cost
@@ -192,9 +197,13 @@ class Task:
         return total([self.needs, {cap: 1 for cap, p in self.may_need.items() if p > 0}])
 
 
-def expected_steps(least: int, most: int) -> int:
-    """Return the mean of a number that is anything between two bounds, rounded up."""
-    return -(-(least + most) // 2)
+def expected_steps(least: float, most: float) -> float:
+    """Return the mean of a number that is anything between two bounds.
+
+    It is rounded up if both are whole, as they are in steps.
+    """
+    both = least + most
+    return -(-both // 2) if isinstance(both, int) else both / 2
 
 
 @dataclass(frozen=True)

@@ -57,7 +57,7 @@ def known_steps(record: Record) -> list[float]:
 def appears_after(task: Task) -> int:
     """Return how many steps are made when a task becomes known; NEVER if it does not."""
     is_called_off = task.cancelled is not None and task.cancelled <= task.appears
-    return NEVER if is_called_off else task.appears
+    return NEVER if is_called_off else int(task.appears)
 
 
 def opening_steps(record: Record) -> list[int]:

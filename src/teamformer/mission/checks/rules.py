@@ -50,8 +50,6 @@ def find_rule_problems(mission: Mission) -> Iterator[Problem]:
         yield Problem(("forming",), f"forming is {mission.forming:g}; use 0 to 1e9")
     yield from _problems_of_end(mission)
     yield from _problems_of_roads(mission)
-    if mission.time == "continuous":
-        yield from _problems_of_what_happens(mission)
     yield from _problems_of_times(mission)
     yield from _problems_of_precedence(mission)
     yield from find_cost_problems(mission)
@@ -92,10 +90,16 @@ def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
 
 
 def rules_not_planned(mission: Mission) -> Iterator[Problem]:
-    """Return why a mission cannot be planned: in steps, rules that these do not know."""
-    if mission.time != "continuous":
-        yield from rules_not_played(mission)
-        yield from rules_not_known_beforehand(mission)
+    """Return why a mission cannot be planned before it begins.
+
+    In steps that are rules that these do not know; in continuous time what a plan cannot foresee.
+    """
+    if mission.time == "continuous":
+        rest = "which a plan made in advance does not count with; drop {}, or use `teamformer run`"
+        yield from told_once(mission, find_unknown(mission, CONTINUOUS), rest.format)
+        return
+    yield from rules_not_played(mission)
+    yield from rules_not_known_beforehand(mission)
 
 
 VERBS = {
@@ -171,7 +175,7 @@ def _problems_of_roads(mission: Mission) -> Iterator[Problem]:
     world = mission.world
     if isinstance(world, Roads) and mission.time == "steps":
         message = "roads are for continuous time: in steps robots walk on a map"
-        remedy = "write time: continuous and plan it with `teamformer plan`"
+        remedy = "write time: continuous"
         yield Problem(("world", "roads"), f"{message}; {remedy}, or use a grid or a plane")
     for number, robot in enumerate(mission.robots):
         where, what = ("robots", number, "moves"), f"robot '{robot.name}' moves by {robot.moves}"
@@ -185,12 +189,6 @@ def _problems_of_roads(mission: Mission) -> Iterator[Problem]:
             known = ", ".join(world.times)
             message = f"{what}, but there are only roads by {known}"
             yield Problem(where, f"{message}; name a file under roads, or change moves")
-
-
-def _problems_of_what_happens(mission: Mission) -> Iterator[Problem]:
-    """Return what happens to a mission in continuous time, whose plans are made beforehand."""
-    rest = "which only missions in steps know; drop {}"
-    yield from told_once(mission, find_unknown(mission, CONTINUOUS), rest.format)
 
 
 def _problems_of_times(mission: Mission) -> Iterator[Problem]:

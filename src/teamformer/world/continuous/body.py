@@ -15,7 +15,7 @@ FORMING, SERVING, CARRYING, UNLOADING = range(4)
 
 
 @dataclass(slots=True)
-class Body:
+class RealRobot:
     """A robot as it really is.
 
     `way` has the place that it passed last and those to come; a robot that stands has one.
@@ -37,7 +37,7 @@ class Body:
 
 
 @dataclass(slots=True)
-class Work:
+class TeamWork:
     """A team is at work on a task, or forms for it; the part at hand ends at `end`."""
 
     robots: tuple[int, ...]

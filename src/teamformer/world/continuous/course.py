@@ -20,10 +20,10 @@ from teamformer.mission.parts.capabilities import covers
 from teamformer.mission.parts.reach import totals_there
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.continuous.events import PlanMade, PlannedTask
-from teamformer.world.continuous.following import Follower
+from teamformer.world.continuous.following import PlanFollower
 from teamformer.world.continuous.foresight import foresee, holds_of
 from teamformer.world.continuous.known import known_of
-from teamformer.world.continuous.links import Links
+from teamformer.world.continuous.links import GapKeeper
 from teamformer.world.continuous.world import Happened, PhysicalWorld
 from teamformer.world.guidance.guide import refuse_unfit
 from teamformer.world.rules.constants import NOBODY
@@ -46,13 +46,13 @@ class Course:
         mission = with_arrivals(mission, truth)
         self.mission, self.coordinator = mission, coordinator
         self.world = PhysicalWorld(mission, truth, is_told_all)
-        self.follower = Follower(mission)
+        self.follower = PlanFollower(mission)
         self.status, self.blocked = RUNNING, tuple[int, ...]()
         self.seconds = 0.0
         self._heeds = {"start", IDLE, *heeded_by(coordinator)}
         self._before = tasks_before(mission.tasks)
         self._after = _followers(mission)
-        self.links = Links(mission)
+        self.links = GapKeeper(mission)
         self._asked_idle = NOBODY
 
     def fork(self) -> Course:
@@ -160,7 +160,7 @@ class Course:
             self._hold_links(known)
 
     def _hold_links(self, known: Known | None = None) -> None:
-        """Work out from when on linked tasks may begin."""
+        """TeamWork out from when on linked tasks may begin."""
         known = self.known() if known is None else known
         open_tasks, there = set(known.open_tasks), set(known.robots)
         order = [task for task in self.follower.order if task in open_tasks]

@@ -17,7 +17,7 @@ from teamformer.world.continuous.world import PhysicalWorld
 from teamformer.world.rules.constants import NOBODY
 
 
-class Follower:
+class PlanFollower:
     """The plan in force, as each robot's list of tasks."""
 
     def __init__(self, mission: Mission) -> None:
@@ -29,7 +29,7 @@ class Follower:
         self._routes: list[list[int]] = [[] for _ in mission.robots]
         self._scouts: dict[int, int] = {}
 
-    def fork(self) -> Follower:
+    def fork(self) -> PlanFollower:
         """Return another one that goes its own way."""
         twin = copy.copy(self)
         twin._routes = [list(route) for route in self._routes]

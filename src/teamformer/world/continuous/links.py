@@ -18,7 +18,7 @@ SAME = 1e-9
 """Moments nearer than this share of the time that has passed are the same: sums are rounded."""
 
 
-class Links:
+class GapKeeper:
     """The gaps of a mission, from when on each linked task is held, and how all is foreseen."""
 
     def __init__(self, mission: Mission) -> None:
@@ -33,7 +33,7 @@ class Links:
         self._foreseen: Timed | None = None
         self._has_delays = any(robot.delays for robot in mission.robots)
 
-    def fork(self) -> Links:
+    def fork(self) -> GapKeeper:
         """Return others that go their own way."""
         return copy.copy(self)
 

@@ -23,8 +23,8 @@ from teamformer.world.continuous.body import (
     FORMING,
     SERVING,
     UNLOADING,
-    Body,
-    Work,
+    RealRobot,
+    TeamWork,
     turning,
 )
 from teamformer.world.continuous.delays import StandingStill
@@ -58,8 +58,8 @@ class PhysicalWorld:
         self.mission, self.truth = mission, truth
         self.now = 0.0
         self.events: list[Event] = []
-        self.bodies = [Body((Passed(0.0, r.at),), r.at) for r in truth.robots]
-        self.works: dict[int, Work] = {}  # by task
+        self.bodies = [RealRobot((Passed(0.0, r.at),), r.at) for r in truth.robots]
+        self.works: dict[int, TeamWork] = {}  # by task
         self.over: dict[int, int] = {}  # tasks that are done or called off, with the event
         self.done: set[int] = set()
         self.started: dict[int, float] = {}  # when the latest service of each began
@@ -166,7 +166,7 @@ class PhysicalWorld:
         end = self.now + self.mission.forming
         place = self.place_of(task)
         number = self.tell("form", robots, task, cause, place=place, until=end)
-        self._begin(task, Work(robots, FORMING, self.now, end, end, end, number))
+        self._begin(task, TeamWork(robots, FORMING, self.now, end, end, end, number))
 
     def serve(self, task: int, robots: tuple[int, ...], cause: int) -> None:
         """Have robots that stand at a task, and bring what it needs, serve it."""
@@ -179,7 +179,7 @@ class PhysicalWorld:
         number = self.tell("serve", robots, task, cause, place=place, until=expected)
         first = end if real.to is None else self.now + real.duration
         self.started[task], self.served_by[task] = self.now, number
-        self._begin(task, Work(robots, SERVING, self.now, first, end, expected, number))
+        self._begin(task, TeamWork(robots, SERVING, self.now, first, end, expected, number))
         if wanted.duration < real.duration:
             self._put(self.now + wanted.duration, EXPECT, task, number)
         self._happened.tasks.add(task)
@@ -268,11 +268,11 @@ class PhysicalWorld:
         after = self._still.after
         return tuple(Passed(after(who, begin, spent), place) for place, spent in stages)
 
-    def _heads_for(self, body: Body) -> int:
+    def _heads_for(self, body: RealRobot) -> int:
         """Return the task that a robot has set out for."""
         return self.events[body.set_out].task
 
-    def _stop_walking(self, body: Body) -> None:
+    def _stop_walking(self, body: RealRobot) -> None:
         if body.is_walking:
             self.travel += self.now - self.events[body.set_out].at
 
@@ -298,7 +298,7 @@ class PhysicalWorld:
                 self.tell("know", (robot,), task, self.cause_among([body.since]), needs=needs)
                 self._note("needs known", tasks=(task,))
 
-    def _begin(self, task: int, work: Work) -> None:
+    def _begin(self, task: int, work: TeamWork) -> None:
         self.works[task] = work
         for robot in work.robots:
             body = self.bodies[robot]

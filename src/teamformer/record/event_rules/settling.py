@@ -48,6 +48,9 @@ def _settle_robots(now: Standing) -> None:
             continue
         task = now.next_task(robot)
         goal = now.home_of(robot) if task == NOBODY else now.place_of(task)
+        if it.task != task and (task != NOBODY or it.is_walking):
+            what = "go home, or stop" if task == NOBODY else f"head for {now.names.task(task)}"
+            raise BrokenRuleError(f"{now.names.robot(robot)} is to {what}, and does not")
         if goal is None or it.way[-1].place == goal:
             continue
         if math.isinf(now.lengths.between(it.way[-1].place, goal, robot)):

@@ -33,6 +33,7 @@ class RobotNow:
     is_lost: bool = False
     walk: int = NOBODY  # the event with which it set out
     rest: float = 0.0  # of a lost one: how far in time from its next place
+    since: int = NOBODY  # the latest event of it
 
     @property
     def is_walking(self) -> bool:
@@ -86,6 +87,9 @@ class Standing:
         self.to_come = what_is_to_come(self.truth)
         self.news: dict[str, None] = {"start": None}  # of this moment, since the latest plan
         self.plans = 0  # made at this moment
+        self.planned = NOBODY  # the latest event of a plan
+        self.opened: dict[int, list[int]] = {}  # events of this moment that let tasks begin
+        self.over_by: dict[int, int] = {}  # the event with which each task was over
         self.breaks: dict[int, int] = {}  # tasks whose service breaks off now, and by which event
 
     def place_of(self, task: int) -> Place:

@@ -76,6 +76,7 @@ def _judge_team(now: Standing, event: Event) -> None:
     need(event.robots == team, f"the plan has {now.names.robots(team)} do {name}")
     for robot in team:
         due = now.next_task(robot)
+        need(now.robots[robot].task == task, f"{now.names.robot(robot)} has not come for {name}")
         need(due == task, f"{now.names.robot(robot)} has something else to do first")
 
 

@@ -63,7 +63,7 @@ def _summary(plan: Mapping[str, Any]) -> str:
     if plan.get("windows"):
         legend += ", thin lines below bars the windows of tasks"
     if plan.get("critical_path"):
-        legend += "; orange is the chain that the end hangs on"
+        legend += "; orange is the critical path"
     if plan["bound"] <= 0:
         return f"{over}{late}. {legend}."
     if not plan["proven"]:

@@ -52,7 +52,7 @@ TASK_KEYS = (
         f"be a range `[least, most]` {NOT_KNOWN}",
         default=0,
         label="Duration, steps",
-        unknown=Unknown(SURPRISES, "has no sure duration", is_surprise=True, field="lasts"),
+        unknown=Unknown(SURPRISES, "has an uncertain duration", is_surprise=True, field="lasts"),
     ),
     Key(
         "appears",
@@ -120,7 +120,7 @@ TASK_KEYS = (
         default={},
         without="nothing",
         example={"weld": 0.4},
-        unknown=Unknown(SURPRISES, "has no sure needs", is_surprise=True),
+        unknown=Unknown(SURPRISES, "has uncertain needs", is_surprise=True),
     ),
     Key(
         "within",
@@ -130,7 +130,7 @@ TASK_KEYS = (
         default=0.0,
         without="0: it is at `at`",
         label="Within (cells or m)",
-        unknown=Unknown(SURPRISES, "has no sure place", is_surprise=True),
+        unknown=Unknown(SURPRISES, "has an uncertain place", is_surprise=True),
     ),
     Key(
         "weight",

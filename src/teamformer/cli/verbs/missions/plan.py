@@ -91,5 +91,5 @@ def _known(row: Mapping[str, Any]) -> str:
     if "cost" in row:
         return f" (no plan is over before {row['bound']:g})"
     gap = 100 * (row["makespan"] / row["bound"] - 1)
-    known = "proven" if row["proven"] else f"{gap:.1f}% above what no plan beats"
+    known = "proven" if row["proven"] else f"{gap:.1f}% above the bound"
     return f" ({known}: {row['bound']:g})"

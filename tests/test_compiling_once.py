@@ -114,7 +114,7 @@ def test_where_nothing_can_be_kept_it_is_said_what_to_set(
     for _ in range(2):
         assert answer_kernel(tmp_path / "oracle.py", 1)() == 1
     said = capsys.readouterr().err
-    assert "at every run, as it cannot be kept" in said
+    assert "at every run, as there is no folder to keep it in" in said
     assert "set NUMBA_CACHE_DIR to a folder that you may write to" in said
     assert list(tmp_path.rglob("*.nbc")) == []
 

@@ -185,7 +185,7 @@ def test_only_central_begins_with_a_plan(
     assert teamformer("plan", str(tmp_path / "warehouse.yaml"), *words) == 0
     assert json.loads(capsys.readouterr().out)["makespan"] == 50
     mission = _continuous(world_of("real", 3))
-    with pytest.raises(TeamformerError, match="method 'plan' begins with no plan"):
+    with pytest.raises(TeamformerError, match="method 'plan' cannot begin with a plan"):
         plan_mission(mission, "plan", 0.0, Plan())
 
 

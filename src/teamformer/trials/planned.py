@@ -102,7 +102,7 @@ def plan_mission(
     """
     refuse_unplannable(mission, method)
     if start is not None and method != CENTRAL:
-        raise TeamformerError(f"method '{method}' begins with no plan", f"use {CENTRAL}")
+        raise TeamformerError(f"method '{method}' cannot begin with a plan", f"use {CENTRAL}")
     if mission.time == "continuous":
         refuse_too_large(mission, load_method(SHARED))
         warm_up(is_linked(mission))

@@ -67,7 +67,7 @@ def test_a_mission_with_windows_is_searched_by_its_cost() -> None:
 
 def test_reactive_knows_windows_but_no_cost() -> None:
     assert planned(urgent(), "reactive").makespan in (29, 48)
-    with pytest.raises(TeamformerError, match="knows no starts that are linked and no cost"):
+    with pytest.raises(TeamformerError, match="knows neither linked starts nor costs"):
         planned(urgent(**DEFAULT), "reactive")
 
 

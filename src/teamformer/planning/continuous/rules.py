@@ -80,7 +80,7 @@ def _solve(
     if source.cost is None and not any(task.starts for task in source.tasks):
         return PLANNERS[method](problem.base, seconds, start)
     raise TeamformerError(
-        f"--method {method} knows no starts that are linked and no cost",
+        f"--method {method} knows neither linked starts nor costs",
         f"use {', '.join(LINKED_PLANNERS)}",
     )
 

@@ -571,9 +571,7 @@ def grown(tree: Tree, news: Tree) -> None:
         told["services"][row : row + 1] = [service]
     for robot, run in more["phases"]:
         told["phases"][robot].append(run)
-    told["reasons"]["texts"] += more["reasons"]["texts"]
-    for robot, chapter in more["reasons"]["robots"]:
-        told["reasons"]["robots"][robot].append(chapter)
+    told["texts"] += more["texts"]
     told["path"] = more.get("path", told["path"])
 
 

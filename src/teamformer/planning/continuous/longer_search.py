@@ -7,7 +7,7 @@ from collections.abc import Callable
 from teamformer.mission.coordination import Known, Plan
 from teamformer.planning.continuous.continuous_mission import pose_present
 from teamformer.planning.continuous.repair import repaired
-from teamformer.planning.continuous.rules import central_plan
+from teamformer.planning.continuous.solve import solve
 
 CENTRAL = "central"
 """What such a plan is made from."""
@@ -31,5 +31,5 @@ def search_longer(
         return Plan(made_from="nothing")
     posed = pose_present(known)
     start = repaired(posed, old) if old.order else None
-    found = central_plan(posed, seconds, THREADS, start, seed, is_over)
+    found = solve(posed.problem, seconds, seed, THREADS, start, is_over)
     return old if found is None else posed.as_plan(found.plan, CENTRAL)

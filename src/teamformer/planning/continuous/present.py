@@ -7,12 +7,9 @@ from dataclasses import replace
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.checks.links import groups_of
 from teamformer.mission.coordination import Known, Plan
-from teamformer.planning.continuous.continuous_mission import ContinuousMission, pose_present
+from teamformer.planning.continuous.continuous_mission import pose_present
 from teamformer.planning.continuous.repair import repaired
 from teamformer.planning.continuous.solve import plan_again, plan_together
-from teamformer.planning.linked.solve import plan_linked, plan_linked_again
-from teamformer.planning.problem.coalition_plan import CoalitionPlan
-from teamformer.planning.problem.links import LinkedProblem
 
 
 def plan_present(known: Known, old: Plan | None = None) -> Plan:
@@ -26,37 +23,19 @@ def plan_present(known: Known, old: Plan | None = None) -> Plan:
         return Plan(made_from="nothing")
     posed = pose_present(known)
     if old is None:
-        made = _plan_anew(posed)
+        made = plan_together(posed.problem)
         if made is None:
             raise TeamformerError(
                 f"{posed.source.name}: no coalitions were found for tasks that are linked",
                 "different robots do them, so add robots or drop a link",
             )
-        return posed.as_plan(made, "arcs")
+        return posed.as_plan(made.plan, "arcs")
     mended = repaired(posed, old) if old.order else None
-    again = _plan_anew(posed) if mended is None else _improve(posed, mended)
+    problem = posed.problem
+    again = plan_together(problem) if mended is None else plan_again(problem, mended)
     if again is None:  # robots are lost: the others do what they can until these are back
         return plan_present(_with_fewer_links(known), old)
-    return posed.as_plan(again, "arcs" if mended is None else "old plan")
-
-
-def _plan_anew(posed: ContinuousMission) -> CoalitionPlan | None:
-    """Return the plan of a first search; None if linked tasks find no coalitions."""
-    problem = posed.problem
-    if isinstance(problem, LinkedProblem):
-        made = plan_linked(problem)
-        return None if made is None else made.plan
-    together = plan_together(problem)
-    assert together is not None, "all tasks are possible"
-    return together.plan
-
-
-def _improve(posed: ContinuousMission, mended: CoalitionPlan) -> CoalitionPlan | None:
-    """Return what a shorter search makes of a plan; None as above."""
-    if isinstance(posed.problem, LinkedProblem):
-        made = plan_linked_again(posed.problem, mended)
-        return None if made is None else made.plan
-    return plan_again(posed.problem, mended).plan
+    return posed.as_plan(again.plan, "arcs" if mended is None else "old plan")
 
 
 def _with_fewer_links(known: Known) -> Known:

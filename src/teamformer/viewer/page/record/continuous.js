@@ -131,7 +131,6 @@ function toldInTicks(told, tick) {
     ...told,
     services: whens(told.services, [2, 3]),
     phases: byRobot(told.phases),
-    reasons: { ...told.reasons, robots: byRobot(told.reasons?.robots) },
     path: whens(told.path, [0, 1]),
   };
 }
@@ -143,7 +142,6 @@ function newsInTicks(told, tick) {
     ...told,
     services: told.services.map((row) => at(row, [2, 3])),
     phases: told.phases.map((row) => at(row, [0])),
-    reasons: { ...told.reasons, robots: told.reasons.robots.map((row) => at(row, [0])) },
     path: (told.path ?? []).map(([from, to, ...rest]) => [from / tick, to / tick, ...rest]),
   };
 }

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import mission_to_tree
 from teamformer.live.drawing.drafts import (
     EMPTY,
     EXAMPLE,
@@ -64,7 +65,7 @@ class Workshop:
         self._lock = asyncio.Lock()
         self._start, self._folder, self._speed = start, folder, speed
         self._draft = draft or (Draft(EXAMPLE) if kept is None else kept.identity.draft)
-        self._mission, self._kept = mission, kept
+        self._mission, self._kept = mission or (kept and kept.mission), kept
         self._say, self._on_alerts = say, on_alerts
         self._is_starting = mission is not None or kept is not None
         self._refusal = ""  # why the latest mission could not be started
@@ -185,7 +186,10 @@ class Workshop:
             watcher.tell(json.dumps({"kind": "editor"} | draft))
 
     def _tell_starting(self, *watchers: Watcher) -> None:
-        starting = {"kind": "starting", "mission": self._draft.tree, "text": self._doing}
+        tree, source = self._draft.tree, self._mission
+        if not can_be_drawn(tree) and source is not None:  # roads have names for places
+            tree = mission_to_tree(source)
+        starting = {"kind": "starting", "mission": tree, "text": self._doing}
         for watcher in watchers:
             watcher.tell(json.dumps(starting))
 
@@ -230,8 +234,8 @@ class Workshop:
 
     def _have_run(self, mission: LiveMission, autosave: Autosave) -> None:
         """Let time pass for a mission, and have all pages come to it."""
-        speed = mission.usual_speed(self._speed)
-        self.session = Session(mission, self._folder, speed, True, autosave, self._on_alerts)
+        speed, has_editor = mission.usual_speed(self._speed), can_be_drawn(self._draft.tree)
+        self.session = Session(mission, self._folder, speed, has_editor, autosave, self._on_alerts)
         self._clock = asyncio.create_task(self.session.run())
         self._have_all_come_again()
 
@@ -239,6 +243,8 @@ class Workshop:
         """End the mission that runs, and have all pages come back to its drawing."""
         if self.session is None:
             raise TeamformerError("this is the drawing already")
+        if not self.session.has_editor:
+            raise TeamformerError("the editor draws no roads")
         async with self._lock, self.session.lock:
             self._watchers |= self.session.watchers
             self._end_session()

@@ -292,7 +292,7 @@ def test_calling_off_what_can_never_be_done_lets_the_mission_end() -> None:
         (CancelledTask("near"), "task 'near' was done at 5.5"),
         (CancelledTask("nowhere"), "there is no task 'nowhere'"),
         (NewWeight("near", 2.0), "task 'near' was done at 5.5"),
-        (NewWeight("far", 2.0), "weights count for nothing"),
+        (NewWeight("far", 2.0), "weights change nothing"),
         (LostRobot("nobody"), "there is no robot 'nobody'"),
         (RobotBack("r"), "robot 'r' is not lost"),
         (NewTask((99, 0), {"a": 1}, "t"), r"task 't' is at \[99, 0\], outside the map"),

@@ -98,7 +98,7 @@ export class Player {
 }
 
 // In continuous time: ticks a second, at which round numbers of units pass in one.
-export function ratesFor(last, tick) {
+function ratesFor(last, tick) {
   const middle = roundUp((last * tick) / SECONDS_AT_START);
   const rates = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10].map((times) => roundUp(middle * times));
   return [...new Set(rates)].map((rate) => rate / tick);

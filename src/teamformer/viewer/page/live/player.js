@@ -1,8 +1,9 @@
 // The clock of a live mission: it follows the latest step unless one looks back.
 
-import { Player, ratesFor } from "../player.js";
+import { Player } from "../player.js";
 import { TICKS } from "../record/ticks.js";
 
+const MINUTE = 60; // seconds that a mission takes about at a speed in the middle
 const BEAT = 0.2; // seconds between two moments that the server tells of in continuous time
 
 export class LivePlayer extends Player {
@@ -15,7 +16,7 @@ export class LivePlayer extends Player {
   reset(last, tick = null) {
     const { isPlaying, speed } = this;
     super.reset(last, tick);
-    if (tick !== null) this.speeds = ratesFor(TICKS, tick);
+    if (tick !== null) this.speeds = roundRates(tick);
     this.time = last;
     Object.assign(this, { isPlaying, speed, isFollowing: true });
   }
@@ -77,4 +78,10 @@ export class LivePlayer extends Player {
   goAt(speed) {
     this.say({ do: "speed", speed: this.tick === null ? speed : Number((speed * this.tick).toPrecision(6)) });
   }
+}
+
+// In ticks a second, round numbers of units a second about that by which a mission takes a minute.
+function roundRates(/** @type {number} */ tick) {
+  const power = 10 ** Math.floor(Math.log10((TICKS * tick) / MINUTE));
+  return [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].map((times) => Number((times * power).toPrecision(3)) / tick);
 }

@@ -243,7 +243,7 @@ export class MissionPanel {
       element("input", { type: "number", name, step: world.isPlane ? "any" : "1", ...properties });
     const row = (text, input) => element("label", {}, text, input);
     const place = world.roads
-      ? [row("Name of the place", element("select", { name: "place" }, ...world.roads.names.map((name) => element("option", { value: name }, name))))]
+      ? [row("Where", element("select", { name: "place" }, ...world.roads.names.map((name) => element("option", { value: name }, name))))]
       : [row("x", number("x", { required: "" })), row("y", number("y", { required: "" }))];
     const needs = capabilities.map((name, cap) =>
       row(name, element("input", { type: "number", class: "needs", name: `cap ${cap}`, min: 0, step: "any", value: 0 })),

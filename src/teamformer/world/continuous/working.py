@@ -118,9 +118,8 @@ class WorkingWorld(SeekingWorld):
         """Let a team go on with a load, from the next place of a way."""
         work, goal, start = self.works[task], self.truth.tasks[task].to, stub[-1]
         assert goal is not None, "it is a load"
-        ways = [self.times(robot, start.place, goal) for robot in work.robots]
-        slowest = max(ways, key=lambda way: way[-1][1] if way else 0.0)
-        work.way = (*stub, *self.passing(work.robots, start.at, slowest))
+        ahead = self._way_together(work.robots, start.place, goal)
+        work.way = (*stub, *self.passing(work.robots, start.at, ahead))
         work.part, work.end = CARRYING, work.way[-1].at
         work.all_done = work.expected = work.end + self.truth.tasks[task].unload
         work.event = self.tell(
@@ -136,6 +135,24 @@ class WorkingWorld(SeekingWorld):
             body = self.bodies[robot]
             body.way, body.since = work.way, work.event
         self.put(work.end, FINISH, task, work.event)
+
+    def _way_together(
+        self, robots: Sequence[int], here: Place, goal: Place
+    ) -> list[tuple[Place, float]]:
+        """Return the places on the way of a load, each with the time there, by the slowest.
+
+        If somebody walks, nobody flies over obstacles.
+        """
+        ways = {robot: self.times(robot, here, goal) for robot in robots}
+        longest = max(way[-1][1] if way else 0.0 for way in ways.values())
+        walkers = [robot for robot in robots if not self.truth.robots[robot].flies]
+        slowest = max(
+            walkers or robots, key=lambda robot: ways[robot][-1][1] if ways[robot] else 0.0
+        )
+        own = ways[slowest][-1][1] if ways[slowest] else 0.0
+        if own in (0.0, longest):
+            return ways[slowest]
+        return [(place, spent * longest / own) for place, spent in ways[slowest]]
 
     def _unload(self, task: int) -> None:
         work, place = self.works[task], self.truth.tasks[task].to

@@ -17,8 +17,8 @@ from teamformer.record.event_rules.lengths import Lengths, is_near
 from teamformer.record.event_rules.names import BrokenRuleError, Names, need
 from teamformer.record.event_rules.outside import what_is_to_come
 from teamformer.record.record import Record
-from teamformer.world.reference.ways import apart
 from teamformer.world.continuous.events import Event, Passed, PlanMade
+from teamformer.world.reference.ways import apart
 from teamformer.world.rules.constants import NOBODY
 
 SEEN = 1e-9

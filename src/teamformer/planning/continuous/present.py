@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from teamformer.base.errors import TeamformerError
+from teamformer.mission.checks.links import groups_of
 from teamformer.mission.coordination import Known, Plan
-from teamformer.planning.continuous.continuous_mission import ContinuousMission, pose_present
+from teamformer.planning.continuous.continuous_mission import pose_present
 from teamformer.planning.continuous.repair import repaired
 from teamformer.planning.continuous.solve import plan_again, plan_together
-from teamformer.planning.problem.coalition_plan import CoalitionPlan
 
 
 def plan_present(known: Known, old: Plan | None = None) -> Plan:
@@ -21,17 +23,20 @@ def plan_present(known: Known, old: Plan | None = None) -> Plan:
         return Plan(made_from="nothing")
     posed = pose_present(known)
     mended = None if old is None or not old.order else repaired(posed, old)
-    if mended is None:
-        return posed.as_plan(_plan_anew(posed), "arcs")
-    made = plan_again(posed.problem, mended)
-    return posed.as_plan(mended if made is None else made.plan, "old plan")
-
-
-def _plan_anew(posed: ContinuousMission) -> CoalitionPlan:
-    made = plan_together(posed.problem)
-    if made is None:
+    made = plan_together(posed.problem) if mended is None else plan_again(posed.problem, mended)
+    if made is not None:
+        return posed.as_plan(made.plan, "arcs" if mended is None else "old plan")
+    if old is None:
         raise TeamformerError(
             f"{posed.source.name}: no coalitions were found for tasks that are linked",
             "different robots do them, so add robots or drop a link",
         )
-    return made.plan
+    return plan_present(_with_fewer_links(known), old)  # others wait until robots are back
+
+
+def _with_fewer_links(known: Known) -> Known:
+    """Return what is known without the last tasks whose starts are linked with one another."""
+    groups = [set(group) for group in groups_of(known.mission.tasks) if len(group) > 1]
+    left = set(known.possible_tasks)
+    last = next(group for group in reversed(groups) if group & left)
+    return replace(known, open_tasks=tuple(sorted(left - last)))

@@ -32,6 +32,8 @@ TAKE: Mapping[str, Callable[[Standing, Event], None]] = {
     "appear": from_outside.appear,
     "cancel": from_outside.cancel,
     "know": from_outside.know,
+    "found": from_outside.found,
+    "moved": from_outside.moved,
     "overdue": from_outside.overdue,
 }
 """What is checked of an event of each kind, and what it changes."""
@@ -52,15 +54,29 @@ def take(now: Standing, event: Event) -> None:
     """Take in the next event; raises `BrokenRuleError` for one that the rules do not allow."""
     if event.at > now.now:
         settle(now, event.at)
-        now.now, now.news, now.plans = event.at, {}, 0
+        now.now, now.news, now.plans, now.opened = event.at, {}, 0, {}
     judge_cause(now, event)
     if event.kind != "over":
         if event.kind not in TAKE:
             raise BrokenRuleError(f"nothing like '{event.kind}' happens in continuous time")
         TAKE[event.kind](now, event)
+    _note(now, event)
     if event.kind in IN_THE_NEWS and not (event.kind == "know" and "start" in now.news):
         now.news[IN_THE_NEWS[event.kind]] = None
     now.count += 1
+
+
+def _note(now: Standing, event: Event) -> None:
+    """Note on what later events may hang."""
+    if event.kind in ("done", "cancel"):
+        now.over_by[event.task] = now.count
+    if event.kind in ("opens", "appear"):
+        now.opened.setdefault(event.task, []).append(now.count)
+    if event.kind == "plan":
+        now.planned = now.count
+    if event.kind not in ("know", "found"):
+        for robot in event.robots:
+            now.robots[robot].since = now.count
 
 
 def judge_events(record: Record) -> Iterator[tuple[float, str]]:

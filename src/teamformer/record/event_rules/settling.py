@@ -48,6 +48,9 @@ def _settle_robots(now: Standing) -> None:
             continue
         task = now.next_task(robot)
         goal = now.home_of(robot) if task == NOBODY else now.place_of(task)
+        if it.task != task and (task != NOBODY or it.is_walking):
+            what = "go home, or stop" if task == NOBODY else f"head for {now.names.task(task)}"
+            raise BrokenRuleError(f"{now.names.robot(robot)} is to {what}, and does not")
         if goal is None or it.way[-1].place == goal:
             continue
         if math.isinf(now.lengths.between(it.way[-1].place, goal, robot)):
@@ -70,7 +73,9 @@ def _settle_tasks(now: Standing) -> None:
         is_there = bool(team) and all(
             now.is_at(robot, place) and now.next_task(robot) == task for robot in team
         )
-        if not is_there or not now.brings(team, task):
+        if not is_there or not now.brings(team, task) or task in now.maybe:
+            continue
+        if math.isinf(now.carried(task, team)):
             continue
         if has_to_form(now, team):
             raise BrokenRuleError(f"the team of {now.names.task(task)} is there and does not form")

@@ -14,6 +14,10 @@ FORMING, SERVING, CARRYING, UNLOADING = range(4)
 """The parts of work. The service of a load is taking it up, and the others follow."""
 
 
+SAME = 1e-9
+"""Moments nearer than this share of the time that has passed are the same: sums are rounded."""
+
+
 @dataclass(slots=True)
 class RealRobot:
     """A robot as it really is.
@@ -69,6 +73,8 @@ def turning(way: tuple[Passed, ...], now: float, is_plane: bool) -> tuple[Passed
     if following == 0 or after.at == now:
         return (Passed(now, after.place),)
     before = way[following - 1]
+    if now - before.at <= SAME * max(1.0, now):
+        return (Passed(now, before.place),)
     if is_plane:
         part = (now - before.at) / (after.at - before.at)
         return (Passed(now, part_of_way(before.place, after.place, part)),)

@@ -8,7 +8,7 @@ and links allow it.
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from teamformer.base.kernels.clock import working_seconds
@@ -24,7 +24,8 @@ from teamformer.world.continuous.following import PlanFollower
 from teamformer.world.continuous.foresight import foresee, holds_of
 from teamformer.world.continuous.known import known_of
 from teamformer.world.continuous.links import GapKeeper
-from teamformer.world.continuous.world import Happened, PhysicalWorld
+from teamformer.world.continuous.moving import Happened
+from teamformer.world.continuous.world import PhysicalWorld
 from teamformer.world.guidance.guide import refuse_unfit
 from teamformer.world.rules.constants import NOBODY
 
@@ -96,7 +97,9 @@ class Course:
         """Do what follows from what has happened at this moment."""
         if "robot lost" in happened.news and self._is_blocked():
             return
-        self._tend(happened)
+        while happened:
+            self._tend(happened)
+            happened = self.world.take_happened()  # what it has brought about at this moment
         if self._is_over():
             self._end(COMPLETED)
         elif not self.world.is_busy and not self._waits_for_a_time():
@@ -168,12 +171,23 @@ class Course:
             task: [robot for robot in self.follower.robots_of[task] if robot in there]
             for task in order
         }
-        order = [task for task in order if robots_of[task]]
+        order = self._in_turn([task for task in order if robots_of[task]], known)
         timed = foresee(known, self.world.ways, order, robots_of)
+        before = self.links.holds
         self.links.foresee(timed, holds_of(known, timed))
         for task, at in self.links.holds.items():
-            if at > self.world.now:
+            if at > self.world.now and at != before.get(task):
                 self.world.wake(at, task)
+
+    def _in_turn(self, order: Sequence[int], known: Known) -> list[int]:
+        """Return the tasks of an order without those that come after one that nobody is to do."""
+        coming = {*known.over, *(task for task, _ in known.under_way)}
+        kept = []
+        for task in order:
+            if coming.issuperset(self._before.get(task, ())):
+                coming.add(task)
+                kept.append(task)
+        return kept
 
     def _send(self, robot: int) -> int:
         """Send a robot to its next task; return that task."""
@@ -212,11 +226,14 @@ class Course:
         if task in world.over or task in world.works or task not in world.appeared:
             return False
         team, place = self._team(task), world.place_of(task)
+        if task in world.maybe:
+            return False
         is_there = all(
             world.is_at(robot, place) and self.follower.next_task(world, robot) == task
             for robot in team
         )
-        return bool(team) and is_there and world.covers(team, task)
+        is_able = world.covers(team, task) and world.can_carry(team, task)
+        return bool(team) and is_there and is_able
 
     def _let_begin(self, tasks: Iterable[int]) -> list[int]:
         """Let those of some tasks form or begin that may; return those that have begun."""
@@ -277,8 +294,7 @@ class Course:
         if self._asked_idle != events:
             self._plan((IDLE,))
             self._asked_idle = len(self.world.events)
-            happened = Happened(robots=set(range(len(self.mission.robots))))
-            self._tend(happened)
+            self._tend(Happened(robots=set(range(len(self.mission.robots)))))
             self._asked_idle = len(self.world.events)
         if self.world.is_busy or self._waits_for_a_time() or not self.is_running:
             return

@@ -67,7 +67,8 @@ class PlanFollower:
     def next_task(self, world: PhysicalWorld, robot: int) -> int:
         """Return the task that a robot heads for, NOBODY if there is none."""
         scouted = self._scouts.get(robot, NOBODY)
-        if scouted in world.unseen and _is_open(world, scouted):
+        is_hidden = scouted in world.unseen or scouted in world.maybe
+        if is_hidden and _is_open(world, scouted):
             return scouted
         route = self._routes[robot]
         while route and route[0] in world.over:

@@ -32,6 +32,7 @@ def known_of(world: PhysicalWorld, news: tuple[str, ...], foresight: str = "scou
         free_at=tuple(at for _, at, _ in free),
         under_way=tuple(sorted((task, work.expected) for task, work in served.items())),
         unseen_needs=unseen,
+        unseen_places=frozenset(world.maybe.keys() & known_tasks),
         news=news,
         came_from=tuple(came_from for _, _, came_from in free),
         started=dict(world.started),

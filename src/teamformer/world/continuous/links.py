@@ -10,12 +10,10 @@ import copy
 from collections.abc import Iterable, Mapping
 
 from teamformer.mission.model import Mission
+from teamformer.world.continuous.body import SAME
 from teamformer.world.continuous.world import PhysicalWorld
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.rules.starts import Gap, Timed
-
-SAME = 1e-9
-"""Moments nearer than this share of the time that has passed are the same: sums are rounded."""
 
 
 class GapKeeper:
@@ -44,7 +42,7 @@ class GapKeeper:
     def is_off(self, world: PhysicalWorld, tasks: Iterable[int]) -> bool:
         """Say whether some tasks have begun or ended at another time than foreseen.
 
-        Where robots may be delayed nobody knows before, so it is looked at anew.
+        Where robots may be delayed nobody knows before, so it is looked at anew while one walks.
         """
         return self._foreseen is not None and any(self._differs(world, task) for task in tasks)
 
@@ -103,7 +101,8 @@ class GapKeeper:
             return not _is_near(ended, self._foreseen.end(task), world.now)
         if task in world.started:
             return not _is_near(world.started[task], foreseen, world.now)
-        return self._has_delays and task in self.linked
+        is_held_until_now = self.holds.get(task, world.now + 1) <= world.now
+        return self._has_delays and is_held_until_now and world.is_busy
 
     def _start(self, task: int) -> float | None:
         return None if self._foreseen is None else self._foreseen.start.get(task)

@@ -54,7 +54,7 @@ EVENTS = (
     Event(10, "done", (ANN, BOB), BEAM, (2, 0), cause=7),
     Event(10, "walk", (ANN,), CRATE, until=11, way=way(10, 1, 2, 3), cause=8),
     Event(11, "arrive", (ANN,), CRATE, (3, 0), cause=9),
-    Event(11, "serve", (ANN,), CRATE, (3, 0), until=11.25, cause=10),
+    Event(11, "serve", (ANN,), CRATE, (3, 0), until=14.75, cause=10),
     Event(
         11.25, "lift", (ANN,), CRATE, (3, 0), until=14.25, way=way(11.25, 1, 3, 4, 5, 6), cause=11
     ),

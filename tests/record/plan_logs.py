@@ -104,7 +104,7 @@ def record_of(mission: Mission, plan: MissionPlan) -> Record:
                 team,
                 task,
                 wanted.at,
-                _served(mission, task, start, end),
+                end,
                 cause=begun,
             )
         )
@@ -139,11 +139,6 @@ def record_of(mission: Mission, plan: MissionPlan) -> Record:
     return Record(
         mission, "plan", 0, end=end, events=log.in_order(), lower_bound=plan.bound or None
     )
-
-
-def _served(mission: Mission, task: int, start: float, end: float) -> float:
-    wanted = mission.tasks[task]
-    return end if wanted.to is None else start + wanted.duration
 
 
 def begins(

@@ -12,7 +12,7 @@ from hand_logs import ANN, BEAM, BOB, CRATE, EVENTS, RECORD, way
 from plan_logs import record_of
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.mission.model import Mission, Robot, Task
-from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.layout import layout_of
 from teamformer.mission.parts.roads import Roads
 from teamformer.planning.continuous.continuous_mission import pose_mission
@@ -27,6 +27,10 @@ from teamformer.record.telling.whole import path_of_record, told_of
 from teamformer.record.told.told_record import Run, ToldService
 from teamformer.world.continuous.events import Event, Passed, PlanMade, PlannedTask
 from teamformer.world.rules.constants import NOBODY
+
+
+def itself(place: Place) -> Place:
+    return place
 
 
 def test_services_and_runs_by_hand() -> None:
@@ -122,7 +126,7 @@ def test_a_robot_that_is_lost_and_back() -> None:
         "walks to beam",
         "the plan has ann, bob do it together; planned anew at 5: bob back",
     )
-    [_, bob] = tracks_of(record)
+    [_, bob] = tracks_of(record, itself)
     assert [bob.place_at(when)[0] for when in (0, 1, 2, 3, 4.9, 7, 8, 10, 12)] == [
         *(6, 5.5, 5, 4.5, 4.5),
         *(3.5, 3, 2, 2),
@@ -237,7 +241,7 @@ def test_of_a_plan_the_path_is_as_long_as_by_the_rules_and_phases_have_no_holes(
         ends = [end for end, _ in told.runs_of(robot)]
         assert ends[-1] == told.length
     places = [task.at for task in mission.tasks]
-    tracks = tracks_of(record)
+    tracks = tracks_of(record, itself)
     for service in told.services:
         for robot in service.begun_by:
             if service.doing in ("serving", "loading"):
@@ -273,7 +277,7 @@ def test_a_track_turns_round_between_places() -> None:
             Event(0.5, "walk", (ANN,), CRATE, until=2, way=(Passed(1, (1, 0)), Passed(2, (0, 0)))),
         ),
     )
-    ann, _ = tracks_of(record)
+    ann, _ = tracks_of(record, itself)
     assert [ann.place_at(when)[0] for when in (0.25, 0.75, 1, 1.5, 2, 3)] == [
         0.25,
         0.75,

@@ -251,8 +251,12 @@ class Mission:
 
     @property
     def seconds_a_step(self) -> float:
-        """Return how long a step takes: on a plane what it says, on a grid one second."""
-        return self.world.step if isinstance(self.world, Plane) else 1.0
+        """Return how long a step takes: on a plane what it says, on a grid one second.
+
+        A unit of continuous time counts as one second.
+        """
+        is_in_steps = self.time == "steps"
+        return self.world.step if is_in_steps and isinstance(self.world, Plane) else 1.0
 
     @property
     def starting_teams(self) -> tuple[tuple[int, ...], ...]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.roads import Roads
 from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, known_steps
 from teamformer.record.teams import Teams
@@ -54,12 +55,12 @@ class LogEntry:
         task = None if self.task is None else mission.tasks[self.task]
         if self.kind == "done" and not self.robots:
             return UNKNOWN_DOERS.format(task=task.name if task else "")
-        x, y = self.place or (task.at if task else (0, 0))
+        at = self.place or (task.at if task else (0, 0))
         return TOLD[self.kind].format(
             names=_names(mission, self.robots),
             task=task.name if task else "",
             needs=describe(task.needs) if task else "",
-            place=f"[{x:g}, {y:g}]",
+            place=_place(mission, at),
         )
 
 
@@ -127,6 +128,12 @@ def _of_steps(record: Record) -> Iterator[LogEntry]:
         for task in appears.get(number, ()):
             yield LogEntry(number, "appears", task=task)
     yield LogEntry(len(record.steps), record.end.status)
+
+
+def _place(mission: Mission, at: Place) -> str:
+    if isinstance(mission.world, Roads):
+        return mission.world.name_of(at)
+    return f"[{at[0]:g}, {at[1]:g}]"
 
 
 def _names(mission: Mission, robots: Sequence[int]) -> str:

@@ -27,6 +27,7 @@ DIGITS = 3
 class Layout:
     """Where places of roads are drawn, in cells, and between which of them a road is."""
 
+    names: tuple[str, ...]
     width: float
     height: float
     places: tuple[Place, ...]
@@ -51,12 +52,13 @@ def layout_of(world: Roads) -> Layout:
     """Return where the places of roads are drawn: near ones near to one another."""
     ways = _lengths(world)
     if len(ways) == 1:
-        return Layout(LEAST_SIDE, LEAST_SIDE, ((LEAST_SIDE / 2, LEAST_SIDE / 2),), ())
+        return Layout(world.places, LEAST_SIDE, LEAST_SIDE, ((LEAST_SIDE / 2, LEAST_SIDE / 2),), ())
     places = _spread(places_of(ways) if len(ways) > 2 else np.array([[0, 0], [0, 1.0]]), ways)
     places = _in_cells(places[:, ::-1])  # the longer side is across
     width, height = np.maximum(places.max(axis=0) + MARGIN, LEAST_SIDE)
     where = tuple((round(float(x), DIGITS), round(float(y), DIGITS)) for x, y in places)
-    return Layout(round(float(width), DIGITS), round(float(height), DIGITS), where, _roads(world))
+    size = round(float(width), DIGITS), round(float(height), DIGITS)
+    return Layout(world.places, *size, where, _roads(world))
 
 
 def _lengths(world: Roads) -> Floats:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from teamformer.mission.parts.grid import Place
 from teamformer.record.record import Record
@@ -53,13 +53,17 @@ class Track:
         return [Passed(*pair) for pair in zip(self._times, self._places, strict=True)]
 
 
-def tracks_of(record: Record) -> list[Track]:
-    """Return the track of each robot; a lost one stays where it was lost."""
-    tracks = [Track(robot.at) for robot in record.mission.robots]
+def tracks_of(record: Record, drawn_at: Callable[[Place], Place]) -> list[Track]:
+    """Return the track of each robot; a lost one stays where it was lost.
+
+    `drawn_at` says where a place is drawn, where that is not the place itself.
+    """
+    tracks = [Track(drawn_at(robot.at)) for robot in record.mission.robots]
     for event in record.events:
         for robot in event.robots:
             if event.kind in HAVE_WAYS:
-                tracks[robot].set_out(event.at, event.way)
+                way = [Passed(at, drawn_at(place)) for at, place in event.way]
+                tracks[robot].set_out(event.at, way)
             elif event.kind == "lost":
                 tracks[robot].stop(event.at)
     return tracks

@@ -101,13 +101,18 @@ def _flows(path: tuple[Stretch, ...], unit: float) -> Iterator[Row]:
     for number, (one, other) in enumerate(pairwise(of_robots)):
         if one.robot != other.robot:
             flow = {"name": "critical path", "cat": "critical path", "id": number, "pid": ROBOTS}
-            yield flow | {"ph": "s", "tid": one.robot, "ts": (one.end - 0.5) * unit}
+            yield flow | {"ph": "s", "tid": one.robot, "ts": (one.end - _half(one)) * unit}
             yield flow | {
                 "ph": "f",
                 "bp": "e",
                 "tid": other.robot,
-                "ts": (other.begin + 0.5) * unit,
+                "ts": (other.begin + _half(other)) * unit,
             }
+
+
+def _half(stretch: Stretch) -> float:
+    """Return half a step, or half of what is shorter, so that an arrow lies within its stretch."""
+    return min(1.0, abs(stretch.end - stretch.begin)) / 2
 
 
 def _slice(begin: float, end: float, unit: float) -> Row:

@@ -48,6 +48,7 @@ def path_to_tree(path: Iterable[Stretch]) -> list[list[Any]]:
 
 def _layout(layout: Layout) -> Tree:
     return {
+        "names": list(layout.names),
         "size": [layout.width, layout.height],
         "places": [list(place) for place in layout.places],
         "roads": [list(road) for road in layout.roads],

@@ -90,7 +90,7 @@ KINDS = {
     ),
     "serve": EventKind(
         ("robots", "task", "place", "until"),
-        "a team begins to serve a task, or to take up its load",
+        "a team begins to serve a task, or to take up its load; until: when all of it is done",
     ),
     "lift": EventKind(
         ("robots", "task", "place", "way", "until"), "a team sets out with a load that it took up"

@@ -107,9 +107,10 @@ class MovingWorld:
         stages = self.ways.stages(start.place, goal, real.moves)
         way = (*stub, *self.passing((robot,), start.at, [(p, d / real.speed) for p, d in stages]))
         if len(way) == 1:
+            stops = body.is_walking
             self.stop_walking(body)
             body.way = way
-            if task != NOBODY:
+            if task != NOBODY or stops:
                 body.since = self.tell("arrive", (robot,), task, cause, place=goal)
                 self.sense(robot)
             return

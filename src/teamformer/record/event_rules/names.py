@@ -21,8 +21,8 @@ def need(is_so: bool, message: str) -> None:
         raise BrokenRuleError(message)
 
 
-class Names:
-    """Names what a mission has."""
+class InWords:
+    """InWords what a mission has."""
 
     def __init__(self, mission: Mission) -> None:
         self._mission = mission

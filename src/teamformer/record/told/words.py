@@ -7,9 +7,6 @@ from collections.abc import Sequence
 MANY = 3
 """Names that are written out where more would be too many to read."""
 
-FORMS, PARTS = "forms a team", "parts from"
-"""What is said of forming: who joins, and who parts."""
-
 
 def listed(names: Sequence[str]) -> str:
     """Return names in a row; of many the first, and how many more there are."""

@@ -8,8 +8,9 @@ from __future__ import annotations
 from itertools import pairwise
 
 from teamformer.mission.coordination import NEWS
-from teamformer.record.record import Record
+from teamformer.record.record import FLEET, Record
 from teamformer.record.referee.ending import judge_ending, judge_start
+from teamformer.record.referee.fleets import judge_fleet
 from teamformer.record.referee.playing import Play
 from teamformer.record.referee.truth import judge_truth
 from teamformer.record.referee.verdict import Notes, Verdict
@@ -28,6 +29,21 @@ def judge(record: Record) -> Verdict:
     """Return where a record breaks the rules, or is not what they make of its decisions."""
     notes = Notes()
     judge_truth(record, notes)
+    done = judge_fleet(record, notes) if record.method == FLEET else _judge_steps(record, notes)
+    if not notes.findings:
+        _judge_told(record, notes)
+    is_legal = not notes.findings
+    return Verdict(
+        findings=tuple(notes.findings),
+        steps=len(record.steps),
+        tasks_done=done,
+        cost=cost_of_record(record) if is_legal else None,
+        late=lateness(record) if is_legal else {},
+    )
+
+
+def _judge_steps(record: Record, notes: Notes) -> int:
+    """Play a record again, and return how many tasks were done, up to where it breaks the rules."""
     _judge_rows(record, notes)
     play = Play(record, notes)
     judge_start(record, play.world, notes)
@@ -41,16 +57,7 @@ def judge(record: Record) -> Verdict:
     notes.step = 0
     if goes_on:
         judge_ending(record, play.world, play.status, notes)
-        if not notes.findings:
-            _judge_told(record, notes)
-    is_legal = not notes.findings
-    return Verdict(
-        findings=tuple(notes.findings),
-        steps=len(record.steps),
-        tasks_done=len(play.world.done),
-        cost=cost_of_record(record) if is_legal else None,
-        late=lateness(record) if is_legal else {},
-    )
+    return len(play.world.done)
 
 
 def _judge_told(record: Record, notes: Notes) -> None:

@@ -153,7 +153,7 @@ def test_the_gantt_view_frames_the_critical_path(open_page: Opener) -> None:
         (9, 10, 1),
         (10, 13, 1),
     ]
-    assert "what the end hangs on" in opened.page.inner_text("#phases")
+    assert "critical path" in opened.page.inner_text("#phases")
     assert opened.errors == []
     row = opened.page.evaluate("window.teamformer.bars(1)")
     middle = (row["bars"][0]["left"] + row["bars"][0]["right"]) / 2

@@ -61,7 +61,9 @@ class Narrator:
         when = f"after step {plans.made}"
         if isinstance(world, Plane):
             when = f"at {round(plans.made * world.step, 2):g} s"
-        taken_over = ["a longer search was taken over"] if "taken over" in plans.reasons else []
+        taken_over = (
+            ["an operator took over a longer search"] if "taken over" in plans.reasons else []
+        )
         causes = [*self._news, *taken_over] or plans.reasons
         return f"planned anew {when}{': ' if causes else ''}{', '.join(causes)}"
 
@@ -141,7 +143,7 @@ class Narrator:
             looking = plans.scouts_of(task).intersection(now.teams.robots[slot])
             if looking:
                 names = self._names(sorted(looking))
-                return f"the plan has {names} look first what is to be known of it"
+                return f"the plan has {names} look first at what is not known of it"
             coalition = plans.coalition(task)
             together = " together" if len(coalition) > 1 else ""
             return f"the plan has {self._names(coalition)} do it{together}" if coalition else ""

@@ -82,5 +82,7 @@ def _judge_rows(record: Record, notes: Notes) -> None:
             notes.note(f"{name} has a row of step {max(steps)}, but only {last} were made")
     if record.heeds != tuple(word for word in NEWS if word in record.heeds):
         notes.note("heeds has news twice or not in order")
+    if any(step == 0 for step, _ in record.decisions):
+        notes.note("decisions has a row of step 0, and the first step is 1")
     if any(not rows for _, rows in record.decisions):
         notes.note("decisions has a row without any")

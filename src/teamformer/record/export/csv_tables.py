@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -12,7 +11,6 @@ from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.model import Task
 from teamformer.mission.parts.capabilities import describe
-from teamformer.record.export.moments import Moment, moments
 from teamformer.record.happenings import events
 from teamformer.record.phases import LOADING, PHASES, SERVING
 from teamformer.record.record import Record
@@ -25,17 +23,16 @@ Row = Sequence[object]
 
 def write_tables(record: Record, folder: Path) -> tuple[Path, ...]:
     """Write `robots.csv`, `tasks.csv`, `events.csv` and `gantt.csv` into a folder."""
-    seen = list(moments(record))
     tables = {
-        "robots": _robots(record, seen),
+        "robots": _robots(record),
         "tasks": _tasks(record),
         "events": _events(record),
-        "gantt": _bars(record, seen),
+        "gantt": _bars(record),
     }
     return tuple(_write(folder / f"{name}.csv", rows) for name, rows in tables.items())
 
 
-def _robots(record: Record, seen: Sequence[Moment]) -> Iterable[Row]:
+def _robots(record: Record) -> Iterable[Row]:
     """Yield each robot with the steps it spent in each phase."""
     places = ("x", "y", "lost_in_step", "back_in_step")
     robots = record.mission.robots
@@ -44,8 +41,8 @@ def _robots(record: Record, seen: Sequence[Moment]) -> Iterable[Row]:
     lost = _steps_by_robot(step.lost for step in record.steps)
     back = _steps_by_robot(step.back for step in record.steps)
     for number, robot in enumerate(robots):
-        steps = Counter(moment.phase[number] for moment in seen[1:])
-        spent = [steps[phase] for phase in PHASES]
+        runs = list(told_of(record).runs_of(number))
+        spent = [sum(end - it.begun for end, it in runs if it.phase == phase) for phase in PHASES]
         can = describe(robot.can)
         away = (lost.get(number, ""), back.get(number, ""))
         moves = "air" if robot.flies else "ground"
@@ -111,19 +108,13 @@ def _events(record: Record) -> Iterable[Row]:
         yield (event.step, seconds, event.kind, names, task, event.text(record.true_mission))
 
 
-def _bars(record: Record, seen: Sequence[Moment]) -> Iterable[Row]:
+def _bars(record: Record) -> Iterable[Row]:
     """Yield each robot's runs of one phase and task, between the ends of two steps."""
     yield ("robot", "phase", "task", "from_step", "to_step")
     for robot in range(len(record.mission.robots)):
-        begun, doing = 0, None
-        for moment in seen[1:]:
-            now = (moment.phase[robot], _task_name(record, moment.pursued[robot]))
-            if doing is not None and now != doing:
-                yield (_name(record, robot), *doing, begun, moment.step - 1)
-                begun = moment.step - 1
-            doing = now
-        if doing is not None:
-            yield (_name(record, robot), *doing, begun, seen[-1].step)
+        for end, run in told_of(record).runs_of(robot):
+            task = _task_name(record, run.task)
+            yield (_name(record, robot), run.phase, task, run.begun, end)
 
 
 def _name(record: Record, robot: int) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from teamformer.base.naming import listed
 from teamformer.record.phases import (
     CARRYING,
     FORMING,
@@ -18,7 +19,7 @@ from teamformer.record.phases import (
 )
 from teamformer.record.record import Record, Step
 from teamformer.record.teams import Teams
-from teamformer.record.telling.reasons import listed
+from teamformer.record.telling.reasons import MANY
 from teamformer.record.telling.told import Run
 from teamformer.record.telling.whole import told_of
 from teamformer.world.rules.constants import NOBODY
@@ -98,7 +99,7 @@ def _company(record: Record, robot: int) -> list[_Company]:
         teams.follow(step)
         mates = [r for r in teams.robots.get(teams.slot[robot], ()) if r != robot]
         left = [names[r] for r in _parted(step, robot) if r != robot and r not in mates]
-        company.append(_Company(", ".join(names[r] for r in mates), listed(left)))
+        company.append(_Company(", ".join(names[r] for r in mates), listed(left, MANY)))
     return company
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from teamformer.base.naming import listed
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.plane import Plane
 from teamformer.record.happenings import Event
@@ -122,7 +123,7 @@ class Narrator:
             return "no task is open"
         if not useful:
             return "no open task needs what it brings"
-        return f"others are to do {listed(useful)}"
+        return f"others are to do {listed(useful, MANY)}"
 
     def _tasks_that_need(self, can: tuple[str, ...]) -> list[str] | None:
         """Return the open tasks that need one of some capabilities, by name; None if none is."""
@@ -152,7 +153,7 @@ class Narrator:
 
     def _names(self, robots: Sequence[int]) -> str:
         """Name robots; of many the first, and how many more there are."""
-        return listed([self._now.source.robots[robot].name for robot in robots])
+        return listed((self._now.source.robots[robot].name for robot in robots), MANY)
 
 
 def _ranked(rank: int) -> str:
@@ -160,9 +161,3 @@ def _ranked(rank: int) -> str:
     told = RANKS[rank] if rank < len(RANKS) else f"number {rank + 1}"
     order = f"{told} in the order that everybody shares"
     return order if rank == 0 else f"{order}, the first it was sent to"
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return names as a text; of many the first, and how many more there are."""
-    shown = ", ".join(names[:MANY])
-    return f"{shown} and {len(names) - MANY} more" if len(names) > MANY else shown

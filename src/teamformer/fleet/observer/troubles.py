@@ -13,9 +13,6 @@ from teamformer.mission.parts.capabilities import describe, missing, total
 SLACK = 10.0
 """Seconds by which a service may take longer than its task says."""
 
-MOST_NAMED = 3
-"""Names that are written out."""
-
 
 def troubles(watch: Watch, age: float) -> list[Alert]:
     """Return what is wrong at an age of the mission, in seconds.
@@ -59,7 +56,7 @@ def _late_tasks(watch: Watch, age: float) -> Iterator[Alert]:
 def _who_does(watch: Watch, task: TaskFact) -> str:
     """Return where to look for who is to do a task."""
     robots = [r for r, word in sorted(watch.words.items()) if word.goal == task.key]
-    names = listed((watch.source.robots[robot].name for robot in robots), MOST_NAMED)
+    names = listed(watch.source.robots[robot].name for robot in robots)
     return f"look at {names}, which head for it or are there" if robots else "nobody heads for it"
 
 
@@ -75,8 +72,8 @@ def _end(watch: Watch) -> Iterator[Alert]:
     there = [robot for robot in able if watch.mission.reach(robot, first)]
     lack = missing(total(robots[robot].can for robot in there), needs)
     useful = (robots[r].name for r in sorted(out) if lack.keys() & robots[r].can)
-    helpers = listed(useful, MOST_NAMED)
+    helpers = listed(useful)
     do = f"bring {helpers} back" if helpers else "add a robot; no lost robot has it"
     why = f"for {first.name} the robots that are left lack {describe(lack)}"
-    names = listed((task.name for task in stuck), MOST_NAMED)
+    names = listed(task.name for task in stuck)
     yield Alert(END, f"the mission cannot end: {names}", why, do)

@@ -8,15 +8,16 @@ from __future__ import annotations
 from itertools import pairwise
 
 from teamformer.mission.coordination import NEWS
+from teamformer.record.event_rules.judging import judge_events
 from teamformer.record.record import FLEET, Record
 from teamformer.record.referee.ending import judge_ending, judge_start
 from teamformer.record.referee.fleets import judge_fleet
 from teamformer.record.referee.playing import Play
 from teamformer.record.referee.truth import judge_truth
-from teamformer.record.referee.verdict import Notes, Verdict
+from teamformer.record.referee.verdict import Finding, Notes, Verdict
 from teamformer.record.task_times import cost_of_record, lateness
-from teamformer.record.telling.trees import told_to_tree
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.trees import LAYOUT, told_to_tree
 
 WHY_OVER = {
     "completed": "everything was done before",
@@ -29,13 +30,18 @@ def judge(record: Record) -> Verdict:
     """Return where a record breaks the rules, or is not what they make of its decisions."""
     notes = Notes()
     judge_truth(record, notes)
-    done = judge_fleet(record, notes) if record.method == FLEET else _judge_steps(record, notes)
+    if record.is_continuous:
+        done = _judge_events(record, notes)
+    elif record.method == FLEET:
+        done = judge_fleet(record, notes)
+    else:
+        done = _judge_steps(record, notes)
     if not notes.findings:
         _judge_told(record, notes)
     is_legal = not notes.findings
     return Verdict(
         findings=tuple(notes.findings),
-        steps=len(record.steps),
+        steps=len(record.events) if record.is_continuous else len(record.steps),
         tasks_done=done,
         cost=cost_of_record(record) if is_legal else None,
         late=lateness(record) if is_legal else {},
@@ -60,13 +66,20 @@ def _judge_steps(record: Record, notes: Notes) -> int:
     return len(play.world.done)
 
 
+def _judge_events(record: Record, notes: Notes) -> int:
+    """Judge a record in continuous time, and return how many tasks were done."""
+    for when, message in judge_events(record):
+        notes.findings.append(Finding(max(0.0, when), message))
+    return record.end.tasks_done
+
+
 def _judge_told(record: Record, notes: Notes) -> None:
     """Check that what the record's file says that all comes to is what it comes to."""
     if record.told is None:
         return
     said, due = record.told, told_to_tree(told_of(record))
     keys = due.keys() | said.keys() if isinstance(said, dict) else due.keys()
-    for key in sorted(keys):
+    for key in sorted(keys - {LAYOUT}):
         if not isinstance(said, dict) or said.get(key) != due.get(key):
             notes.note(f"what is told of {key} is not what happened")
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from teamformer.base.naming import listed
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.happenings import Event
+from teamformer.record.happenings import LogEntry
 from teamformer.record.phases import (
     AT_WORK,
     CARRYING,
@@ -19,9 +19,6 @@ from teamformer.record.phases import (
 )
 from teamformer.record.telling.unrolled import Unrolled
 from teamformer.world.rules.constants import NEVER, NOBODY
-
-MANY = 3
-"""Names that are written out where more would be too many to read."""
 
 RANKS = ("first", "second", "third")
 
@@ -46,12 +43,12 @@ class Narrator:
         """Return what happened in the latest step that may have a plan made anew."""
         now, step = self._now, self._now.latest
         found = [
-            *(Event(now.steps, "cancelled", task=task) for task in now.called_off),
-            *(Event(now.steps, "lost", (robot,)) for robot in step.lost),
-            *(Event(now.steps, "back", (robot,)) for robot in step.back),
-            *(Event(now.steps, "found", task=task) for task in step.found),
-            *(Event(now.steps, "needs", task=task) for task in step.shown),
-            *(Event(now.steps, "appears", task=task) for task in now.news),
+            *(LogEntry(now.steps, "cancelled", task=task) for task in now.called_off),
+            *(LogEntry(now.steps, "lost", (robot,)) for robot in step.lost),
+            *(LogEntry(now.steps, "back", (robot,)) for robot in step.back),
+            *(LogEntry(now.steps, "found", task=task) for task in step.found),
+            *(LogEntry(now.steps, "needs", task=task) for task in step.shown),
+            *(LogEntry(now.steps, "appears", task=task) for task in now.news),
         ]
         return [event.text(now.mission) for event in found]
 
@@ -123,7 +120,7 @@ class Narrator:
             return "no task is open"
         if not useful:
             return "no open task needs what it brings"
-        return f"others are to do {listed(useful, MANY)}"
+        return f"others are to do {listed(useful)}"
 
     def _tasks_that_need(self, can: tuple[str, ...]) -> list[str] | None:
         """Return the open tasks that need one of some capabilities, by name; None if none is."""
@@ -153,7 +150,7 @@ class Narrator:
 
     def _names(self, robots: Sequence[int]) -> str:
         """Name robots; of many the first, and how many more there are."""
-        return listed((self._now.source.robots[robot].name for robot in robots), MANY)
+        return listed(self._now.source.robots[robot].name for robot in robots)
 
 
 def _ranked(rank: int) -> str:

@@ -55,7 +55,7 @@ def test_it_is_said_once_for_each_part_and_again_after_a_pause(
         announcer.end()
         return capsys.readouterr().err
 
-    assert "the planner" in compile_for("planning.arcs.annealing", 60)
+    assert "the planner" in compile_for("planning.search.annealing", 60)
     assert "the simulator" in compile_for("world.step", 30)
     assert compile_for("planning.crews.deal", 30) == ""
     now[0] += announcing.PAUSE

@@ -38,6 +38,9 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     from teamformer.planning.steps.arc_search import LARGE
     from teamformer.world.step import step_worlds
 
+    if mission is not None and mission.time == "continuous":
+        _warm_up(mission)
+        return
     wanted = {method.name: method for method in methods}
     has_new_planner = "plan" in wanted and needs_compiling(anneal)
     is_new = needs_compiling(step_worlds)
@@ -53,6 +56,14 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     is_large = mission is not None and len(mission.tasks) >= LARGE
     if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(dispatch):
         _plan_anew()
+
+
+def _warm_up(mission: Mission) -> None:
+    """Compile what plans in continuous time need."""
+    from teamformer.mission.checks.links import is_linked
+    from teamformer.planning.continuous.rules import warm_up
+
+    warm_up(is_linked(mission))
 
 
 def _plan_anew() -> None:

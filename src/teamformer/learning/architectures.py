@@ -32,6 +32,7 @@ from teamformer.methods.learned.action_mask import EDIT, FULL
 from teamformer.methods.learned.any_fleet import AnyFleetCodec
 from teamformer.methods.learned.codec import Codec
 from teamformer.methods.learned.combinations import CombinationCodec, task_features, team_features
+from teamformer.methods.learned.dispatch.offers import FEATURES, OfferFeature
 from teamformer.methods.learned.token_features import SpellingCodec
 
 
@@ -126,7 +127,7 @@ ANY_PPO = PpoSettings(
 
 
 def _make_offers(capabilities: int | None) -> nn.Module:
-    return OfferNetwork(OfferSettings())
+    return OfferNetwork(OfferSettings(FEATURES, int(OfferFeature.BEGINS)))
 
 
 ARCHITECTURES = {
@@ -151,6 +152,7 @@ ARCHITECTURES = {
     ),
     "teamformer": _spells(EDIT, maintain_bias=2.0),
     "teamformer-full": _spells(FULL, maintain_bias=3.0),
+    "teamformer-paper": _spells(FULL, maintain_bias=0.0),
     "deepset": _combines(DeepSet, width=64),
     "gnn": _combines(GraphNetwork, width=32),
 }

@@ -6,11 +6,9 @@ as HeteroMRTA and SADCHER have them. Seeds of training, selection and test never
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from teamformer.files.drawn.families import FAMILIES
+from teamformer.files.drawn.families import FAMILIES, sized
 from teamformer.files.drawn.family_missions import draw_mission
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.learning.training_worlds import SELECTION, TRAINING
@@ -53,12 +51,7 @@ def _draw(rng: np.random.Generator) -> Mission:
 
 
 def _of_family(name: str, size: float, rng: np.random.Generator) -> Mission:
-    family = FAMILIES[name]
-    least = len(family.capabilities) if len(family.abilities) == 1 else 3
-    robots = tuple(max(least, round(size * many)) for many in family.robots)
-    tasks = tuple(max(4, round(size * many)) for many in family.tasks)
-    sized = replace(family, robots=(robots[0], robots[1]), tasks=(tasks[0], tasks[1]))
-    return draw_mission(sized, rng, name)
+    return draw_mission(sized(FAMILIES[name], size), rng, name)
 
 
 def _papers(rng: np.random.Generator) -> Mission:

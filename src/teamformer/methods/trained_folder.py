@@ -103,6 +103,7 @@ RUNTIMES: dict[str, Callable[[Path, PolicyDescription], Policy | Coordinator]] =
     "any": _any,
     "teamformer": _spelled,
     "teamformer-full": _spelled,
+    "teamformer-paper": _spelled,
     "deepset": _combined,
     "gnn": _combined,
 }

@@ -17,7 +17,7 @@ from torch import Tensor
 
 from teamformer.base.array_types import Array
 from teamformer.learning.algorithms.optimiser import Learner, descend, minibatches, set_rate
-from teamformer.methods.learned.dispatch.forecast import Forecast, forecast_of
+from teamformer.methods.learned.dispatch.forecast import DispatchForecast, forecast_of
 from teamformer.methods.learned.dispatch.giving_out import Scorer, give_out_all
 from teamformer.methods.learned.dispatch.offers import MOST_OFFERS
 from teamformer.mission.model import Mission
@@ -51,7 +51,7 @@ class Deviations:
 
 
 @dataclass
-class _Record:
+class _States:
     """The same, as it grows state by state."""
 
     features: list[Array] = field(default_factory=list)
@@ -68,7 +68,7 @@ def try_deviations(
 ) -> tuple[Deviations, int]:
     """Give out the tasks of missions and try other offers; return that and the tasks given out."""
     forecasts = [forecast_of(mission) for mission in missions]
-    given, record = [one.given for one in forecasts], _Record()
+    given, record = [one.given for one in forecasts], _States()
 
     def explore(rows: list[int], position: int, features: Array, scores: Array) -> None:
         for row, n in enumerate(rows):
@@ -96,7 +96,7 @@ def _choose(scores: Array, tries: int, rng: np.random.Generator) -> Array:
 
 
 def _try(
-    forecast: Forecast, offers: Array, position: int, futures: int, rng: np.random.Generator
+    forecast: DispatchForecast, offers: Array, position: int, futures: int, rng: np.random.Generator
 ) -> Array:
     """Return what each offer comes to if it is accepted at a position, (tries,)."""
     seed, worth = int(rng.integers(2**31)), np.zeros(len(offers))
@@ -107,7 +107,7 @@ def _try(
     return worth
 
 
-def _as_tensors(record: _Record) -> Deviations:
+def _as_tensors(record: _States) -> Deviations:
     is_offer = np.arange(MOST_OFFERS) < np.array(record.count)[:, None]
     return Deviations(
         torch.from_numpy(np.array(record.features)),

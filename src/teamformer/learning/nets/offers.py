@@ -8,14 +8,14 @@ import torch
 from torch import Tensor, nn
 
 from teamformer.learning.nets.actor import REFUSED
-from teamformer.methods.learned.dispatch.offers import FEATURES, OfferFeature
 
 
 @dataclass(frozen=True)
 class OfferSettings:
     """Sizes of the network."""
 
-    features: int = FEATURES
+    features: int
+    begins: int  # the feature that says how much later an offer begins than the first
     width: int = 64
 
 
@@ -28,6 +28,7 @@ class OfferNetwork(nn.Module):
     def __init__(self, settings: OfferSettings) -> None:
         super().__init__()
         d = settings.width
+        self.begins = settings.begins
         self.offer_in = nn.Sequential(nn.Linear(settings.features, d), nn.ReLU(), nn.Linear(d, d))
         self.context = nn.Sequential(nn.Linear(2 * d, d), nn.ReLU())
         first, last = nn.Linear(2 * d, d), nn.Linear(d, 1)
@@ -46,5 +47,5 @@ class OfferNetwork(nn.Module):
         context = self.context(torch.cat([total, most], dim=-1))  # (states, d)
         beside = context.unsqueeze(1).expand(-1, offers.shape[1], -1)
         scores: Tensor = self.score(torch.cat([offers, beside], dim=-1)).squeeze(-1)
-        later = features[..., int(OfferFeature.BEGINS)]
+        later = features[..., self.begins]
         return (scores - self.haste * later).masked_fill(~is_offer, REFUSED)

@@ -23,7 +23,13 @@ from teamformer.planning.dispatch.futures import (
 )
 from teamformer.planning.problem.coalition_plan import copy_plan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
-from teamformer.planning.problem.schedule import COST, empty_schedule, schedule_of, sum_up
+from teamformer.planning.problem.schedule import (
+    COST,
+    MAKESPAN,
+    empty_schedule,
+    schedule_of,
+    sum_up,
+)
 
 if TYPE_CHECKING:
     from teamformer.planning.dispatch.futures import Calls
@@ -44,7 +50,8 @@ def react(problem: CoalitionProblem) -> Solution | None:
     futures = max(1, min(FUTURES, FUTURES * MANY_TASKS**2 // max(1, tasks) ** 2))
     if not _react(problem, schedule, best, calls, futures, leg_of(problem)):
         return None
-    return Solution(schedule_of(problem, best), 0)
+    total = schedule_of(problem, best).total
+    return Solution(best, (int(total[MAKESPAN]), int(total[COST])))
 
 
 @entry

@@ -19,22 +19,22 @@ from teamformer.planning.dispatch.futures import (
     put_back,
     take_back,
 )
-from teamformer.planning.graph.meeting import TICKS
 from teamformer.planning.problem.coalition_plan import copy_plan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
+from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.schedule import Schedule, empty_schedule
+from teamformer.planning.step_times.groups import empty_groups
+from teamformer.planning.step_times.passing import settle
 from teamformer.planning.steps.arc_search import pose_steps
-from teamformer.planning.steps.passing import settle
 from teamformer.planning.steps.shared_plan import kept_plan
 from teamformer.planning.steps.situation import Situation, plan_of, situation_of
 from teamformer.planning.steps.timed_plan import time_team_plan
-from teamformer.planning.steps.timing import empty_groups
 
 if TYPE_CHECKING:
     from teamformer.planning.problem.coalition_plan import CoalitionPlan
     from teamformer.planning.problem.relaxed_problem import Relaxed
-    from teamformer.planning.steps.crossings import Crossings
-    from teamformer.planning.steps.timing import Groups
+    from teamformer.planning.step_times.crossings import Crossings
+    from teamformer.planning.step_times.groups import Groups
 
 FUTURES, FUTURES_AGAIN = 1000, 300
 """How many futures are played at the start, and after news."""
@@ -101,8 +101,6 @@ def pose_present(situation: Situation) -> tuple[CoalitionProblem, Schedule]:
     problem = pose_steps(situation, np.arange(len(situation.robots)), riders=0)
     problem = problem._replace(forming=problem.forming * TICKS)
     schedule = empty_schedule(problem)
-    leaders = np.unique(situation.company)
-    schedule.end[len(situation.tasks) :] = situation.problem.ready[leaders].astype(np.int64) * TICKS
     begin_dispatch(problem, schedule)
     return problem, schedule
 

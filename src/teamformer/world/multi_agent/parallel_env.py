@@ -18,7 +18,7 @@ from teamformer.world.multi_agent.action_spaces import wanted_from_action
 from teamformer.world.multi_agent.observing import observe_rows, observed
 from teamformer.world.reward import Reward
 from teamformer.world.rules.constants import NEVER, NOBODY
-from teamformer.world.state.arrays import RUNNING
+from teamformer.world.state.arrays import RUNNING, STATUS_NAMES
 
 try:
     from gymnasium import spaces
@@ -66,7 +66,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         self.possible_agents = [robot.name for robot in self._env.missions[0].robots]
         self._look()
         self.agents: list[str] = []
-        self._names = observed(self._view)
+        self._columns = observed(self._view)
         self._observation_space = space_of_observations(
             self._observe_rows()[0], self._env.missions[0]
         )
@@ -105,7 +105,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         self._env.step(self._decision(actions))
         self._look()
         self._observations |= self._observe()  # the lost keep what they saw last
-        status = self._env.tally().status
+        status = STATUS_NAMES[self._env.worlds.count["status"][0]]
         robots, steps = self._env.worlds.robots[0], self._env.worlds.count["steps"][0]
         is_coming = (robots["back"] > steps) & (robots["back"] < NEVER)
         slots = dict(zip(self.possible_agents, robots["team"], strict=True))
@@ -186,6 +186,6 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
     def _observe_rows(self) -> list[Observation]:
         """Return what each team sees, in the order of the view."""
         robots = len(self.possible_agents)
-        arrays = observe_rows(self._view, self._names, robots, self._has_original_actions)
+        arrays = observe_rows(self._view, self._columns, robots, self._has_original_actions)
         by_row = zip(*map(list, arrays.values()), strict=True)  # each a row of every array
         return [dict(zip(arrays, row, strict=True)) for row in by_row]

@@ -68,7 +68,7 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         self._robots = self._env.worlds.robots.shape[1]
         self._is_over = np.zeros(worlds, dtype=np.bool_)
         self.num_envs = worlds * self._robots
-        self._names = observed(self._env.view())
+        self._columns = observed(self._env.view())
         rows = self._look()
         first = {name: array[0] for name, array in rows.items()}
         self.single_observation_space = space_of_observations(first, missions[0])
@@ -151,7 +151,7 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         status[:] = RUNNING
         self._view = self._env.view()
         status[:] = ended_as
-        return observe_rows(self._view, self._names, self._robots, self._has_original_actions)
+        return observe_rows(self._view, self._columns, self._robots, self._has_original_actions)
 
     def _observe(self, rows: Observations) -> None:
         """Give each robot that is in a team what its team sees; the lost keep what they saw."""

@@ -10,20 +10,20 @@ from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.reactive import mean_future
 from teamformer.planning.dispatch.futures import empty_calls
-from teamformer.planning.graph.meeting import TICKS
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
-from teamformer.planning.problem.links import LinkedProblem
+from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.schedule import MAKESPAN, schedule_of
+from teamformer.planning.step_times.groups import empty_groups
+from teamformer.planning.step_times.timing import STEP
 from teamformer.planning.steps.reactive import mean_future_in_steps, pose_present
 from teamformer.planning.steps.situation import Situation, situation_of
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
-from teamformer.planning.steps.timing import STEP, empty_groups
 
 CALMER = 3
 """Futures that are averaged have so many times less noise than those of the reactive rule."""
 
 
-class Forecast(Protocol):
+class DispatchForecast(Protocol):
     """Judges what is given out of one problem, `given`."""
 
     @property
@@ -84,10 +84,9 @@ class ContinuousForecast:
 
     def __init__(self, mission: Mission) -> None:
         posed = pose_mission(mission)
-        problem = posed.problem.base if isinstance(posed.problem, LinkedProblem) else posed.problem
-        self.given = GivingOut.of(problem)
+        self.given = GivingOut.of(posed.problem)
         self._scale = posed.scale
-        self._calls = empty_calls(problem, 0)
+        self._calls = empty_calls(posed.problem, 0)
 
     def worth(self, position: int, futures: int, seed: int) -> float:
         """Return what so many futures come to on average."""

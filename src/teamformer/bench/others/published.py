@@ -28,17 +28,31 @@ ABOVE = "percent_above_best_known"
 
 @dataclass(frozen=True)
 class Reported:
-    """A mean over a folder that others report: percent above the best known, and what it took."""
+    """A mean over a folder that others report: percent above the best known, and what it took.
+
+    None where they do not say what it took.
+    """
 
     method: str
-    cores: float
-    seconds: float
+    cores: float | None
+    seconds: float | None
     percent: float
 
     @property
     def label(self) -> str:
         """Return the method with what it took: two rows may be of one method."""
+        if self.cores is None or self.seconds is None:
+            return self.method
         return f"{self.method}, {self.cores:g} x {self.seconds:g} s"
+
+
+REPORTED_OF = {
+    "sadcher": (
+        Reported("SADCHER, greedy", None, None, 6.8),
+        Reported("SADCHER, sampled", None, None, 3.8),
+    )
+}
+"""Means above the optimum that authors publish of all instances of their kind (SADCHER: of 500)."""
 
 
 def read_published(folder: Path) -> dict[int, Published]:

@@ -50,8 +50,22 @@ def react(problem: CoalitionProblem) -> Solution | None:
     futures = max(1, min(FUTURES, FUTURES * MANY_TASKS**2 // max(1, tasks) ** 2))
     if not _react(problem, schedule, best, calls, futures, leg_of(problem)):
         return None
-    total = schedule_of(problem, best).total
-    return Solution(best, (int(total[MAKESPAN]), int(total[COST])))
+    return solution_of(problem, best)
+
+
+def dispatch(problem: CoalitionProblem) -> Solution | None:
+    """Return what the rule `soonest` itself comes to; None if some task cannot be done."""
+    schedule = empty_schedule(problem)
+    begin_dispatch(problem, schedule)
+    if not play_out(problem, schedule, empty_calls(problem, 0), 0):
+        return None
+    return solution_of(problem, schedule.plan)
+
+
+def solution_of(problem: CoalitionProblem, plan: CoalitionPlan) -> Solution:
+    """Return a plan with what it comes to."""
+    total = schedule_of(problem, plan).total
+    return Solution(plan, (int(total[MAKESPAN]), int(total[COST])))
 
 
 @entry

@@ -57,8 +57,11 @@ def table_of_means(results: Sequence[Result], reported: AllReported) -> list[lis
     ]
     rows += [
         [
-            *(f"{each.method} (reported)", "", "", f"{each.percent:.1f}%", *[""] * 6),
-            *(f"{each.cores:g}", f"{each.seconds:g}", ""),
+            *(f"{each.method} (reported)", "", ""),
+            *("" if each.is_gap else f"{each.percent:.1f}%", ""),
+            *(f"{each.percent:.1f}%" if each.is_gap else "", *[""] * 4),
+            *("" if cost is None else f"{cost:g}" for cost in (each.cores, each.seconds)),
+            "",
         ]
         for each in reported.get(results[0].collection, ())
     ]

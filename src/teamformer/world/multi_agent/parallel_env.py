@@ -15,6 +15,7 @@ from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.multi_agent.action_spaces import wanted_from_action
+from teamformer.world.multi_agent.drawing import RENDER_MODES, check_render_mode, draw
 from teamformer.world.multi_agent.observing import observe_rows, observed
 from teamformer.world.reward import Reward
 from teamformer.world.rules.constants import NEVER, NOBODY
@@ -47,20 +48,24 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
     every reset draws its uncertain values again.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"name": "team_formation_v1", "render_modes": []}
+    metadata: ClassVar[dict[str, Any]] = {
+        "name": "team_formation_v1",
+        "render_modes": list(RENDER_MODES),
+    }
 
     def __init__(
         self,
         source: Mission | Spec,
         actions: Literal["counts", "original"] = "counts",
         reward: Reward | None = None,
+        render_mode: Literal["ansi", "rgb_array"] | None = None,
     ) -> None:
         if actions not in ("counts", "original"):
             raise TeamformerError(f"actions is '{actions}'; use counts or original")
         self._source = source
         self._reward = reward
         self._has_original_actions = actions == "original"
-        self.render_mode = None
+        self.render_mode = check_render_mode(render_mode)
         self._rng = np.random.default_rng(0)
         self._env = self._make_env()
         self.possible_agents = [robot.name for robot in self._env.missions[0].robots]
@@ -121,6 +126,10 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         infos: Everyone = {agent: {} for agent in self.agents}
         self.agents = [a for a in self.agents if not (terminations[a] or truncations[a])]
         return observations, rewards, terminations, truncations, infos
+
+    def render(self) -> str | Array | None:
+        """Return the world as lines of text (`ansi`) or pixels (`rgb_array`); None without mode."""
+        return draw(self._env, self.render_mode)
 
     def state(self) -> Array:
         """Return the whole world as one float32 vector, for a critic that sees everything.

@@ -153,7 +153,7 @@ def test_who_comes_late_is_told_who_did_what_and_when() -> None:
     ]
     assert [watch.step().done for _ in range(3)] == [(), (), ((2, None),)]
     told = [event for event in events(watch.record()) if event.kind == "done"]
-    assert [(event.step, event.robots) for event in told] == [(10, (1,)), (21, (0, 2)), (53, ())]
+    assert [(event.at, event.robots) for event in told] == [(10, (1,)), (21, (0, 2)), (53, ())]
     assert watch.steps[50].teams == (TeamAt(0, 4, 0, None), TeamAt(2, 7, 0, None))
 
 
@@ -181,7 +181,7 @@ def test_who_comes_after_all_was_done_is_told_who_did_what_and_when() -> None:
     assert {key: event.robots for key, event in told.items()} == {
         key: deed.robots for key, deed in done.items()
     }
-    assert all(0 <= event.step - done[key].at < 2 for key, event in told.items())
+    assert all(0 <= event.at - done[key].at < 2 for key, event in told.items())
 
 
 def test_a_mission_goes_on_as_long_as_the_robot_says_that_knows_it_longest() -> None:

@@ -17,7 +17,7 @@ def at_the_start(mission: Mission) -> Known:
     robots = range(len(mission.robots))
     return Known(
         mission=mission,
-        step=0,
+        now=0,
         open_tasks=tuple(range(len(mission.tasks))),
         places=tuple(robot.at for robot in mission.robots),
         teams=tuple((robot,) for robot in robots),

@@ -98,7 +98,9 @@ def record_of(
     if orders is None:
         orders = ((0, tuple(k for k, task in enumerate(mission.tasks) if not task.appears)),)
     end_of = replace(ending, **end)
-    return Record(mission, "by hand", 0, orders, tuple(places), steps, end_of, decisions=decisions)
+    return Record(
+        mission, "by hand", 0, orders, tuple(places), steps, end=end_of, decisions=decisions
+    )
 
 
 def messages(record: Record) -> list[str]:

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.ways import Ways
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import Counts, exact
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import Plane
+from teamformer.world.continuous.ways import Ways
 
 Row = tuple[float, ...]
 """How much there is of each capability, in the mission's order."""

@@ -65,7 +65,7 @@ class CoordinatedPlanner:
         old = _old_plan(situation, number_of)
         known = Known(
             mission=source,
-            step=0,
+            now=0,
             open_tasks=tuple(number_of[task.key] for task in situation.tasks),
             places=tuple(places),
             teams=tuple((robot,) for robot in robots),

@@ -92,8 +92,11 @@ class Teams:
         return self.robots.pop(slot), self.at.pop(slot), self.task.pop(slot)
 
 
-def completions(record: Record) -> Iterator[tuple[int, int, tuple[int, ...]]]:
-    """Yield step, task and robots of every task that was done, in the order of the record."""
+def completions(record: Record) -> Iterator[tuple[float, int, tuple[int, ...]]]:
+    """Yield step or moment, task and robots of every task that was done, in order."""
+    if record.is_continuous:
+        yield from ((it.at, it.task, it.robots) for it in record.events if it.kind == "done")
+        return
     teams = Teams(record.mission.robots, record.start)
     for number, step in enumerate(record.steps, start=1):
         teams.follow(step)

@@ -33,7 +33,7 @@ from teamformer.live.serving.watchers import Watcher
 from teamformer.record.files.writing import save_record, step_to_tree
 from teamformer.record.record import Record
 from teamformer.record.telling.latest import LatestTold
-from teamformer.record.telling.trees import news_to_tree
+from teamformer.record.told.trees import news_to_tree
 
 LISTENS = 3.0
 """Seconds that agents have to tell what was done before."""

@@ -56,7 +56,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     robots = _robots_of(rehearsal, deeds)
     source = replace(mission.source, tasks=tasks, robots=robots, teams=())
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
-    lost = {robot: step for robot, step in ends if step is not None}
+    lost = {robot: int(step) for robot, step in ends if step is not None}
     rows = with_services(source, _Teller(source, mission.step, number).tell(events, deeds, lost))
     is_complete, steps = outcome.status == "ended", len(rows)
     return Record(

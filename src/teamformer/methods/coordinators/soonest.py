@@ -17,6 +17,7 @@ class Soonest:
     """
 
     heeds = NEWS
+    times = ("steps",)
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return who does each task that is possible now, in the order in which they can begin."""

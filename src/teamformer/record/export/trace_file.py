@@ -18,8 +18,8 @@ from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.happenings import events
 from teamformer.record.phases import IDLE
 from teamformer.record.record import Record
-from teamformer.record.telling.told import ToldRecord
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.told_record import ToldRecord
 from teamformer.world.rules.constants import NOBODY
 
 ROBOTS, TASKS = 1, 2
@@ -68,7 +68,7 @@ def _runs(mission: Mission, told: ToldRecord, unit: float) -> Iterator[Row]:
 
 def _services(mission: Mission, told: ToldRecord, unit: float) -> Iterator[Row]:
     for service in told.services:
-        ended = told.steps if service.ended is None else service.ended
+        ended = told.length if service.ended is None else service.ended
         names = [mission.robots[robot].name for robot in service.begun_by]
         yield _slice(service.begun, ended, unit) | {
             "name": f"{service.doing} by {', '.join(names)}",
@@ -88,7 +88,7 @@ def _happenings(record: Record, unit: float) -> Iterator[Row]:
             "ph": "i",
             "name": event.text(record.true_mission),
             "cat": event.kind,
-            "ts": event.step * unit,
+            "ts": event.at * unit,
             "pid": TASKS if on_task else ROBOTS,
             "tid": track or 0,
             "s": "g" if track is None else "t",  # for all tracks, or this one
@@ -101,13 +101,18 @@ def _flows(path: tuple[Stretch, ...], unit: float) -> Iterator[Row]:
     for number, (one, other) in enumerate(pairwise(of_robots)):
         if one.robot != other.robot:
             flow = {"name": "critical path", "cat": "critical path", "id": number, "pid": ROBOTS}
-            yield flow | {"ph": "s", "tid": one.robot, "ts": (one.end - 0.5) * unit}
+            yield flow | {"ph": "s", "tid": one.robot, "ts": (one.end - _half(one)) * unit}
             yield flow | {
                 "ph": "f",
                 "bp": "e",
                 "tid": other.robot,
-                "ts": (other.begin + 0.5) * unit,
+                "ts": (other.begin + _half(other)) * unit,
             }
+
+
+def _half(stretch: Stretch) -> float:
+    """Return half a step, or half of what is shorter, so that an arrow lies within its stretch."""
+    return min(1.0, abs(stretch.end - stretch.begin)) / 2
 
 
 def _slice(begin: float, end: float, unit: float) -> Row:

@@ -8,14 +8,15 @@ from __future__ import annotations
 from itertools import pairwise
 
 from teamformer.mission.coordination import NEWS
+from teamformer.record.event_rules.judging import judge_events
 from teamformer.record.record import Record
 from teamformer.record.referee.ending import judge_ending, judge_start
 from teamformer.record.referee.playing import Play
 from teamformer.record.referee.truth import judge_truth
-from teamformer.record.referee.verdict import Notes, Verdict
+from teamformer.record.referee.verdict import Finding, Notes, Verdict
 from teamformer.record.task_times import cost_of_record, lateness
-from teamformer.record.telling.trees import told_to_tree
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.trees import LAYOUT, told_to_tree
 
 WHY_OVER = {
     "completed": "everything was done before",
@@ -28,6 +29,8 @@ def judge(record: Record) -> Verdict:
     """Return where a record breaks the rules, or is not what they make of its decisions."""
     notes = Notes()
     judge_truth(record, notes)
+    if record.is_continuous:
+        return _judge_events(record, notes)
     _judge_rows(record, notes)
     play = Play(record, notes)
     judge_start(record, play.world, notes)
@@ -53,13 +56,29 @@ def judge(record: Record) -> Verdict:
     )
 
 
+def _judge_events(record: Record, notes: Notes) -> Verdict:
+    """Judge a record in continuous time."""
+    for when, message in judge_events(record):
+        notes.findings.append(Finding(max(0.0, when), message))
+    if not notes.findings:
+        _judge_told(record, notes)
+    is_legal = not notes.findings
+    return Verdict(
+        findings=tuple(notes.findings),
+        steps=len(record.events),
+        tasks_done=record.end.tasks_done,
+        cost=cost_of_record(record) if is_legal else None,
+        late=lateness(record) if is_legal else {},
+    )
+
+
 def _judge_told(record: Record, notes: Notes) -> None:
     """Check that what the record's file says that all comes to is what it comes to."""
     if record.told is None:
         return
     said, due = record.told, told_to_tree(told_of(record))
     keys = due.keys() | said.keys() if isinstance(said, dict) else due.keys()
-    for key in sorted(keys):
+    for key in sorted(keys - {LAYOUT}):
         if not isinstance(said, dict) or said.get(key) != due.get(key):
             notes.note(f"what is told of {key} is not what happened")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from teamformer.methods.learned.dispatch.giving_out import GivingOut
+from teamformer.mission.coordination import known_at_start
 from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.reactive import mean_future

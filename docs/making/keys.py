@@ -13,13 +13,18 @@ from pathlib import Path
 from teamformer.files.schema import schema_text
 from teamformer.live.serving.openapi import openapi_text
 from teamformer.mission.keys.key import FIRST_VERSION, REQUIRED, Key
-from teamformer.mission.keys.kinds import KeyedParts
 from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
+from teamformer.mission.keys.robot_keys import ROBOT_KEYS
+from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
 from teamformer.world.continuous.events import KINDS
 
 ROOT = Path(__file__).parents[2]
-PAGES = tuple(ROOT / "docs" / "reference" / name for name in ("mission.md", "record.md"))
+REFERENCE = ROOT / "docs" / "reference"
+PAGES = [
+    *(REFERENCE / name for name in ("mission.md", "record.md")),
+    *sorted(REFERENCE.glob("mission/*.md")),
+]
 SCHEMA = ROOT / "mission.schema.json"
 OPENAPI = ROOT / "live.openapi.json"
 
@@ -30,8 +35,6 @@ def rows(keys: Sequence[Key], before: str = "") -> Iterator[str]:
         without = REQUIRED if key.is_required else key.without or said(key.default)
         since = "" if key.since == FIRST_VERSION else f" (since {key.since})"
         yield f"| `{before}{key.name}` | {key.means}{since} | {without} |"
-        if isinstance(key.kind, KeyedParts):
-            yield from rows(key.kind.keys, f"{before}{key.name}[].")
 
 
 def said(default: object) -> str:
@@ -44,7 +47,9 @@ def tables() -> dict[str, list[str]]:
     head = ["| key | means | if left out |", "|---|---|---|"]
     cost = [f"| `{key.name}` | {key.means} |" for key in COST_KEYS]
     return {
-        "every key": [*head, *rows(MISSION_KEYS)],
+        "mission": [*head, *rows(MISSION_KEYS)],
+        "robots": [*head, *rows(ROBOT_KEYS)],
+        "tasks": [*head, *rows(TASK_KEYS)],
         "planes": [*head, *rows(PLANE_KEYS, "world.")],
         "events": ["| kind | its fields | says |", "|---|---|---|", *kinds_of_events()],
         "cost": ["| key | what it measures |", "|---|---|", *cost],
@@ -68,7 +73,7 @@ def page(text: str) -> str:
 
 
 if __name__ == "__main__":
-    for one in PAGES:
-        one.write_text(page(one.read_text(encoding="utf-8")), encoding="utf-8")
+    for path in PAGES:
+        path.write_text(page(path.read_text(encoding="utf-8")), encoding="utf-8")
     SCHEMA.write_text(schema_text(), encoding="utf-8")
     OPENAPI.write_text(openapi_text(), encoding="utf-8")

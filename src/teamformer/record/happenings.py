@@ -31,7 +31,7 @@ TOLD = {
 }
 """What is said of an entry of each kind; of the end, its kind."""
 
-UNKNOWN_DOERS = "{task} done by then, nobody heard by whom"
+UNKNOWN_DOERS = "{task} done by then, not known by whom"
 
 
 @dataclass(frozen=True)

@@ -84,8 +84,8 @@ def _head(name: str) -> str:
 def _row(row: RecordRow) -> str:
     name = html.escape(row.file)
     if row.wrong:
-        columns = len(BEFORE) + len(AFTER) - 1
-        rest = f'<td class="wrong" colspan="{columns}">{html.escape(row.wrong)}</td>'
+        span = len(BEFORE) + len(AFTER) - 1
+        rest = f'<td class="wrong" colspan="{span}">{html.escape(row.wrong)}</td>'
         return f"<tr><td></td><td>{name}</td>{rest}</tr>"
     page = html.escape(quote(row.page))
     tick = f'<input type="checkbox" value="{page}" title="{name}" aria-label="{name}">'

@@ -13,8 +13,8 @@ from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, pose_mission
 from teamformer.planning.continuous.present import plan_present
-from teamformer.planning.continuous.rules import central_plan, warm_up
-from teamformer.planning.problem.links import LinkedProblem
+from teamformer.planning.continuous.rules import warm_up
+from teamformer.planning.continuous.solve import solve
 
 
 class InHindsight:
@@ -32,12 +32,14 @@ class InHindsight:
         if plan is not None:
             return plan_present(known, plan)
         posed = pose_mission(self._truth)
-        warm_up(isinstance(posed.problem, LinkedProblem))
+        warm_up()
         return self._search(posed)
 
     def _search(self, posed: ContinuousMission) -> Plan:
         start = None if self._settings.start is None else posed.as_arrays(self._settings.start)
-        found = central_plan(posed, self._settings.time_limit, self._settings.workers, start)
+        found = solve(
+            posed.problem, self._settings.time_limit, workers=self._settings.workers, start=start
+        )
         if found is None:
             raise UndoableError(
                 f"{self._truth.name}: no plan was found in which every task has able robots",

@@ -126,7 +126,7 @@ def rules_of_sure_missions(mission: Mission) -> Iterator[Problem]:
     verbs = _verbs_for(mission)
 
     def rest(key: str) -> str:
-        change = "drop it" if key == "arrivals" else f"make {key} sure, drop it"
+        change = "write one number" if key == "duration" else f"drop {key}"
         return f"which {REAL_ROBOTS} do not know; {change}, or use {verbs}"
 
     found = find_unknown(mission, REAL_ROBOTS, is_surprise=True)

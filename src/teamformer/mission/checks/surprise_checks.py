@@ -63,7 +63,7 @@ def _problems_of_range(
         message = f"{what} {least} to {most} steps; use {lowest} to {LARGEST_NUMBER:,}"
         yield Problem(where, message)
     elif most < least:
-        message = f"{what} {least} to {most} steps, which ends before it begins; turn it round"
+        message = f"{what} {least} to {most} steps, but the least comes first; swap the two"
         yield Problem(where, message)
 
 
@@ -79,7 +79,7 @@ def _problems_of_breaks(
             breaks.repair, least, (*where, "repair"), f"{what} is repaired in"
         )
     if robot.absences:
-        yield Problem(where, f"{what} is lost at a step and breaks at a rate; keep one of the two")
+        yield Problem(where, f"{what} has both lost and breaks; keep one of the two")
 
 
 def _problems_of_may_need(

@@ -22,7 +22,7 @@ from teamformer.mission.keys.robot_keys import NOT_KNOWN, SURPRISES
 SMALLEST_WEIGHT, LARGEST_WEIGHT = 1e-3, 1e6
 """Of the weights of a cost and of tasks: they are told apart however far apart they are."""
 
-CONTINUOUS_TIME = "([continuous time](#continuous-time))"
+CONTINUOUS_TIME = "([continuous time](mission/time.md))"
 
 TASK_KEYS = (
     Key(
@@ -51,7 +51,7 @@ TASK_KEYS = (
         f"`[least, most]` {NOT_KNOWN}",
         default=0,
         label="Duration, steps",
-        unknown=Unknown(SURPRISES, "has no sure duration", is_surprise=True, field="lasts"),
+        unknown=Unknown(SURPRISES, "has an uncertain duration", is_surprise=True, field="lasts"),
     ),
     Key(
         "appears",
@@ -65,7 +65,7 @@ TASK_KEYS = (
         "cancelled",
         Time(is_above=True),
         "the step in which the task is called off, in continuous time the time, if it is not done "
-        "by then ([called off](#called-off))",
+        "by then ([called off](mission/tasks.md#called-off))",
         default=None,
         without="it never is",
         label="Called off in step",
@@ -101,7 +101,8 @@ TASK_KEYS = (
     Key(
         "to",
         Place(),
-        "the cell or point `[x, y]` to which the task's load is brought ([loads](#loads))",
+        "the cell or point `[x, y]` to which the task's load is brought "
+        "([loads](mission/tasks.md#loads))",
         default=None,
         without="nothing is carried",
     ),
@@ -119,7 +120,7 @@ TASK_KEYS = (
         default={},
         without="nothing",
         example={"weld": 0.4},
-        unknown=Unknown(SURPRISES, "has no sure needs", is_surprise=True),
+        unknown=Unknown(SURPRISES, "has uncertain needs", is_surprise=True),
     ),
     Key(
         "within",
@@ -129,7 +130,7 @@ TASK_KEYS = (
         default=0.0,
         without="0: it is at `at`",
         label="Within (cells or m)",
-        unknown=Unknown(SURPRISES, "has no sure place", is_surprise=True),
+        unknown=Unknown(SURPRISES, "has an uncertain place", is_surprise=True),
     ),
     Key(
         "weight",
@@ -142,14 +143,14 @@ TASK_KEYS = (
         "only",
         RobotNames(),
         "names of robots, or the name of an entry with `count` for all its robots: what other "
-        "robots bring does not count for this task ([pins](#pins))",
+        "robots bring does not count for this task ([pins](mission/tasks.md#pins))",
         default=(),
         without="every robot may do it",
     ),
     Key(
         "with",
         RobotNames(),
-        "names of robots that must take part, as for `only` ([pins](#pins))",
+        "names of robots that must take part, as for `only` ([pins](mission/tasks.md#pins))",
         default=(),
         without="none",
     ),

@@ -25,16 +25,14 @@ from teamformer.planning.continuous.tables import (
     ways_of_loads,
 )
 from teamformer.planning.continuous.times import TaskClock
-from teamformer.planning.linked.solve import LinkedSolution
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan, without_spares
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     SPARES,
     CoalitionProblem,
     pose_problem,
-    without_spares,
 )
-from teamformer.planning.problem.links import PART_OF, Link, LinkedProblem, link_problem
+from teamformer.planning.problem.links import PART_OF, Link, Links, have_weights, link_tasks
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.ways import ends_of
@@ -58,9 +56,9 @@ class ContinuousMission:
     tasks: tuple[int, ...]
     clock: TaskClock  # its times as they are
     scale: float
-    problem: CoalitionProblem | LinkedProblem
+    problem: CoalitionProblem
 
-    def tell(self, solution: Solution | LinkedSolution) -> MissionPlan:
+    def tell(self, solution: Solution) -> MissionPlan:
         """Return a solution in the mission's unit; its times are worked out from the true ways.
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
@@ -80,11 +78,13 @@ class ContinuousMission:
 
         Nobody is in it who can be spared, unless that may pay, or it is wanted `with_spares`.
         """
-        made = empty_plan(self.base)
+        made = empty_plan(self.problem)
         made.order[:] = plan.order
-        is_kept = with_spares or self.base.spares > 0
+        is_kept = with_spares or self.problem.spares > 0
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
-            robots = coalition if is_kept else without_spares(self.base, task, coalition)
+            needs = self.problem.needs[task]
+            kept = without_spares(self.problem.counts, needs, coalition)
+            robots = coalition if is_kept else kept
             made.size[task] = len(robots)
             made.coalition[task, : len(robots)] = robots
         return made
@@ -97,16 +97,11 @@ class ContinuousMission:
         ends = {stop.task: stop.end for route in plan.routes for stop in route.stops}
         return weighed(self.source, weights, ends, plan.makespan)
 
-    def _curve_of(self, solution: Solution | LinkedSolution) -> tuple[tuple[float, float], ...]:
+    def _curve_of(self, solution: Solution) -> tuple[tuple[float, float], ...]:
         """Return a curve in units; that of a linked problem without a cost is none of times."""
-        if isinstance(solution, LinkedSolution) and self.source.cost is None:
+        if have_weights(self.problem.links) and self.source.cost is None:
             return ()
         return tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve)
-
-    @property
-    def base(self) -> CoalitionProblem:
-        """Return the problem without links and costs."""
-        return self.problem.base if isinstance(self.problem, LinkedProblem) else self.problem
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules, in the numbers of the problem."""
@@ -204,6 +199,8 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
         ready=ticks(ready),
     )
+    if judged_by(mission) is not None or gaps:
+        problem = problem._replace(links=_links(mission, tasks, len(robots), gaps, scale))
     clock = TaskClock(
         tasks=tasks,
         ways=ways,
@@ -219,7 +216,6 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         forming=mission.forming,
         cost=mission.cost,
     )
-    is_plain = judged_by(mission) is None and not gaps
     return ContinuousMission(
         source=mission,
         now=now,
@@ -227,7 +223,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         tasks=tuple(chosen),
         clock=clock,
         scale=scale,
-        problem=problem if is_plain else _link(mission, tasks, gaps, problem, scale),
+        problem=problem,
     )
 
 
@@ -269,14 +265,10 @@ def _has_detour(ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
     return False
 
 
-def _link(
-    mission: Mission,
-    tasks: Sequence[Task],
-    gaps: Sequence[Gap],
-    problem: CoalitionProblem,
-    scale: float,
-) -> LinkedProblem:
-    """Return a problem with the gaps between its starts and the weights of the mission's cost.
+def _links(
+    mission: Mission, tasks: Sequence[Task], robots: int, gaps: Sequence[Gap], scale: float
+) -> Links:
+    """Return the gaps between starts of tasks, and the weights of the mission's cost.
 
     The longest gaps are longer by what ticks round, so that one which is just long enough is.
     """
@@ -288,7 +280,7 @@ def _link(
     weights = judged_by(mission) or {"makespan": 1}
     total = sum(weights.values())
     weight = {PART_OF[name]: value / total for name, value in weights.items()}
-    return link_problem(problem, links, weight, [task.weight for task in tasks])
+    return link_tasks(len(tasks), robots, links, weight, [task.weight for task in tasks])
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:

@@ -9,9 +9,14 @@ import numpy as np
 from teamformer.base.array_types import Ints
 from teamformer.mission.coordination import Plan
 from teamformer.planning.continuous.continuous_mission import ContinuousMission
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan, keep_order
-from teamformer.planning.problem.coalition_problem import CoalitionProblem, without_spares
-from teamformer.planning.problem.links import FREE, LinkedProblem
+from teamformer.planning.problem.coalition_plan import (
+    CoalitionPlan,
+    empty_plan,
+    keep_order,
+    without_spares,
+)
+from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.planning.problem.links import FREE, have_weights
 
 
 def repaired(posed: ContinuousMission, old: Plan) -> CoalitionPlan | None:
@@ -29,31 +34,30 @@ def repaired(posed: ContinuousMission, old: Plan) -> CoalitionPlan | None:
     }
     kept = [task for task, crew in crews.items() if crew]
     new = sorted(set(range(len(posed.tasks))).difference(kept))
-    order = keep_order(posed.base.before, [*kept, *new])
+    order = keep_order(posed.problem.before, [*kept, *new])
     return _mend(posed.problem, order, crews)
 
 
 def _mend(
-    problem: CoalitionProblem | LinkedProblem, order: Sequence[int], crews: Mapping[int, list[int]]
+    problem: CoalitionProblem, order: Sequence[int], crews: Mapping[int, list[int]]
 ) -> CoalitionPlan | None:
     """Return the plan of an order: by the old crews, and who comes first where these lack."""
-    base = problem.base if isinstance(problem, LinkedProblem) else problem
-    links = problem.gap if isinstance(problem, LinkedProblem) else None
-    plan, place = empty_plan(base), base.origin.astype(np.int64)
-    free = base.ready[place - len(base.needs)]
+    gap = problem.links.gap if have_weights(problem.links) else None
+    plan, place = empty_plan(problem), problem.origin.astype(np.int64)
+    free = problem.ready[place - len(problem.needs)]
     plan.order[:] = order
     doers = dict(crews)  # of linked tasks that are not planned yet, the old ones count
     for task in order:
-        comes = np.maximum(free + base.ways[base.pace, place, task], base.release[task])
-        linked = [] if links is None else np.flatnonzero(links[task] > FREE).tolist()
+        comes = np.maximum(free + problem.ways[problem.pace, place, task], problem.release[task])
+        linked = [] if gap is None else np.flatnonzero(gap[task] > FREE).tolist()
         taken = {robot for other in linked for robot in doers.get(other, ())}
-        crew = _completed(base, task, doers.get(task, []), taken, comes)
+        crew = _completed(problem, task, doers.get(task, []), taken, comes)
         if crew is None:
             return None
         doers[task] = crew
         plan.size[task], plan.coalition[task, : len(crew)] = len(crew), crew
         who = np.array(crew)
-        takes = base.duration[task] + base.slower[base.pace[who], task].max()
+        takes = problem.duration[task] + problem.slower[problem.pace[who], task].max()
         free[who], place[who] = comes[who].max() + takes, task
     return plan
 
@@ -78,4 +82,4 @@ def _completed(
         if not helps:
             return None
         added.append(min(helps, key=lambda robot: (comes[robot], robot)))
-    return [*kept, *added] if not added else without_spares(problem, task, [*kept, *added])
+    return [*kept, *added] if not added else without_spares(counts, needs, [*kept, *added])

@@ -16,6 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Int32s, Ints
+from teamformer.planning.problem.constants import NEVER
+from teamformer.planning.problem.links import Links, no_links
 from teamformer.world.rules.constants import NOBODY
 
 __all__ = [
@@ -25,12 +27,7 @@ __all__ = [
     "CoalitionProblem",
     "different_rows",
     "pose_problem",
-    "without_spares",
 ]
-
-NEVER = 2**60
-"""A due time that no task has; ticks of real times stay far below."""
-
 
 SPARES = 4
 """How many robots more than it needs come to a task at most, where that may pay."""
@@ -58,6 +55,7 @@ class CoalitionProblem(NamedTuple):
     forming: Ints  # (1,) what a coalition takes whose robots do not all come from one site
     spares: int  # how many robots more than it needs come to a task at most
     ready: Ints  # (places - tasks,) when who is at each place that is no task can leave it
+    links: Links  # of starts, and what plans cost; empty where the makespan alone counts
 
 
 def pose_problem(
@@ -77,6 +75,7 @@ def pose_problem(
     apart: npt.ArrayLike | None = None,
     spares: int = 0,
     ready: npt.ArrayLike | None = None,
+    links: Links | None = None,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
@@ -115,6 +114,7 @@ def pose_problem(
         forming=np.array([forming]),
         spares=spares,
         ready=np.asarray(np.zeros(ways.shape[1] - tasks) if ready is None else ready, np.int64),
+        links=no_links() if links is None else links,
     )
 
 
@@ -134,19 +134,3 @@ def listed(rows: Sequence[Sequence[int] | Ints]) -> Int32s:
     for row, numbers in zip(table, rows, strict=True):
         row[: len(numbers)] = numbers
     return table
-
-
-def without_spares(
-    problem: CoalitionProblem, task: int, robots: Sequence[int], most: int = 0
-) -> list[int]:
-    """Return robots that cover a task without those to spare, which are dropped from the last on.
-
-    Nobody more is dropped once they are `most`.
-    """
-    kept = list(robots)
-    for robot in reversed(robots):
-        rest = [other for other in kept if other != robot]
-        is_spare = (problem.counts[rest].sum(axis=0) >= problem.needs[task]).all()
-        if is_spare and len(kept) > most:
-            kept = rest
-    return kept

@@ -11,12 +11,10 @@ from teamformer.base.kernels.jit import entry, kernel
 from teamformer.mission.checks.costs import LATENESS
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, copy_plan, empty_plan
 from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
+from teamformer.planning.problem.constants import SPREAD
 
 if TYPE_CHECKING:
     from teamformer.base.array_types import Array
-
-SPREAD = 20
-"""The mean time at which robots are home weighs this many times less than the last one."""
 
 MAKESPAN, COST, BACK_SUM, LATE = range(4)
 
@@ -35,8 +33,7 @@ class Schedule(NamedTuple):
 def empty_schedule(problem: CoalitionProblem) -> Schedule:
     """Return room for a plan and its times."""
     tasks, robots = len(problem.needs), len(problem.counts)
-    end = np.zeros(problem.ways.shape[1], np.int64)
-    end[tasks:] = problem.ready
+    end = np.concatenate([np.zeros(tasks, np.int64), problem.ready])
     return Schedule(
         plan=empty_plan(problem),
         rank=np.arange(tasks, dtype=np.int32),

@@ -21,7 +21,7 @@ def need(is_so: bool, message: str) -> None:
         raise BrokenRuleError(message)
 
 
-class Names:
+class InWords:
     """Names what a mission has."""
 
     def __init__(self, mission: Mission) -> None:

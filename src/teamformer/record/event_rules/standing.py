@@ -14,7 +14,7 @@ from teamformer.mission.parts.places import possible_places
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.record.event_rules.lengths import Lengths, is_near
-from teamformer.record.event_rules.names import BrokenRuleError, Names, need
+from teamformer.record.event_rules.names import BrokenRuleError, InWords, need
 from teamformer.record.event_rules.outside import what_is_to_come
 from teamformer.record.record import Record
 from teamformer.world.continuous.events import Event, Passed, PlanMade
@@ -94,7 +94,7 @@ class Standing:
         self.order: list[int] = []
         self.linked = _linked(self.mission)
         self.events, self.count = self.record.events, 0  # how many of them have been taken in
-        self.names = Names(self.truth)
+        self.names = InWords(self.truth)
         self.to_come = what_is_to_come(self.truth)
         self.news: dict[str, None] = {"start": None}  # of this moment, since the latest plan
         self.plans = 0  # made at this moment

@@ -1,9 +1,10 @@
-"""What a robot does in continuous time and why, in words, by what was known then."""
+"""Why robots do what they do in continuous time, in words, by what was known then."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from teamformer.base.naming import listed
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
@@ -13,15 +14,11 @@ from teamformer.record.phases import (
     AT_WORK,
     CARRYING,
     FORMING,
-    IDLE,
-    LOADING,
     LOST,
-    SERVING,
     UNLOADING,
     WAITING,
     WALKING,
 )
-from teamformer.record.told.words import FORMS, listed
 from teamformer.world.continuous.events import Event, PlanMade
 from teamformer.world.rules.constants import NOBODY
 
@@ -40,7 +37,7 @@ IN_THE_NEWS = {
 
 
 class Explainer:
-    """Tells what robots do after the latest event, and why."""
+    """Tells why robots do what they do after the latest event."""
 
     def __init__(self, mission: Mission, runs: Runs) -> None:
         self._mission, self._runs = mission, runs
@@ -69,27 +66,12 @@ class Explainer:
             return range(len(self._mission.robots))
         if event.kind not in ("arrive", "done", "cancel", "opens", "know"):
             return sorted(self._runs.changed)
-        waits = (n for n in range(len(self._mission.robots)) if self._run(n)[1] == WAITING)
+        waits = (n for n in range(len(self._mission.robots)) if self._run(n)[0] == WAITING)
         return sorted({*self._runs.changed, *waits})
-
-    def what(self, robot: int) -> str:
-        """Return what a robot does."""
-        _, phase, task = self._run(robot)
-        name = "" if task == NOBODY else self._mission.tasks[task].name
-        return {
-            LOST: "lost",
-            IDLE: "idle",
-            FORMING: FORMS,
-            SERVING: f"serves {name}",
-            LOADING: f"loads {name}",
-            CARRYING: f"carries {name}",
-            UNLOADING: f"unloads {name}",
-            WAITING: f"waits at {name}",
-        }.get(phase or "", f"walks to {name}" if name else self._walks_away())
 
     def why(self, robot: int) -> tuple[str, ...]:
         """Return why a robot does it; nothing where that goes without saying."""
-        _, phase, task = self._run(robot)
+        phase, task = self._run(robot)
         if phase in (LOST, FORMING):
             return ()
         if phase in (CARRYING, UNLOADING):
@@ -102,11 +84,10 @@ class Explainer:
             return (self._why_free(robot),)
         return tuple(filter(None, (self._planned(task), self._made)))
 
-    def _run(self, robot: int) -> tuple[float, str | None, int]:
-        return self._runs.now(robot)
-
-    def _walks_away(self) -> str:
-        return "walks home" if self._mission.ends == "home" else "walks to where it stops"
+    def _run(self, robot: int) -> tuple[str | None, int]:
+        """Return what a robot does, and what for."""
+        run = self._runs.now(robot)
+        return run.phase, run.task
 
     def _told(self, event: Event) -> str:
         task = None if event.task == NOBODY else self._mission.tasks[event.task]
@@ -137,7 +118,7 @@ class Explainer:
         """Return the robots that wait at a task, and those that walk to it."""
         found: dict[str, list[int]] = {WAITING: [], WALKING: []}
         for robot in range(len(self._mission.robots)):
-            _, phase, about = self._run(robot)
+            phase, about = self._run(robot)
             if about == task and phase in found:
                 found[phase].append(robot)
         return found[WAITING], found[WALKING]

@@ -38,24 +38,23 @@ OF_NO_TASK = (IDLE, LOST)
 
 
 class Runs:
-    """The runs of each robot and the services of tasks, event by event.
+    """What each robot does now and the services of tasks, event by event.
 
-    `now` is what each robot does, and `changed` who of them does something else since the latest
-    event.
+    `changed` are the robots that do something else since the latest event.
     """
 
     def __init__(self, record: Record) -> None:
         robots = len(record.mission.robots)
         self._loads = [task.to is not None for task in record.mission.tasks]
-        self.runs = [[Run(0, IDLE, NOBODY)] for _ in range(robots)]
-        self.rows: list[ToldService] = []
+        self._now = [Run(0, IDLE, NOBODY)] * robots
+        self.services: list[ToldService] = []
         self.changed: set[int] = set()
         self._open: dict[int, int] = {}  # task -> its row that goes on
         self.over: set[int] = set()  # tasks
 
     def now(self, robot: int) -> Run:
         """Return what a robot does."""
-        return self.runs[robot][-1]
+        return self._now[robot]
 
     def go_on(self, event: Event) -> None:
         """Take in an event."""
@@ -82,7 +81,7 @@ class Runs:
         """Return the robots that may do something else since an event."""
         if event.kind not in ("cancel", "done"):
             return event.robots
-        about = [n for n, row in enumerate(self.runs) if row[-1].task == event.task]
+        about = [robot for robot, run in enumerate(self._now) if run.task == event.task]
         return sorted({*event.robots, *about})
 
     def _do(self, robot: int, event: Event) -> None:
@@ -93,24 +92,24 @@ class Runs:
             phase = LOADING
         elif event.kind not in (*BEGINS, "arrive", "cancel"):
             return
-        self._put(robot, Run(event.at, phase, NOBODY if phase in OF_NO_TASK else task))
-
-    def _put(self, robot: int, run: Run) -> None:
-        """Have a robot do something; what took no time is no run."""
-        row = self.runs[robot]
-        if row[-1].begun == run.begun:
-            row.pop()
-        if not row or row[-1][1:] != run[1:]:
-            row.append(run)
+        self._now[robot] = Run(event.at, phase, NOBODY if phase in OF_NO_TASK else task)
         self.changed.add(robot)
 
     def _begin(self, event: Event, doing: str) -> None:
-        self._open[event.task] = len(self.rows)
-        self.rows.append(ToldService(event.task, doing, event.at, None, event.robots, ()))
+        self._open[event.task] = len(self.services)
+        self.services.append(ToldService(event.task, doing, event.at, None, event.robots, ()))
 
     def _end(self, task: int, when: float, robots: Robots = ()) -> None:
         """End what is done for a task, if something is; by default by those who began it."""
         if task in self._open:
             row = self._open.pop(task)
-            known = self.rows[row]
-            self.rows[row] = known._replace(ended=when, robots=robots or known.begun_by)
+            known = self.services[row]
+            self.services[row] = known._replace(ended=when, robots=robots or known.begun_by)
+
+
+def add_run(row: list[Run], run: Run) -> None:
+    """Begin a run of a robot, unless it says the same; one that took no time is none."""
+    if row and row[-1].begun == run.begun:
+        row.pop()
+    if not row or row[-1][1:] != run[1:]:
+        row.append(run)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.layout import Layout
-from teamformer.record.events.runs import Runs
+from teamformer.record.events.runs import Runs, add_run
 from teamformer.record.events.tracks import tracks_of
 from teamformer.record.phases import AT_WORK, FORMING, LOST
 from teamformer.record.record import Record
@@ -15,14 +15,16 @@ from teamformer.record.told.told_record import Run
 from teamformer.world.rules.constants import NOBODY
 
 
-class Standing:
+class StandingAt:
     """A record, ready to be asked; `layout` says where places of roads are drawn, if they are."""
 
     def __init__(self, record: Record, layout: Layout | None = None) -> None:
         runs = Runs(record)
+        self._runs = [[runs.now(robot)] for robot in range(len(record.mission.robots))]
         for event in record.events:
             runs.go_on(event)
-        self._runs = runs.runs
+            for robot in runs.changed:
+                add_run(self._runs[robot], runs.now(robot))
         self._layout = layout
         self._tracks = tracks_of(record, self._on_map)
         self._lies = [[(0.0, self._on_map(task.at))] for task in record.true_mission.tasks]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from teamformer.mission.parts.grid import Place
-from teamformer.record.events.standing import Standing
+from teamformer.record.events.standing import StandingAt
 from teamformer.record.phases import IDLE
 from teamformer.record.record import Record
 from teamformer.record.telling.unrolled import Unrolled
@@ -57,7 +57,7 @@ def evenly(record: Record, count: int) -> list[float]:
 
 def moments_at(record: Record, times: Iterable[float]) -> Iterator[Moment]:
     """Yield how everybody stands at times of a record in continuous time."""
-    standing = Standing(record, told_of(record).layout)
+    standing = StandingAt(record, told_of(record).layout)
     for when in times:
         runs = standing.runs_at(when)
         about = tuple(run.task for run in runs)

@@ -8,10 +8,12 @@ from typing import Any
 from teamformer.mission.parts.layout import Layout
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.phases import PHASES
-from teamformer.record.told.told_record import Chapter, Run, ToldOfStep, ToldRecord, ToldService
+from teamformer.record.told.told_record import Run, ToldOfStep, ToldRecord, ToldService
 from teamformer.world.rules.constants import NOBODY
 
 Tree = dict[str, Any]
+
+NUMBERS = {None: None} | {phase: number for number, phase in enumerate(PHASES)}
 
 LAYOUT = "map"
 """The key that says where places of roads are drawn, which is nobody's claim."""
@@ -22,10 +24,7 @@ def told_to_tree(told: ToldRecord) -> Tree:
     return {
         "services": [_service(service) for service in told.services],
         "phases": [[_run(run) for run in row] for row in told.runs],
-        "reasons": {
-            "texts": list(told.texts),
-            "robots": [[_chapter(chapter) for chapter in row] for row in told.chapters],
-        },
+        "texts": list(told.texts),
         "path": path_to_tree(told.path),
         **({} if told.layout is None else {LAYOUT: _layout(told.layout)}),
     }
@@ -33,17 +32,19 @@ def told_to_tree(told: ToldRecord) -> Tree:
 
 def news_to_tree(news: ToldOfStep) -> Tree:
     """Return what a step adds, as pages are told."""
-    chapters = [[robot, _chapter(chapter)] for robot, chapter in news.chapters]
     return {
         "services": [[row, _service(service)] for row, service in news.services],
         "phases": [[robot, _run(run)] for robot, run in news.runs],
-        "reasons": {"texts": list(news.texts), "robots": chapters},
+        "texts": list(news.texts),
     }
 
 
 def path_to_tree(path: Iterable[Stretch]) -> list[list[Any]]:
     """Return the rows of a critical path."""
-    return [[_time(s.begin), _time(s.end), s.doing, _one(s.robot), _one(s.task)] for s in path]
+    return [
+        [_time(s.begin), _time(s.end), NUMBERS.get(s.doing, s.doing), _one(s.robot), _one(s.task)]
+        for s in path
+    ]
 
 
 def _layout(layout: Layout) -> Tree:
@@ -56,19 +57,16 @@ def _layout(layout: Layout) -> Tree:
 
 
 def _service(service: ToldService) -> list[Any]:
-    begun, ended = (_time(when) for when in service[2:4])
-    return [*service[:2], begun, ended, list(service.begun_by), list(service.robots)]
+    """Return the row of a service: robots that began it as a team by its slot, the same once."""
+    begun, ended = _time(service.begun), _time(service.ended)
+    begun_by = list(service.begun_by) if service.slot is None else service.slot
+    row = [service.task, NUMBERS[service.doing], begun, ended, begun_by]
+    is_told = service.ended is None or service.robots == service.begun_by
+    return row if is_told else [*row, list(service.robots)]
 
 
 def _run(run: Run) -> list[Any]:
-    phase = None if run.phase is None else PHASES.index(run.phase)
-    return [_time(run.begun), phase, _one(run.task)]
-
-
-def _chapter(chapter: Chapter) -> list[Any]:
-    if chapter.what is None:
-        return [_time(chapter.begun), None, chapter.why[0]]
-    return [_time(chapter.begun), chapter.what, list(chapter.why)]
+    return [_time(run.begun), NUMBERS[run.phase], _one(run.task), *run.why]
 
 
 def _time(when: Any) -> Any:

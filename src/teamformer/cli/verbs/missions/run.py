@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.base.errors import ReaderGoneError, TeamformerError
+from teamformer.base.naming import listed
 from teamformer.cli.terminal.compiling import compile_ahead
 from teamformer.cli.terminal.console import StepProgress, out, prepare_folder, print_json, say
 from teamformer.cli.terminal.foxglove import check_foxglove, play_in_foxglove
@@ -50,7 +51,7 @@ def chosen_method(name: str | None, mission: Mission, time_limit: float) -> Meth
         name = default_for(mission)
         if name != DEFAULT:
             size = f"{len(mission.robots)} robots and {len(mission.tasks)} tasks"
-            say(f"{size} are too many to share a plan soon: {name} instead; or --method {DEFAULT}")
+            say(f"{size} are too many for the method plan: {name} instead; or --method {DEFAULT}")
     method = load_method(name, time_limit)
     refuse_too_large(mission, method)
     return method
@@ -156,7 +157,7 @@ def plan_line(plan: CentralPlan) -> str:
 def _improvements(plan: CentralPlan) -> str:
     """Return what the planner found, and when."""
     found = ", ".join(f"{steps} ({seconds:.2f} s)" for seconds, steps in plan.curve) or "none"
-    first = "; a first plan, which a longer --time-limit improves" if plan.is_first else ""
+    first = "; a longer --time-limit finds a better plan" if plan.is_first else ""
     return f"plans found: {found}{first}"
 
 
@@ -290,6 +291,5 @@ def _absences(record: Record) -> Iterator[tuple[float, str, int]]:
 
 def _names(mission: Mission, robots: Sequence[int]) -> str:
     """Return the robots' names, the first ones of many."""
-    shown = robots if len(robots) <= MOST_NAMES else robots[: MOST_NAMES - 1]
-    names = ", ".join(mission.robots[robot].name for robot in shown)
-    return names if shown is robots else f"{names} and {len(robots) - len(shown)} more"
+    most = MOST_NAMES if len(robots) <= MOST_NAMES else MOST_NAMES - 1
+    return listed((mission.robots[robot].name for robot in robots), most)

@@ -93,7 +93,6 @@ function toldInTicks(told, tick) {
     ...told,
     services: whens(told.services, [2, 3]),
     phases: byRobot(told.phases),
-    reasons: { ...told.reasons, robots: byRobot(told.reasons?.robots) },
     path: whens(told.path, [0, 1]),
   };
 }

@@ -4,7 +4,7 @@ import { framesOfEvents } from "./continuous.js";
 import { rememberLast } from "./keeping.js";
 import { readMission, shareSites } from "./mission.js";
 import { inSquares, stepInSquares } from "./plane.js";
-import { NOBODY, applyStep, copyState, formTeams, loseRobot, placeOf, placeTeams, robotsOfTeam, startState } from "./state.js";
+import { NOBODY, applyStep, copyState, fillHeadings, formTeams, loseRobot, placeOf, placeTeams, robotsOfTeam, startState } from "./state.js";
 import { CARRYING, LOADING, SERVING, UNLOADING, hearTold, readTold } from "./told.js";
 
 const KEYFRAME_EVERY = 50;
@@ -22,6 +22,7 @@ export function frames(/** @type {any} */ recorded, /** @type {number | undefine
 }
 
 function framesOfSteps(recorded) {
+  fillHeadings(recorded.steps);
   const record = inSquares(recorded);
   const mission = readMission(record.mission, record.truth, record.foresight);
   /** @type {any} */ const history = {
@@ -118,6 +119,7 @@ function recordStep(/** @type {TrialHistory} */ history, /** @type {State} */ st
 function recordServices(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   const { mission, moves, events, told } = history;
   const began = told.rows.filter(({ from }) => from === step);
+  for (const service of began) if (service.slot !== null) service.began = robotsOfTeam(state, service.slot);
   const isUp = ({ doing }) => doing === CARRYING || doing === UNLOADING;
   for (const service of told.rows.filter((row) => row.to === step && isUp(row))) {
     const { task } = service;

@@ -81,7 +81,9 @@ def read_reported(folder: Path) -> tuple[Reported, ...]:
     return tuple(
         Reported(
             row.get("method") or path.stem,
-            *(_number(path, line, row, column) for column in ("cores", "seconds", ABOVE)),
+            _number(path, line, row, "cores"),
+            _number(path, line, row, "seconds"),
+            _number(path, line, row, ABOVE),
         )
         for path, line, row in _rows_about(folder)
         if ABOVE in row

@@ -127,7 +127,7 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         self._observe(self._look())
         return self._seen
 
-    def render(self) -> tuple[str | Array | None, ...] | None:
+    def render(self) -> tuple[Any, ...] | None:
         """Return each world as lines of text (`ansi`) or pixels (`rgb_array`), or None."""
         if self.render_mode is None:
             return None

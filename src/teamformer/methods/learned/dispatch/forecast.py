@@ -108,7 +108,7 @@ def forecast_of(mission: Mission) -> StepForecast | ContinuousForecast:
         return ContinuousForecast(mission)
     start = Known(
         mission=mission,
-        step=0,
+        now=0,
         open_tasks=tuple(range(len(mission.tasks))),
         places=tuple(robot.at for robot in mission.robots),
         teams=mission.starting_teams,

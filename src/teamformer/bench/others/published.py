@@ -80,10 +80,10 @@ def read_reported(folder: Path) -> tuple[Reported, ...]:
     """Return the means that others report of a folder."""
     return tuple(
         Reported(
-            row.get("method") or path.stem,
-            _number(path, line, row, "cores"),
-            _number(path, line, row, "seconds"),
-            _number(path, line, row, ABOVE),
+            method=row.get("method") or path.stem,
+            cores=_number(path, line, row, "cores"),
+            seconds=_number(path, line, row, "seconds"),
+            percent=_number(path, line, row, ABOVE),
         )
         for path, line, row in _rows_about(folder)
         if ABOVE in row

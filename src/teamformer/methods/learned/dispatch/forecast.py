@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from teamformer.methods.learned.dispatch.giving_out import GivingOut
-from teamformer.mission.coordination import Known
+from teamformer.mission.coordination import known_at_start
 from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.reactive import mean_future
@@ -106,12 +106,4 @@ def forecast_of(mission: Mission) -> StepForecast | ContinuousForecast:
     """Return a forecast of a mission from its start on."""
     if mission.time == "continuous":
         return ContinuousForecast(mission)
-    start = Known(
-        mission=mission,
-        now=0,
-        open_tasks=tuple(range(len(mission.tasks))),
-        places=tuple(robot.at for robot in mission.robots),
-        teams=mission.starting_teams,
-        free_at=(0,) * len(mission.robots),
-    )
-    return StepForecast(situation_of(start))
+    return StepForecast(situation_of(known_at_start(mission)))

@@ -6,6 +6,8 @@ as HeteroMRTA and SADCHER have them. Seeds of training, selection and test never
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from teamformer.files.drawn.families import FAMILIES, sized
@@ -51,7 +53,9 @@ def _draw(rng: np.random.Generator) -> Mission:
 
 
 def _of_family(name: str, size: float, rng: np.random.Generator) -> Mission:
-    return draw_mission(sized(FAMILIES[name], size), rng, name)
+    family = FAMILIES[name]
+    smaller = replace(sized(family, size), width=family.width, height=family.height)
+    return draw_mission(smaller, rng, name)
 
 
 def _papers(rng: np.random.Generator) -> Mission:

@@ -32,6 +32,7 @@ class GivesOutTasks:
     """
 
     heeds = NEWS
+    times = ("steps",)
 
     def __init__(self, score: Scorer, samples: int = 1) -> None:
         self.score, self.samples = score, samples
@@ -58,6 +59,8 @@ class GivesOutTasks:
         return replace(plan_of(situation, best.plan), made_from=made_from)
 
 
-def teamformer_tasks() -> GivesOutTasks:
-    """Return the method that comes with the package."""
-    return GivesOutTasks(shipped_scorer())
+class TeamformerTasks(GivesOutTasks):
+    """The best learned method: one network for any fleet, which chooses tasks and who does them."""
+
+    def __init__(self) -> None:
+        super().__init__(shipped_scorer())

@@ -93,8 +93,6 @@ def check_render_mode(mode: str | None) -> str | None:
     return mode
 
 
-def draw(env: TeamFormation, mode: str | None, w: int = 0) -> str | Array | None:
-    """Return a world as text or pixels, None without a mode."""
-    if mode is None:
-        return None
+def draw(env: TeamFormation, mode: str, w: int = 0) -> str | Array:
+    """Return a world as text or pixels."""
     return draw_text(env, w) if mode == "ansi" else draw_pixels(env, w)

@@ -54,8 +54,7 @@ def observe_rows(
     """
     seen = {column.name: _for_learners(getattr(view, column.name), column) for column in columns}
     teams, caps = view.counts.shape
-    places = _STEPS[:robots] if robots <= len(_STEPS) else np.arange(robots)
-    is_member = places < view.size[:, None]  # (teams, robots)
+    is_member = np.arange(robots) < view.size[:, None]  # (teams, robots)
     member = np.empty((teams, robots), dtype=np.int32)
     member.fill(NOBODY)
     member[is_member] = view.member
@@ -67,9 +66,6 @@ def observe_rows(
         legal_actions_of_rows(view, masks)
         seen["action_mask"] = masks
     return seen
-
-
-_STEPS = np.arange(256)
 
 
 def _for_learners(array: Array, column: Column) -> Array:

@@ -129,7 +129,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
 
     def render(self) -> str | Array | None:
         """Return the world as lines of text (`ansi`) or pixels (`rgb_array`); None without mode."""
-        return draw(self._env, self.render_mode)
+        return None if self.render_mode is None else draw(self._env, self.render_mode)
 
     def state(self) -> Array:
         """Return the whole world as one float32 vector, for a critic that sees everything.

@@ -39,6 +39,9 @@ from teamformer.planning.continuous.rules import KNOW_COSTS, PLANNERS, warm_up
 
 ROWS, REPORT = "rows.jsonl", "report.md"
 
+LEARNED = ("teamformer-tasks",)
+"""Learned methods that give out tasks in continuous time, too; a folder of such a training does."""
+
 WORLDS = 2
 """Worlds that are drawn of each setting, if not said otherwise."""
 
@@ -74,8 +77,8 @@ def bench_others(
     is_asked = bool(methods)
     methods = methods or tuple(PLANNERS)
     for method in methods:
-        if method not in (*PLANNERS, *PEERS) and not Path(method).is_dir():
-            hint = f"use {', '.join((*PLANNERS, *PEERS))}"
+        if method not in (*PLANNERS, *LEARNED, *PEERS) and not Path(method).is_dir():
+            hint = f"use {', '.join((*PLANNERS, *LEARNED, *PEERS))}"
             raise TeamformerError(f"--methods {method} is unknown here", hint)
         if method in LIBRARIES:
             require("peers", LIBRARIES[method])

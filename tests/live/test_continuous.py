@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from live_server import serving_session
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.live.continuous import running_course
@@ -36,11 +37,14 @@ from teamformer.live.running.incidents import (
 )
 from teamformer.live.running.page_trees import news_of_move, record_so_far
 from teamformer.live.running.what_if import luck_of, what_if
+from teamformer.live.session import Session
 from teamformer.methods.by_name import load_method
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Absence, Breakdown, Delays, Mission
 from teamformer.mission.truth import draw_truth
+from teamformer.record.files.reading import read_record
+from teamformer.record.referee import judge
 from teamformer.record.telling.latest import LatestTold
 from teamformer.trials.trial import run_trial
 
@@ -599,3 +603,40 @@ def test_the_speed_at_first_has_the_mission_take_about_a_minute() -> None:
 def test_the_mission_with_its_incidents_is_a_file() -> None:
     run = play(running(on_roads()), [(2.5, LostRobot("r0")), (3.25, RobotBack("r0"))])
     assert mission_from_tree(mission_to_tree(run.source)) == run.source
+
+
+def test_a_server_lets_time_pass_and_tells_everybody(tmp_path: Path) -> None:
+    """Lost at 4.001 in its service, which begins anew at 4.002: 1.5 of it, and 6 cells more."""
+    client = pytest.importorskip("websockets.sync.client")
+    run = running(one_walker())
+    with serving_session(Session(run, tmp_path, speed=100.0)) as served:
+        origin = f"http://{served.address}"
+        with client.connect(f"ws://{served.address}/socket", origin=origin) as line:
+
+            def hear(kind: str, *asks: Tree) -> Tree:
+                for ask in asks:
+                    line.send(json.dumps(ask))
+                while (told := json.loads(line.recv(timeout=30)))["kind"] != kind:
+                    assert told["kind"] != "refused", told
+                return dict(told)
+
+            whole = hear("mission")
+            assert (whole["now"], whole["speed"]) == (0, 100)
+            assert [kind for _, kind, _ in whole["record"]["events"]] == ["plan", "walk"]
+            first = hear("moment", {"do": "step"})
+            assert (first["now"], first["from"]) == (4, 2)
+            lost = hear("incident", {"do": "happen", "lost": "r"})
+            assert lost["text"] == "time 4.001: robot r lost"
+            assert lost["incidents"] == [[4.001, "robot r lost"]]
+            assert lost["record"]["events"][-1][1] == "over"
+            back = hear("incident", {"do": "happen", "back": "r"})
+            assert (back["now"], back["text"]) == (4.002, "time 4.002: robot r back")
+            last = hear("moment", {"do": "play"})
+            while "end" not in last:
+                last = hear("moment")
+            assert last["end"]["status"] == "completed"
+            assert last["now"] == pytest.approx(4.002 + 1.5 + 6)
+            saved = hear("saved", {"do": "save"})
+    record = read_record(Path(saved["paths"][0]))
+    assert record == run.record()
+    assert judge(record).is_legal

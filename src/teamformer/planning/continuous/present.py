@@ -22,20 +22,16 @@ def plan_present(known: Known, old: Plan | None = None) -> Plan:
     if not known.possible_tasks:
         return Plan(made_from="nothing")
     posed = pose_present(known)
+    mended = None if old is None or not old.order else repaired(posed, old)
+    made = plan_together(posed.problem) if mended is None else plan_again(posed.problem, mended)
+    if made is not None:
+        return posed.as_plan(made.plan, "arcs" if mended is None else "old plan")
     if old is None:
-        made = plan_together(posed.problem)
-        if made is None:
-            raise TeamformerError(
-                f"{posed.source.name}: no coalitions were found for tasks that are linked",
-                "different robots do them, so add robots or drop a link",
-            )
-        return posed.as_plan(made.plan, "arcs")
-    mended = repaired(posed, old) if old.order else None
-    problem = posed.problem
-    again = plan_together(problem) if mended is None else plan_again(problem, mended)
-    if again is None:  # robots are lost: the others do what they can until these are back
-        return plan_present(_with_fewer_links(known), old)
-    return posed.as_plan(again.plan, "arcs" if mended is None else "old plan")
+        raise TeamformerError(
+            f"{posed.source.name}: no coalitions were found for tasks that are linked",
+            "different robots do them, so add robots or drop a link",
+        )
+    return plan_present(_with_fewer_links(known), old)  # others wait until robots are back
 
 
 def _with_fewer_links(known: Known) -> Known:

@@ -42,6 +42,11 @@ def _cause_of(now: Standing, event: Event) -> int:
     if event.kind == "plan":
         return now.count - 1
     since = [now.robots[robot].since for robot in event.robots]
+    if event.kind == "found":
+        return since[0]
+    if event.kind == "moved":
+        looked = event.cause in [robot.since for robot in now.robots]
+        return event.cause if looked else NOBODY
     if event.kind == "arrive" and _ends_walk(now, event):
         return now.robots[event.robots[0]].walk
     if event.kind == "over":

@@ -92,6 +92,33 @@ def know(now: Standing, event: Event) -> None:
     now.unseen.discard(task)
 
 
+def found(now: Standing, event: Event) -> None:
+    """Take in that a robot sees where a task is."""
+    task, robot = event.task, one(event)
+    name, real = now.names.task(task), now.truth.tasks[task].at
+    need(task in now.maybe, f"where {name} is is known already")
+    need(task in now.appeared and task not in now.over, f"{name} cannot be seen")
+    need(event.place == real, f"{name} is at {now.names.place(real)}")
+    need(now.sees(robot, real), f"{now.names.robot(robot)} is too far away from {name}")
+    if now.believed[task] != real:
+        now.news["task found"] = None
+    del now.maybe[task], now.believed[task]
+
+
+def moved(now: Standing, event: Event) -> None:
+    """Take in that a task is not where it was believed, but somewhere else."""
+    task, place = event.task, event.place
+    name = now.names.task(task)
+    need(task in now.maybe, f"where {name} is is known already")
+    assert place is not None, "it has been read"
+    need(place in now.maybe[task], f"{name} cannot be at {now.names.place(place)}")
+    seen = [robot for robot in now.events[event.cause].robots if event.cause != NOBODY]
+    was = now.believed[task]
+    looked = any(now.sees(robot, was) and not now.sees(robot, place) for robot in seen)
+    need(looked, f"nobody has looked at {now.names.place(was)}, where {name} was believed")
+    now.believed[task] = place
+
+
 def overdue(now: Standing, event: Event) -> None:
     """Take in that a service lasts longer than believed."""
     task = event.task

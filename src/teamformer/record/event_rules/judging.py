@@ -32,6 +32,8 @@ TAKE: Mapping[str, Callable[[Standing, Event], None]] = {
     "appear": from_outside.appear,
     "cancel": from_outside.cancel,
     "know": from_outside.know,
+    "found": from_outside.found,
+    "moved": from_outside.moved,
     "overdue": from_outside.overdue,
 }
 """What is checked of an event of each kind, and what it changes."""
@@ -72,7 +74,7 @@ def _note(now: Standing, event: Event) -> None:
         now.opened.setdefault(event.task, []).append(now.count)
     if event.kind == "plan":
         now.planned = now.count
-    if event.kind != "know":
+    if event.kind not in ("know", "found"):
         for robot in event.robots:
             now.robots[robot].since = now.count
 

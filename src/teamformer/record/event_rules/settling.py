@@ -73,7 +73,9 @@ def _settle_tasks(now: Standing) -> None:
         is_there = bool(team) and all(
             now.is_at(robot, place) and now.next_task(robot) == task for robot in team
         )
-        if not is_there or not now.brings(team, task):
+        if not is_there or not now.brings(team, task) or task in now.maybe:
+            continue
+        if math.isinf(now.carried(task, team)):
             continue
         if has_to_form(now, team):
             raise BrokenRuleError(f"the team of {now.names.task(task)} is there and does not form")

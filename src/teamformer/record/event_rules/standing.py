@@ -10,6 +10,7 @@ from teamformer.mission.keys.mission_keys import HOME
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.places import possible_places
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.record.event_rules.lengths import Lengths, is_near
@@ -17,7 +18,11 @@ from teamformer.record.event_rules.names import BrokenRuleError, InWords, need
 from teamformer.record.event_rules.outside import what_is_to_come
 from teamformer.record.record import Record
 from teamformer.world.continuous.events import Event, Passed, PlanMade
+from teamformer.world.reference.ways import apart
 from teamformer.world.rules.constants import NOBODY
+
+SEEN = 1e-9
+"""By such a share a place may be farther away than the radius: it is rounded."""
 
 FORMS, SERVES, CARRIES, UNLOADS = range(4)
 
@@ -76,6 +81,12 @@ class Standing:
         self.started: dict[int, float] = {}
         self.lies: dict[int, Place] = {}
         self.unseen = {n for n, it in enumerate(self.mission.tasks) if it.may_need}
+        self.maybe = {
+            number: possible_places(self.mission.world, task.at, task.within)
+            for number, task in enumerate(self.mission.tasks)
+            if task.within
+        }  # where tasks may be that nobody has found
+        self.believed = {task: places[0] for task, places in self.maybe.items()}
         self.before = tasks_before(self.mission.tasks)
         self.travel = 0.0
         self.plan: PlanMade | None = None
@@ -93,7 +104,9 @@ class Standing:
         self.breaks: dict[int, int] = {}  # tasks whose service breaks off now, and by which event
 
     def place_of(self, task: int) -> Place:
-        """Return where a task is, or its load lies."""
+        """Return where a task is believed to be, or its load lies."""
+        if task in self.maybe:
+            return self.believed[task]
         return self.lies.get(task, self.truth.tasks[task].at)
 
     def is_open(self, task: int) -> bool:
@@ -138,6 +151,11 @@ class Standing:
         """Return the robots of a task's coalition that are not lost."""
         return tuple(r for r in self.coalitions.get(task, ()) if not self.robots[r].is_lost)
 
+    def sees(self, robot: int, place: Place) -> bool:
+        """Say whether a robot is near enough to a place to see what is there."""
+        away = apart(self.turns_at(robot)[0].place, place)
+        return away <= self.mission.finding_radius + SEEN * max(1.0, away)
+
     def brings(self, robots: tuple[int, ...], task: int) -> bool:
         """Say whether robots bring what a task really needs."""
         have = total(self.truth.robots[robot].can for robot in robots)
@@ -173,6 +191,8 @@ def turning(way: tuple[Passed, ...], now: float, is_plane: bool) -> tuple[Passed
     if after == 0 or way[after].at == now:
         return (Passed(now, way[after].place),)
     one, other = way[after - 1], way[after]
+    if is_near(one.at, now):
+        return (Passed(now, one.place),)
     if not is_plane:
         return one, other
     part = (now - one.at) / (other.at - one.at)

@@ -51,6 +51,7 @@ def serve(now: Standing, event: Event) -> None:
     lacks = missing(have, real.needs)
     need(not lacks, f"the team of {name} lacks {describe(lacks)}")
     need(now.is_released(task), f"{name} may not begin yet")
+    need(task not in now.maybe, f"nobody knows where {name} is")
     need(not has_to_form(now, event.robots), f"the team of {name} has not formed")
     carried = now.carried(task, event.robots)
     expect(event, now.now + (wanted.duration + carried + wanted.unload))

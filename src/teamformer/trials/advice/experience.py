@@ -132,7 +132,8 @@ def _values(least: float, most: float, is_whole: bool) -> Sequence[float]:
     """Return the durations that a range may begin or end with, ascending."""
     if is_whole:
         return range(int(least), int(most) + 1)
-    return np.linspace(least, most, PARTS + 1).round(PLACES).tolist()
+    values: list[float] = np.linspace(least, most, PARTS + 1).round(PLACES).tolist()
+    return values
 
 
 @dataclass(frozen=True)

@@ -211,9 +211,10 @@ class Course:
         }
         order = self._in_turn([task for task in order if robots_of[task]], known)
         timed = foresee(known, self.world.ways, order, robots_of)
+        before = self.links.holds
         self.links.foresee(timed, holds_of(known, timed))
         for task, at in self.links.holds.items():
-            if at > self.world.now:
+            if at > self.world.now and at != before.get(task):
                 self.world.wake(at, task)
 
     def _in_turn(self, order: Sequence[int], known: Known) -> list[int]:

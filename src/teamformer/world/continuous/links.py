@@ -101,7 +101,8 @@ class GapKeeper:
             return not _is_near(ended, self._foreseen.end(task), world.now)
         if task in world.started:
             return not _is_near(world.started[task], foreseen, world.now)
-        return self._has_delays and task in self.linked and world.is_busy
+        is_held_until_now = self.holds.get(task, world.now + 1) <= world.now
+        return self._has_delays and is_held_until_now and world.is_busy
 
     def _start(self, task: int) -> float | None:
         return None if self._foreseen is None else self._foreseen.start.get(task)

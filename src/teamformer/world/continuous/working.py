@@ -109,20 +109,25 @@ class WorkingWorld(SeekingWorld):
     def _lift(self, task: int) -> None:
         """Let a team that has taken up its load set out with it."""
         work = self.works[task]
-        all_done, cause = work.all_done, work.event
-        self.carry(task, (Passed(self.now, self.place_of(task)),), cause)
-        if not any(self.truth.robots[robot].delays for robot in work.robots):
-            work.all_done = work.expected = all_done  # the same sum as plans have
+        is_delayed = any(self.truth.robots[robot].delays for robot in work.robots)
+        all_done = None if is_delayed else work.all_done  # the same sum as plans have
+        self.carry(task, (Passed(self.now, self.place_of(task)),), work.event, all_done)
 
-    def carry(self, task: int, stub: tuple[Passed, ...], cause: int) -> None:
-        """Let a team go on with a load, from the next place of a way."""
-        work, goal, start = self.works[task], self.truth.tasks[task].to, stub[-1]
+    def carry(
+        self, task: int, stub: tuple[Passed, ...], cause: int, all_done: float | None = None
+    ) -> None:
+        """Let a team go on with a load, from the next place of a way; `all_done` if it is known."""
+        work, unload = self.works[task], self.truth.tasks[task].unload
+        goal, start = self.truth.tasks[task].to, stub[-1]
         assert goal is not None, "it is a load"
-        ways = [self.times(robot, start.place, goal) for robot in work.robots]
-        slowest = max(ways, key=lambda way: way[-1][1] if way else 0.0)
-        work.way = (*stub, *self.passing(work.robots, start.at, slowest))
-        work.part, work.end = CARRYING, work.way[-1].at
-        work.all_done = work.expected = work.end + self.truth.tasks[task].unload
+        ahead = self._way_together(work.robots, start.place, goal)
+        work.way = (*stub, *self.passing(work.robots, start.at, ahead))
+        end = work.way[-1].at
+        if all_done is not None:
+            end = min(end, all_done) if unload else all_done
+            work.way = (*work.way[:-1], work.way[-1]._replace(at=end))
+        work.part, work.end = CARRYING, end
+        work.all_done = work.expected = end + unload if all_done is None else all_done
         work.event = self.tell(
             "lift",
             work.robots,
@@ -136,6 +141,22 @@ class WorkingWorld(SeekingWorld):
             body = self.bodies[robot]
             body.way, body.since = work.way, work.event
         self.put(work.end, FINISH, task, work.event)
+
+    def _way_together(
+        self, robots: Sequence[int], here: Place, goal: Place
+    ) -> list[tuple[Place, float]]:
+        """Return the places on the way of a load, each with the time there, by the slowest.
+
+        If somebody walks, nobody flies over obstacles.
+        """
+        ways = {robot: self.times(robot, here, goal) for robot in robots}
+        takes = {robot: way[-1][1] if way else 0.0 for robot, way in ways.items()}
+        walkers = [robot for robot in robots if not self.truth.robots[robot].flies]
+        slowest = max(walkers or robots, key=takes.__getitem__)
+        own, longest = takes[slowest], max(takes.values())
+        if own in (0.0, longest):
+            return ways[slowest]
+        return [(place, spent * longest / own) for place, spent in ways[slowest]]
 
     def _unload(self, task: int) -> None:
         work, place = self.works[task], self.truth.tasks[task].to

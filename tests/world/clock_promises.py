@@ -50,7 +50,7 @@ def check_promises(mission: Mission, truth: Mission, events: Sequence[Event]) ->
     _check_walks(truth, events)
     _check_services(truth, events)
     if events[-1].kind == "over" and events[-1].status == "completed":
-        assert _path_length(events) <= events[-1].at + NEAR
+        assert path_length(events) <= events[-1].at + NEAR
 
 
 def _check_causes(truth: Mission, events: Sequence[Event]) -> None:
@@ -161,7 +161,7 @@ def _release(busy: dict[int, int], robots: Iterable[int]) -> None:
         busy.pop(robot, None)
 
 
-def _path_length(events: Sequence[Event]) -> float:
+def path_length(events: Sequence[Event]) -> float:
     """Return the sum of the stretches along the causes of the end."""
     number, length = len(events) - 1, 0.0
     while events[number].cause != NOBODY:

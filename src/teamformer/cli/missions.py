@@ -113,7 +113,8 @@ def generate(
 @app.command(name="import")
 def import_(
     form: Annotated[
-        str, typer.Argument(metavar="FORMAT", help="hetero-mrta, dcmrta, sadcher or hhcrsp")
+        str,
+        typer.Argument(metavar="FORMAT", help="hetero-mrta, dcmrta, sadcher, hhcrsp, rmf or lif"),
     ],
     path: Annotated[Path, typer.Argument(metavar="FILE", help="their file, or folder")],
     out: Annotated[

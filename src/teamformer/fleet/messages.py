@@ -22,7 +22,7 @@ from teamformer.world.rules.constants import NOBODY
 if TYPE_CHECKING:
     from teamformer.fleet.signatures import Signatures
 
-PROTOCOL = 1
+PROTOCOL = 2
 """The version of the messages; others are dropped and counted."""
 
 EVERYBODY = -1
@@ -66,6 +66,7 @@ class Word(Struct, frozen=True, array_like=True, gc=False):
     is_fit: bool = True
     hold: Annotated[float, Meta(ge=0, le=3600)] = 0.0  # seconds it stays from now, if READY
     echoes: Annotated[tuple[int, ...], Meta(max_length=128)] = ()  # robot, version heard, robot...
+    has_served: bool = False  # its own part of the task that it serves is over
 
     @property
     def life(self) -> int:

@@ -105,7 +105,8 @@ class Agent:
             return self.command, notices
         had_load, self._report = self.carries, report
         self._sense(report, now, notices)
-        if had_load and not self.carries and self.command.task not in self.knowledge.done:
+        is_rid = self._has_served or self.command.task in self.knowledge.done
+        if had_load and not self.carries and not is_rid:
             self.membership.doubt_myself(now, *self._place, self._waits(now))
         self.knowledge.let_appear(self.age(now))
         if now >= self._look_at - LOOK / 4:  # together with a heartbeat, if one is near
@@ -208,12 +209,14 @@ class Agent:
 
     def _sense(self, report: Report, now: float, notices: list[Notice]) -> None:
         self._place = (report.x, report.y)
+        self.service.has_served = self._has_served
         if report.leg != self.command.leg or self.command.task not in self.knowledge.tasks:
             return
-        if report.is_done and self.service.is_at_work_on(self.command.task):
+        is_done = report.is_done or self.service.is_over(now)
+        if is_done and self.service.is_at_work_on(self.command.task):
             robots = self.service.at_work(now)
             self.knowledge.note_deed(DeedFact(self.command.task, self.age(now), robots))
-        if report.is_done and self.knowledge.mark_done(self.command.task, now):
+        if is_done and self.knowledge.mark_done(self.command.task, now):
             self.voice.hurry()
         elif self._has_load(self.command.task):
             is_held = report.is_busy or self.service.is_in_hands(self.command.task, now)
@@ -270,7 +273,7 @@ class Agent:
                 leading.part(now, self._place, goal, notices)
                 service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
-        is_there = is_for_it and (self.carries or self._is_at(service.goal))
+        is_there = is_for_it and (self._is_bound or self._is_at(service.goal))
         is_there = is_there and not report.is_unfit
         if is_there and self._has_load(service.goal):
             is_on_its_way = self.command.place not in (None, self.knowledge.place_of(service.goal))
@@ -295,6 +298,17 @@ class Agent:
         """Say whether this robot carries the load of the task at hand."""
         return self._report.carries and self._report.leg == self.command.leg
 
+    @property
+    def _has_served(self) -> bool:
+        """Say whether this robot has done its part of the task that it serves."""
+        is_it = self.service.is_at_work_on(self.command.task)
+        return is_it and self._report.has_served and self._report.leg == self.command.leg
+
+    @property
+    def _is_bound(self) -> bool:
+        """Say whether it is with its task, wherever that is: it carries or has brought it."""
+        return self.carries or self._has_served
+
     def _has_load(self, key: int) -> bool:
         return key != NOBODY and self.knowledge.tasks[key].to is not None
 
@@ -302,7 +316,7 @@ class Agent:
         """Turn the state of the service into a command; only a new place or task is a new leg."""
         service, command = self.service, self.command
         place, leg, duration, pace = self._place_to_be(now), command.leg, 0.0, 0.0
-        if service.goal != command.task or (place != command.place and not self.carries):
+        if service.goal != command.task or (place != command.place and not self._is_bound):
             leg += 1
         if service.goal != NOBODY:
             duration = self.knowledge.tasks[service.goal].duration
@@ -327,6 +341,8 @@ class Agent:
         place: Place | None = None
         if self.carries and command.task == goal:
             return None
+        if self._has_served and command.task == goal:
+            return command.place
         if self._has_load(goal) and now < service.promised:
             return command.place  # it stays with the load, or where it has let it go
         if self.membership.is_stuck and (goal == NOBODY or self._has_load(goal)):

@@ -31,7 +31,8 @@ class Service:
         self.team = knowledge.me
         self.promised = float("-inf")  # until when this robot stays where it is
         self.formed = float("-inf")  # when the last split or join is over
-        self.waits = False  # others are here, and service has not begun for all
+        self.waits = False  # others are here, and service has not begun or ended for all
+        self.has_served = False  # its own part of the task at hand is over
         self._knowledge = knowledge
         self._membership = membership
         self._sent: dict[int, float] = {}  # when the own words were said, by version
@@ -82,6 +83,13 @@ class Service:
         others = (word.robot for word in self._members(now) if word.phase == SERVE)
         return tuple(sorted((self._knowledge.me, *others)))
 
+    def is_over(self, now: float) -> bool:
+        """Say whether robots of this one's team have each done their part that suffice together."""
+        if self.phase != SERVE or not self.has_served:
+            return False
+        over = [w.robot for w in self._members(now) if w.phase == SERVE and w.has_served]
+        return self._knowledge.covers((self._knowledge.me, *over), self.goal)
+
     def is_in_hands(self, key: int, now: float) -> bool:
         """Say whether another robot says that it is at work on a task."""
         return any(
@@ -118,6 +126,7 @@ class Service:
         else:
             self.phase = self._next_phase(now, fellows, is_busy)
         self.waits = self.phase == READY or any(word.phase == READY for word in fellows)
+        self.waits = self.waits or self.has_served
 
     def _choose_team(self, going: list[Word], here: list[Word]) -> int:
         """Return the team that serves here, or is ready to, or else that of the lowest robot."""

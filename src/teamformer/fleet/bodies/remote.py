@@ -45,7 +45,7 @@ class Line(Protocol):
 encode = Encoder().encode
 decode_order = Decoder(BodyCommand).decode
 decode_report = Decoder(
-    tuple[float, float, int, bool, bool, int, bool, tuple[float, float] | None, bool, bool]
+    tuple[float, float, int, bool, bool, int, bool, tuple[float, float] | None, bool, bool, bool]
 ).decode
 
 

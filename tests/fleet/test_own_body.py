@@ -72,7 +72,7 @@ def test_reports_become_plain_numbers() -> None:
     report = body.report()
     assert report == Report(4.0, 0.0, number=7, is_unfit=True)
     assert [type(part) for part in report[:7]] == [float, float, int, bool, bool, int, bool]
-    assert report[7:] == (None, False, True, False)
+    assert report[7:] == (None, False, True, False, None)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ def note_load(knowledge: Knowledge, key: int, report: Report, is_sought: bool) -
     """
     task = knowledge.tasks[key]
     assert task.to is not None
-    if report.carries or key in knowledge.done:
+    if report.carries or key in knowledge.over:
         return False
     if report.load is not None:
         return knowledge.see_load(key, report.load)

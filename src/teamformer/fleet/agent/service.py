@@ -103,11 +103,17 @@ class Service:
         return word.robot != me and near and not word.is_lost
 
     def stand_by(
-        self, now: float, is_there: bool, is_busy: bool, chosen: int | None = None
+        self,
+        now: float,
+        is_there: bool,
+        is_busy: bool,
+        may_begin: bool,
+        chosen: int | None = None,
     ) -> None:
         """Go on with the task at hand: gather, promise, begin, break off.
 
-        `chosen` is the team to stand with; without one it is that of the lowest robot there.
+        Nobody promises anything before the task `may_begin`. `chosen` is the team to stand with;
+        without one it is that of the lowest robot there.
         """
         if not is_there or self.goal == NOBODY:
             self.phase, self.waits = WALK, False
@@ -121,7 +127,7 @@ class Service:
                 self.team = team
                 self.formed = now + self._knowledge.mission.forming
         fellows = [word for word in here if word.team == self.team]
-        if now < self.formed and self.phase != SERVE:
+        if self.phase != SERVE and (now < self.formed or not may_begin):
             self.phase = HERE
         else:
             self.phase = self._next_phase(now, fellows, is_busy)

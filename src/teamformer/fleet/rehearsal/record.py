@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from teamformer.fleet.bodies.world import Lifted, Walked
@@ -18,7 +18,7 @@ from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.services_seen import with_services
-from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent
+from teamformer.fleet.rehearsal.trace import NEEDS, Event, Finished, Learned, Said, Sent
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
@@ -55,9 +55,17 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
     robots = _robots_of(rehearsal, deeds)
     source = replace(mission.source, tasks=tasks, robots=robots, teams=())
+    true_tasks = zip(tasks, rehearsal.truth.tasks, strict=False)
+    truth = replace(
+        source,
+        tasks=(
+            *(task.once_known(it.at, it.needs, it.duration) for task, it in true_tasks),
+            *tasks[len(rehearsal.truth.tasks) :],
+        ),
+    )
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: step for robot, step in ends if step is not None}
-    rows = with_services(source, _Teller(source, mission.step, number).tell(events, deeds, lost))
+    rows = with_services(truth, _Teller(source, mission.step, number).tell(events, deeds, lost))
     is_complete, steps = outcome.status == "ended", len(rows)
     return Record(
         mission=source,
@@ -66,6 +74,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
         orders=((0, tuple(k for k, task in enumerate(source.tasks) if task.appears == 0)),),
         start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(source.robots)),
         steps=tuple(rows),
+        truth=truth if source.has_surprises else None,
         end=Ending(
             status=STATUSES[outcome.status],
             makespan=steps if is_complete else None,
@@ -106,7 +115,19 @@ def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
     ]
     number = {task.key: task.key for task in mission.tasks}
     number |= {order.task.key: len(mission.tasks) + k for k, order in enumerate(orders)}
-    return (*whole.tasks, *added), number
+    return (*_with_call_offs(rehearsal), *added), number
+
+
+def _with_call_offs(rehearsal: Rehearsal) -> Iterator[Task]:
+    """Yield the mission's tasks with when they were called off; never, of those that were done."""
+    mission = rehearsal.mission
+    withdrawn = {
+        it.task: math.floor(it.at / mission.step) + 1 for it in rehearsal.faults.withdrawals
+    }
+    for key, task in enumerate(mission.source.tasks):
+        times = [at for at in (task.cancelled, withdrawn.get(key)) if at is not None]
+        is_off = bool(times) and key not in rehearsal.world.done
+        yield replace(task, cancelled=min(times) if is_off else None)
 
 
 def _robots_of(rehearsal: Rehearsal, deeds: Sequence[Sequence[Deed]]) -> tuple[Robot, ...]:
@@ -146,6 +167,7 @@ class _Teller:
         self._says = {robot: (robot, NOBODY) for robot in robots}
         self._teams: Teams = {robot: (robot,) for robot in robots}
         self._shown: dict[int, TeamAt] = {}
+        self._seen: set[int] = set()  # tasks whose needs somebody knows
         self._lifted: dict[int, Lifted] = {}  # loads that are up, and no step shows it yet
 
     def tell(
@@ -154,7 +176,7 @@ class _Teller:
         """Return what changed in each step; `deeds` has what each shows as done."""
         rows, position = [], 0
         for step, done in enumerate(deeds, start=1):
-            heard, lifts = set(), list[Lifted]()
+            heard, lifts, shown = set(), list[Lifted](), set[int]()
             while position < len(events) and events[position].at <= step * self._step + SLACK:
                 event = events[position]
                 position += 1
@@ -166,8 +188,11 @@ class _Teller:
                     heard.add((event.sender, event.receiver, event.kind))
                 elif isinstance(event, Lifted):
                     lifts.append(event)
+                elif isinstance(event, Learned) and event.what == NEEDS:
+                    shown.add(event.task)
             row = self._row(step, [r for r, at in lost.items() if at == step], done, lifts)
-            rows.append(replace(row, heard=tuple(sorted(heard))))
+            new, self._seen = tuple(sorted(shown - self._seen)), self._seen | shown
+            rows.append(replace(row, heard=tuple(sorted(heard)), shown=new))
         return rows
 
     def _loads(

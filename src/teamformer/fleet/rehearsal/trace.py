@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
 from typing import NamedTuple
 
 from teamformer.fleet.bodies.world import Lifted, Walked
@@ -50,6 +51,19 @@ class Accepted(NamedTuple):
     holders: tuple[int, ...]
 
 
+class Learned(NamedTuple):
+    """A robot has come to know that a task is called off, or what it really needs."""
+
+    at: float
+    robot: int
+    task: int
+    what: str
+
+
+OFF, NEEDS = "off", "needs"
+"""What robots learn of a task."""
+
+
 class Sent(NamedTuple):
     """A message got from one robot to another; its kind is in lower case, without `Note`."""
 
@@ -59,7 +73,7 @@ class Sent(NamedTuple):
     kind: str
 
 
-Event = Said | Worked | Walked | Finished | Lifted | Broke | Accepted | Sent
+Event = Said | Worked | Walked | Finished | Lifted | Broke | Accepted | Learned | Sent
 
 
 class Trace:
@@ -68,3 +82,15 @@ class Trace:
     def __init__(self, with_messages: bool = False) -> None:
         self.events: list[Event] = []
         self.with_messages = with_messages
+        self._knows: dict[int, set[tuple[int, str]]] = {}  # of tasks, by robot
+
+    def note_knowledge(self, now: float, robot: int, called_off: Set[int], needs: Set[int]) -> None:
+        """Write down of which tasks a robot has come to know that they are off, or their needs."""
+        knows = {(key, OFF) for key in called_off} | {(key, NEEDS) for key in needs}
+        new = sorted(knows - self._knows.get(robot, set()))
+        self.events += [Learned(now, robot, *each) for each in new]
+        self._knows[robot] = knows
+
+    def forget(self, robot: int) -> None:
+        """Take it that a robot knows nothing: it starts anew."""
+        self._knows.pop(robot, None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, REAL_ROBOTS, Key, Unknown
+from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, ROBOTARIUM, Key, Unknown
 from teamformer.mission.keys.kinds import (
     Chances,
     Counts,
@@ -52,7 +52,9 @@ TASK_KEYS = (
         f"be a range `[least, most]` {NOT_KNOWN}",
         default=0,
         label="Duration, steps",
-        unknown=Unknown(SURPRISES, "has no sure duration", is_surprise=True, field="lasts"),
+        unknown=Unknown(
+            (CONTINUOUS, ROBOTARIUM), "has no sure duration", is_surprise=True, field="lasts"
+        ),
     ),
     Key(
         "appears",
@@ -69,7 +71,7 @@ TASK_KEYS = (
         default=None,
         without="it never is",
         label="Called off in step",
-        unknown=Unknown((CONTINUOUS, BEFOREHAND, REAL_ROBOTS), "is cancelled"),
+        unknown=Unknown((CONTINUOUS, BEFOREHAND, ROBOTARIUM), "is cancelled"),
     ),
     Key(
         "after",
@@ -77,7 +79,7 @@ TASK_KEYS = (
         f"names of tasks that must have ended before this one begins {CONTINUOUS_TIME}",
         default=(),
         without="none",
-        unknown=Unknown((REAL_ROBOTS,), "has after"),
+        unknown=Unknown((ROBOTARIUM,), "has after"),
     ),
     Key(
         "between",
@@ -87,7 +89,7 @@ TASK_KEYS = (
         default=None,
         without="any time",
         example=[0, 20],
-        unknown=Unknown((REAL_ROBOTS,), "has between"),
+        unknown=Unknown((ROBOTARIUM,), "has between"),
     ),
     Key(
         "starts",
@@ -119,7 +121,7 @@ TASK_KEYS = (
         default={},
         without="nothing",
         example={"weld": 0.4},
-        unknown=Unknown(SURPRISES, "has no sure needs", is_surprise=True),
+        unknown=Unknown((CONTINUOUS, ROBOTARIUM), "has no sure needs", is_surprise=True),
     ),
     Key(
         "within",

@@ -38,7 +38,7 @@ types: $(VENV)/dev.stamp $(if $(shell command -v npm),page-types)
 page-types: node_modules/stamp  ## the page's JavaScript, where there is npm
 	node_modules/.bin/tsc
 
-CHECKED := tests/world/test_planes.py tests/planning/arcs tests/planning/test_crews.py tests/planning/continuous/test_reactive.py
+CHECKED := tests/world/test_planes.py tests/planning/search tests/planning/test_crews.py tests/planning/continuous/test_reactive.py
 indices: $(VENV)/dev.stamp  ## every index of an array checked, as it runs
 	NUMBA_BOUNDSCHECK=1 $(BIN)/pytest -q -n 0 -m "not thorough and not slow" $(CHECKED)
 

@@ -219,7 +219,7 @@ def test_generate_makes_a_mission_that_runs(
         (("generate", "-o", "x.yaml", "--requirements", "9"), "requirements is 9"),
         (("check", FOUR), "not"),
         (("view", "nowhere.json"), "there is no such file"),
-        (("view", "page.html"), "the page of which record?"),
+        (("view", "page.html"), "a page is made of a record"),
         (("compare", FOUR, "--out", "/proc/none"), "cannot be written"),
         (("export", "nowhere.json", "x.mcap"), "there is no such file"),
         (("export", "nowhere.json"), "Missing argument"),
@@ -457,7 +457,7 @@ def test_a_mission_too_large_to_be_planned_soon_is_solved_by_crews_and_run_says_
     assert teamformer("run", FOUR, "--json") == 0
     shown = capsys.readouterr()
     assert json.loads(shown.out)["method"] == "crews"
-    assert "4 robots and 4 tasks are too many to share a plan soon: crews instead" in shown.err
+    assert "4 robots and 4 tasks are too many for the method plan: crews instead" in shown.err
     assert teamformer("run", FOUR, "--json", "--method", "plan") == 0
     shown = capsys.readouterr()
     assert json.loads(shown.out)["method"] == "plan"

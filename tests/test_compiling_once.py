@@ -55,7 +55,7 @@ def test_it_is_said_once_for_each_part_and_again_after_a_pause(
         announcer.end()
         return capsys.readouterr().err
 
-    assert "the planner" in compile_for("planning.arcs.annealing", 60)
+    assert "the planner" in compile_for("planning.search.annealing", 60)
     assert "the simulator" in compile_for("world.step", 30)
     assert compile_for("planning.crews.deal", 30) == ""
     now[0] += announcing.PAUSE
@@ -114,7 +114,7 @@ def test_where_nothing_can_be_kept_it_is_said_what_to_set(
     for _ in range(2):
         assert answer_kernel(tmp_path / "oracle.py", 1)() == 1
     said = capsys.readouterr().err
-    assert "at every run, as it cannot be kept" in said
+    assert "at every run, as there is no folder to keep it in" in said
     assert "set NUMBA_CACHE_DIR to a folder that you may write to" in said
     assert list(tmp_path.rglob("*.nbc")) == []
 

@@ -77,6 +77,15 @@ def test_an_entry_that_another_calls_is_linked_in_not_made_machine_code_of() -> 
     assert len(inner.overloads) == 1
 
 
+def test_what_an_entry_links_in_is_its_own() -> None:
+    """So arguments that nobody reads are left out, and what is called once is taken apart."""
+    outer = entry(sum_of_cubes)
+    assert outer(3) == 9
+    (compiled,) = outer.overloads.values()
+    told = {function.linkage.name for function in compiled.library.get_defined_functions()}
+    assert told <= {"external", "internal"}
+
+
 def test_there_is_one_version_for_whole_numbers_of_all_sizes() -> None:
     twice = kernel(lambda number: 2 * number)
     outer = entry(lambda short, long: twice(short[0]) + twice(long[0]) + twice(3))

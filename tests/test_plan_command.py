@@ -146,7 +146,7 @@ def test_a_bound_of_the_makespan_is_none_of_the_cost(
     assert teamformer("plan", str(tmp_path / "late.yaml"), "--time-limit", "1") == 0
     first = capsys.readouterr().out.splitlines()[0]
     assert re.fullmatch(
-        r"late: over at 10 \(no plan is over before \d+\), at a cost of 7.66667", first
+        r"late: over at 10, at a cost of 7.66667; no plan can take less than \d+", first
     )
 
 

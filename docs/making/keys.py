@@ -1,4 +1,4 @@
-"""Writes what the tables of keys say into docs/reference/mission.md, and the JSON Schema.
+"""Writes what the tables of keys say into the pages on the mission file, and the JSON Schema.
 
 `python docs/making/keys.py` after a change of `src/teamformer/mission/keys`.
 """
@@ -12,12 +12,13 @@ from pathlib import Path
 from teamformer.files.schema import schema_text
 from teamformer.live.serving.openapi import openapi_text
 from teamformer.mission.keys.key import FIRST_VERSION, REQUIRED, Key
-from teamformer.mission.keys.kinds import KeyedParts
 from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
+from teamformer.mission.keys.robot_keys import ROBOT_KEYS
+from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "reference" / "mission.md"
+PAGES = [ROOT / "docs/reference/mission.md", *sorted(ROOT.glob("docs/reference/mission/*.md"))]
 SCHEMA = ROOT / "mission.schema.json"
 OPENAPI = ROOT / "live.openapi.json"
 
@@ -28,8 +29,6 @@ def rows(keys: Sequence[Key], before: str = "") -> Iterator[str]:
         without = REQUIRED if key.is_required else key.without or said(key.default)
         since = "" if key.since == FIRST_VERSION else f" (since {key.since})"
         yield f"| `{before}{key.name}` | {key.means}{since} | {without} |"
-        if isinstance(key.kind, KeyedParts):
-            yield from rows(key.kind.keys, f"{before}{key.name}[].")
 
 
 def said(default: object) -> str:
@@ -42,14 +41,16 @@ def tables() -> dict[str, list[str]]:
     head = ["| key | means | if left out |", "|---|---|---|"]
     cost = [f"| `{key.name}` | {key.means} |" for key in COST_KEYS]
     return {
-        "every key": [*head, *rows(MISSION_KEYS)],
+        "mission": [*head, *rows(MISSION_KEYS)],
+        "robots": [*head, *rows(ROBOT_KEYS)],
+        "tasks": [*head, *rows(TASK_KEYS)],
         "planes": [*head, *rows(PLANE_KEYS, "world.")],
         "cost": ["| key | what it measures |", "|---|---|", *cost],
     }
 
 
 def page(text: str) -> str:
-    """Return the text of the page with its tables as the keys have them now."""
+    """Return the text of a page with its tables as the keys have them now."""
     for name, lines in tables().items():
         begin, end = f"<!-- keys: {name} -->", "<!-- end of keys -->"
         table = "\n".join([begin, "", *lines, "", end])
@@ -58,6 +59,7 @@ def page(text: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for path in PAGES:
+        path.write_text(page(path.read_text(encoding="utf-8")), encoding="utf-8")
     SCHEMA.write_text(schema_text(), encoding="utf-8")
     OPENAPI.write_text(openapi_text(), encoding="utf-8")

@@ -106,7 +106,7 @@ CASES = [
     ("sensing_radius: 1", "ends: 3", 10, "ends '3' is unknown; use home or a place as [x, y]"),
     # what is not known beforehand
     (NEEDS, f"{NEEDS}, duration: [9, 2]", 9,
-     "takes 9 to 2 steps, which ends before it begins; turn"),
+     "takes 9 to 2 steps, but the least comes first; swap"),
     (NEEDS, f"{NEEDS}, duration: [-1, 2]", 9,
      "task 'x' takes -1 to 2 steps; use 0 to 1,000,000,000"),
     (NEEDS, f"{NEEDS}, duration: [1]", 9,
@@ -151,9 +151,9 @@ CASES = [
     ("speed: 0.5", "breaks: {rate: 0.1, repair: [0, 4]}", 7,
      "is repaired in 0 to 4 steps; use 1 to"),
     ("speed: 0.5", "breaks: {rate: 0.1, repair: [5, 4]}", 7,
-     "in 5 to 4 steps, which ends before it"),
+     "in 5 to 4 steps, but the least comes first"),
     ("speed: 0.5", "breaks: {rate: 0.1}, lost: 3", 7,
-     "is lost at a step and breaks at a rate; keep one"),
+     "has both lost and breaks; keep one"),
     # how a mission is solved, which files said once
     ("sensing_radius: 1", "order: tsp", 10, "'order' says how to solve the mission, not what it "
      "is; delete it, and choose a method with --method"),
@@ -335,8 +335,8 @@ CASES = [
         "speed: 0.5",
         "lost: [4, 6]",
         7,
-        "robot 'b' is lost at step 6, but is so since step 4; say under back when it is there "
-        "again, or drop one",
+        "robot 'b' is lost at step 6, but was lost in step 4; write under back when it "
+        "returns, or drop one of the two",
     ),
     (
         "speed: 0.5",

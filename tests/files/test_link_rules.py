@@ -50,7 +50,7 @@ TASKS = MISSION.tasks
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"cost": {}}, "the cost weighs nothing; name makespan, travel, tardiness"),
+        ({"cost": {}}, "the cost has no weights; name makespan, travel, tardiness"),
         ({"cost": {"money": 1}}, "a cost has no 'money'; use makespan, travel"),
         ({"cost": {"travel": 0}}, "the weight of travel is 0; use 0.001 to"),
         ({"cost": {"travel": -1}}, "the weight of travel is -1; use 0.001 to"),
@@ -74,7 +74,7 @@ TASKS = MISSION.tasks
         ),
         (
             {"tasks": (X, replace(TASKS[1], after=("x",)))},
-            "task 'y' is after 'x', with which its start is linked; say it by the gap alone",
+            "task 'y' is after 'x', with which its start is linked; drop after, the link says it",
         ),
         (
             {"tasks": (replace(X, after=("alone",)), TASKS[1], replace(ALONE, after=("y",)))},

@@ -1,4 +1,4 @@
-"""What docs/reference/mission.md tells about the file format is what the reader knows."""
+"""What the pages on the mission file tell about the format is what the reader knows."""
 
 from __future__ import annotations
 
@@ -9,65 +9,73 @@ from pathlib import Path
 from test_broken_files import CASES, GOOD, problems_of
 
 from teamformer.files.mission_files import read_mission
-from teamformer.mission.model import Breakdown
+from teamformer.mission.model import Breakdown, Mission
 from teamformer.mission.parts.roads import Roads
 
-DOCS = Path(__file__).parents[2] / "docs" / "reference" / "mission.md"
-MAKING = Path(__file__).parents[2] / "docs" / "making" / "keys.py"
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "reference" / "mission.md"
+PARTS = DOCS / "reference" / "mission"
 
 
 def test_the_tables_of_keys_are_as_the_keys_are_now() -> None:
-    making = runpy.run_path(str(MAKING))
-    assert DOCS.read_text() == making["page"](DOCS.read_text())
+    making = runpy.run_path(str(DOCS / "making" / "keys.py"))
+    assert making["PAGES"] == [PAGE, *sorted(PARTS.iterdir())]
+    text = "".join(page.read_text() for page in making["PAGES"])
+    assert text == "".join(making["page"](page.read_text()) for page in making["PAGES"])
     assert making["SCHEMA"].read_text() == making["schema_text"]()
-    rows = re.findall(
-        r"^\| `([\w.\[\]]+)` \| .* \| must be there \|$", DOCS.read_text(), re.MULTILINE
-    )
-    wanted = ["teamformer", "world", "capabilities", "robots", "robots[].at", "robots[].can"]
-    assert rows == [*wanted, "tasks", "tasks[].at", "tasks[].needs", "world.plane"]
+    wanted = re.findall(r"^\| `([\w.]+)` \| .* \| must be there \|$", text, re.MULTILINE)
+    robots, tasks = ["at", "can"], ["at", "needs"]
+    mission = ["teamformer", "world", "capabilities", "robots", "tasks"]
+    assert wanted == [*mission, *robots, *tasks, "world.plane"]
 
 
-def test_the_example_is_read(tmp_path: Path) -> None:
-    examples = re.findall(r"```yaml\n(.*?)```", DOCS.read_text(), re.DOTALL)
-    text, loads, heavy, other, roads, uncertain, survey = examples
-    path = tmp_path / "example.yaml"
-    path.write_text(text)
-    mission = read_mission(path)
-    assert mission.teams == ((1, 2),)
-    assert mission.tasks[1].needs == {"lift": 2, "weld": 1}
-    path.write_text(loads)
-    grand = read_mission(path).tasks[0]
+def examples_of(page: Path, folder: Path) -> list[Mission]:
+    """Return the missions that a page shows, each read from a file."""
+    texts = re.findall(r"```yaml\n(.*?)```", page.read_text(), re.DOTALL)
+    files = [folder / f"{number}.yaml" for number in range(len(texts))]
+    for file, text in zip(files, texts, strict=True):
+        file.write_text(text)
+    return [read_mission(file) for file in files]
+
+
+def test_the_examples_are_read(tmp_path: Path) -> None:
+    [shift] = examples_of(PAGE, tmp_path)
+    assert shift.teams == ((1, 2),)
+    assert shift.tasks[1].needs == {"lift": 2, "weld": 1}
+    loads, heavy = examples_of(PARTS / "tasks.md", tmp_path)
+    grand = loads.tasks[0]
     assert (grand.to, grand.duration, grand.unload) == ((10, 1), 3, 2)
-    path.write_text(heavy)
-    piano = read_mission(path)
-    assert piano.units == {"lift": 250, "steer": 1000}
-    assert piano.in_units(piano.tasks[0].needs) == {"lift": 1231, "steer": 1}
-    path.write_text(other)
-    errands = read_mission(path)
+    assert heavy.units == {"lift": 250, "steer": 1000}
+    assert heavy.in_units(heavy.tasks[0].needs) == {"lift": 1231, "steer": 1}
+    [errands] = examples_of(PARTS / "time.md", tmp_path)
     assert [robot.name for robot in errands.robots] == ["cart-1", "cart-2", "cart-3", "eye"]
     assert errands.tasks[2].between == (10, 40)
-    [table] = re.findall(r"```\n(from, depot.*?)```", DOCS.read_text(), re.DOTALL)
-    (tmp_path / "clinic.csv").write_text(table)
-    (tmp_path / "clinic-air.csv").write_text(table.replace("7", "1"))
-    path.write_text(roads)
-    clinic = read_mission(path)
-    assert isinstance(clinic.world, Roads)
-    assert clinic.world.times["ground"][0] == (0, 4, 7.5)
-    assert clinic.world.times["air"][2] == (1, 3, 0)
-    assert [clinic.world.name_of(task.at) for task in clinic.tasks] == ["lab", "ward"]
-    path.write_text(uncertain)
-    storm = read_mission(path)
+    [storm] = examples_of(PARTS / "unknown.md", tmp_path)
     assert storm.tasks[0].lasts == (2, 9)
     assert storm.tasks[1].may_need == {"weld": 0.4, "power": 0.2}
     assert storm.tasks[1].within == 3
     assert storm.robots[2].breaks == Breakdown(0.004, (10, 40))
-    path.write_text(survey)
-    assert [robot.flies for robot in read_mission(path).robots] == [True, False]
+
+
+def test_the_examples_of_worlds_are_read(tmp_path: Path) -> None:
+    page = PARTS / "world.md"
+    [table] = re.findall(r"```\n(from, depot.*?)```", page.read_text(), re.DOTALL)
+    (tmp_path / "clinic.csv").write_text(table)
+    (tmp_path / "clinic-air.csv").write_text(table.replace("7", "1"))
+    clinic, wards, survey = examples_of(page, tmp_path)
+    assert isinstance(clinic.world, Roads)
+    assert clinic.world.times["ground"][0] == (0, 4, 7.5)
+    assert clinic.world.times["air"][2] == (1, 3, 0)
+    assert [clinic.world.name_of(task.at) for task in clinic.tasks] == ["lab", "ward"]
+    assert isinstance(wards.world, Roads)
+    assert wards.world.times["ground"] == ((0, 4), (5, 0))
+    assert [robot.flies for robot in survey.robots] == [True, False]
 
 
 def test_what_is_refused_is_told_in_these_words(tmp_path: Path) -> None:
-    table = DOCS.read_text().split("| told |\n|---|---|---|\n")[1].split("\n\n")[0]
-    documented = [row.rsplit(" | ", 1)[1].strip("` |") for row in table.splitlines()]
+    tables = (PARTS / "refused.md").read_text().split("| message |\n|---|---|---|\n")[1:]
+    rows = [row for table in tables for row in table.split("\n\n")[0].splitlines()]
+    documented = [row.rsplit(" | ", 1)[1].strip("` |") for row in rows]
     assert len(documented) >= 40
     files = [GOOD.replace(old, new, 1) for old, new, *_ in CASES] + [""]
     told = {

@@ -107,7 +107,7 @@ def test_who_is_never_heard_is_not_waited_for_long() -> None:
     assert [watch.step().done for _ in range(3)] == [(), (), ((0, None),)]
     assert (watch.is_over, watch.wonders) == (True, False)
     told = [event.text(watch.source) for event in events(watch.record()) if event.kind == "done"]
-    assert told == [f"t{k} done by then, nobody heard by whom" for k in (1, 0)]
+    assert told == [f"t{k} done by then, not known by whom" for k in (1, 0)]
 
 
 def test_a_record_ends_with_the_step_in_which_all_is_done() -> None:

@@ -182,7 +182,7 @@ def test_a_virtual_agv_goes_however_it_is_turned_and_serves_again_what_failed(
         assert not watch(body, lambda report: report.has_served).is_unfit
     told = capfd.readouterr().err
     assert "noRouteError" not in told
-    assert told.count("v1: the vehicle has failed to serve one; it is told again") == 2
+    assert told.count("v1: the vehicle has failed to serve one; it gets the order again") == 2
     assert "v1: the vehicle says instantActionError: the gripper is jammed" in told
 
 

@@ -47,7 +47,7 @@ def test_a_service_that_fails_is_told_again_under_another_name(
         report = wait_for(body, vehicle, has_served)
     assert not report.is_unfit
     assert len(ids_of(vehicle, "serve")) == FAILURES
-    line = "v1: the vehicle has failed to serve one and says 'jammed'; it is told again"
+    line = "v1: the vehicle has failed to serve one and says 'jammed'; it gets the order again"
     assert capfd.readouterr().err.splitlines() == [line] * (FAILURES - 1)
 
 
@@ -117,7 +117,7 @@ def test_a_load_that_it_failed_to_pick_or_to_drop_is_brought_all_the_same(
         report = wait_for(body, vehicle, has_served)
     assert (report.x, report.y, report.carries, report.is_unfit) == (9.0, 3.0, False, False)
     assert len(ids_of(vehicle, kind)) == FAILURES
-    line = f"v1: the vehicle has failed to {kind} crate and says 'jammed'; it is told again"
+    line = f"v1: the vehicle has failed to {kind} crate and says 'jammed'; it gets the order again"
     assert capfd.readouterr().err.splitlines() == [line] * (FAILURES - 1)
 
 

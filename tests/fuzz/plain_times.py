@@ -1,4 +1,4 @@
-"""When a plan in continuous time does what, by docs/reference/mission.md: routes in, times out.
+"""When a plan in continuous time does what, by docs/reference/mission/time.md: routes to times.
 
 Nothing is shared with the planner. All that has to wait for something is made to wait a little
 longer, again and again, until nothing changes any more.

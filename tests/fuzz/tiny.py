@@ -22,7 +22,6 @@ from teamformer.files.mission_files import mission_from_tree
 from teamformer.methods.central.plays import Plays
 from teamformer.methods.central.policy import Central
 from teamformer.mission.checks.costs import judged_by, weighed
-from teamformer.mission.checks.links import is_linked
 from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous, warm_up
@@ -111,7 +110,7 @@ def main(kind: str, count: int, seconds: float) -> int:
             return
         tried.add(text)
         if is_continuous:
-            warm_up(is_linked(source))
+            warm_up()
             gap = gap_in_continuous_time(source, "central" if seconds else "plan", seconds)
         else:
             gap = gap_in_steps(source, seconds)

@@ -327,7 +327,7 @@ def test_a_plan_that_is_taken_over_is_what_robots_go_by_and_the_record_says_so()
         (3, ("taken over",)),
     ]
     assert record.plans[1][1].coalitions == plan.coalitions
-    assert any("a longer search was taken over" in it.why for it in explain(record, 0))
+    assert any("an operator took over a longer search" in it.why for it in explain(record, 0))
 
 
 def test_what_happens_after_a_plan_was_taken_over_leaves_the_past_as_it_was() -> None:
@@ -366,7 +366,7 @@ def test_a_search_that_nobody_waits_for_ends_at_once() -> None:
 
 def test_only_a_shared_plan_can_be_another() -> None:
     past = mission(method="join-all").past()
-    with pytest.raises(TeamformerError, match="by this method robots go by no plan that could"):
+    with pytest.raises(TeamformerError, match="with this method robots follow no plan that could"):
         search_plan(past, 0.1)
 
 
@@ -589,7 +589,7 @@ def test_a_weight_counts_for_crews_also_where_tasks_come_after_others(later: int
         (CancelledTask("gone"), "task 'gone' was called off already"),
         (CancelledTask("nowhere"), "there is no task 'nowhere'"),
         (NewWeight("near", 2.0), "task 'near' was done in step 3"),
-        (NewWeight("far", 2.0), "weights count for nothing"),
+        (NewWeight("far", 2.0), "weights change nothing"),
     ],
 )
 def test_what_cannot_happen_to_a_task_is_refused(incident: Incident, why: str) -> None:
@@ -610,5 +610,5 @@ def test_what_cannot_happen_to_a_task_is_refused(incident: Incident, why: str) -
 def test_a_weight_counts_only_where_there_is_a_plan() -> None:
     mission = late_pair(cost={"tardiness": 1})
     run = RunningMission(mission, lambda: load_method("join-all"), seed=0)
-    with pytest.raises(TeamformerError, match="by this method robots go by no plan"):
+    with pytest.raises(TeamformerError, match="with this method robots follow no plan"):
         run.happen(NewWeight("left", 2.0))

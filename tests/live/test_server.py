@@ -97,7 +97,7 @@ def test_the_page_comes_to_its_own_host_only(served: Served) -> None:
     assert "connect-src 'self'" in page
     assert get(served, "evil.example") == (
         403,
-        "this server is not asked for as 'evil.example'; if it is yours, name it with --host\n",
+        "this server does not answer to 'evil.example'; if it is yours, add it with --host\n",
     )
 
 
@@ -454,7 +454,7 @@ def test_a_plan_is_searched_for_offered_and_taken_over(tmp_path: Path) -> None:
 def test_a_plan_for_robots_that_go_by_none_is_refused(tmp_path: Path) -> None:
     with serving(small_mission(), tmp_path) as server, Page(server) as page:
         page.ask(do="replan", seconds=0)
-        assert "by this method robots go by no plan" in page.hear("refused")["text"]
+        assert "with this method robots follow no plan" in page.hear("refused")["text"]
 
 
 @pytest.mark.thorough
@@ -730,7 +730,7 @@ def test_no_page_draws_over_what_it_has_not_seen(
         for own, after in (("b1", first), ("b2", "b1")):
             other.ask(do=command, mission=yours, id=own, after=after, name="it.yaml")
             assert other.hear("editor")["mission"] == mine
-            assert "another page has drawn meanwhile" in other.hear("refused")["text"]
+            assert "another page has changed the drawing" in other.hear("refused")["text"]
         other.ask(do="check", mission=yours, id="b3", after="a1")
         assert one.hear("editor")["mission"] == yours
     assert list(tmp_path.rglob("*.yaml")) == []

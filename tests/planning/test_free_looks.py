@@ -73,7 +73,7 @@ def test_a_scout_pays(foresight: str, needs: str, makespan: int) -> None:
 def test_it_is_said_why_a_scout_goes() -> None:
     record = play_where(far_from_what_may_be_needed(), "a")
     first = next(story_lines(record, 2))
-    assert first == ("1-2", "walks to t0", "the plan has r2 look first what is to be known of it")
+    assert first == ("1-2", "walks to t0", "the plan has r2 look first at what is not known of it")
 
 
 def test_the_referee_says_who_scouts_in_vain() -> None:

@@ -104,15 +104,6 @@ def test_no_time_gives_the_first_plan() -> None:
     assert solution.seconds < 0.5
 
 
-def test_is_never_worse_than_its_hint() -> None:
-    mission = crowd()
-    good = solve(mission, 1.5)
-    again = solve(mission, 0.0, seed=7, hint=good.schedule)
-    assert good.value is not None
-    assert solve(mission, 0.0, seed=7).value > good.value
-    assert again.value == good.value
-
-
 def test_the_same_seed_gives_the_same_schedule_where_it_is_proven() -> None:
     for seed in range(5):
         mission = generate(Spec(robots=4, tasks=8), np.random.default_rng(seed))
@@ -121,18 +112,13 @@ def test_the_same_seed_gives_the_same_schedule_where_it_is_proven() -> None:
         assert one.schedule == other.schedule
 
 
-def test_one_thread_proves_too() -> None:
-    mission = generate(Spec(robots=4, tasks=10), np.random.default_rng(1))
-    assert solve(mission, 20.0, workers=1).status == "optimal"
-
-
 @pytest.mark.parametrize(
     "spec",
     [
-        Spec(robots=20, tasks=100, world=Grid(20, 20)),  # all threads search
+        Spec(robots=20, tasks=100, world=Grid(20, 20)),  # it searches
         Spec(
             robots=40, tasks=20, capabilities=40, requirements=20, world=Grid(20, 20)
-        ),  # one proves
+        ),  # it proves
     ],
 )
 def test_an_interrupt_ends_all_threads(spec: Spec) -> None:

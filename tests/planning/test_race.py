@@ -73,7 +73,8 @@ def test_what_a_job_raises_ends_the_others() -> None:
 
 
 def test_a_search_that_nobody_waits_for_ends() -> None:
-    race = begin("abc", seconds=600.0)
+    now = time.perf_counter()
+    race = Race(judge, "abc", now, now + 600.0, is_abandoned=lambda: True)
 
     def search() -> None:
         search_by_clock(lambda passed, rounds: None, lambda: 1.0, race.deadline, race, fail, 1e18)
@@ -81,7 +82,7 @@ def test_a_search_that_nobody_waits_for_ends() -> None:
     def fail() -> None:
         raise AssertionError("nothing was found")
 
-    race.run([search, search], threads=2, is_abandoned=lambda: True)
+    race.run([search, search], threads=2)
     assert race.is_over
 
 

@@ -14,8 +14,8 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.planning.continuous.solve import plan_together
-from teamformer.planning.graph.meeting import TICKS
 from teamformer.planning.problem.coalition_plan import plan_of_lists
+from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.steps.arc_search import TeamArcs
 from teamformer.planning.steps.situation import situation_of
 from teamformer.trials.trial import run_trial
@@ -74,7 +74,7 @@ def test_a_plan_is_over_when_it_says_whoever_carries() -> None:
     mission = pose_mission(both)
     found = plan_together(mission.problem)
     assert found is not None
-    assert found.makespan / mission.scale == mission.tell(found).makespan == 10 + 110
+    assert found.worth / mission.scale == mission.tell(found).makespan == 10 + 110
     assert mission.tell(found).is_proven is False
 
 

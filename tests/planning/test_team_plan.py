@@ -13,18 +13,11 @@ from teamformer.files.drawn.generate import Spec, generate
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.problem.coalition_plan import keep_order, plan_of_lists, routes_of
-from teamformer.planning.steps.crossings import no_crossings
+from teamformer.planning.step_times.crossings import no_crossings
+from teamformer.planning.step_times.groups import Groups, empty_groups
+from teamformer.planning.step_times.timing import LATE, STEP, STEP_OF_END, STEP_WALKED, time_plan
 from teamformer.planning.steps.situation import situation_in_hindsight
 from teamformer.planning.steps.timed_plan import time_team_plan
-from teamformer.planning.steps.timing import (
-    LATE,
-    STEP,
-    STEP_OF_END,
-    STEP_WALKED,
-    Groups,
-    empty_groups,
-    time_plan,
-)
 
 
 def corridor(places: list[int], tasks: list[Task], forming_steps: int = 1) -> Mission:

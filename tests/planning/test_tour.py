@@ -7,7 +7,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from teamformer.world.rules.tour import LARGEST_EXACT, _nearest_first_tour, shortest_tour
+from teamformer.world.rules.tour import LARGEST_EXACT, _nearest_first_tour, plan_tour
 
 Distances = tuple[np.ndarray, np.ndarray]
 
@@ -39,12 +39,12 @@ def test_length_of_a_tour_by_hand() -> None:
 
 def test_tour_does_not_return() -> None:
     """From 0: first the near end at -2, then all the way right: 2 + 5 + 2."""
-    assert shortest_tour(*line(5, 3, -2)).tolist() == [2, 1, 0]
+    assert plan_tour(*line(5, 3, -2)).tolist() == [2, 1, 0]
 
 
 def test_nothing_and_one() -> None:
-    assert shortest_tour(*line()).tolist() == []
-    assert shortest_tour(*line(4)).tolist() == [0]
+    assert plan_tour(*line()).tolist() == []
+    assert plan_tour(*line(4)).tolist() == [0]
 
 
 def test_nearest_first_takes_the_lowest_of_equals() -> None:
@@ -56,7 +56,7 @@ def test_few_tasks_get_the_shortest_of_all_tours(count: int) -> None:
     rng = np.random.default_rng(count)
     for _ in range(10):
         between, from_start = square(count, rng, side=8)  # small: many tours are equally short
-        tour = shortest_tour(between, from_start)
+        tour = plan_tour(between, from_start)
         shortest = min(
             tour_length(np.array(order), between, from_start)
             for order in permutations(range(count))
@@ -70,7 +70,7 @@ def test_many_tasks_get_a_tour_that_no_reversal_and_no_move_shortens() -> None:
     improved = 0
     for count in (LARGEST_EXACT + 1, 17, 40):
         between, from_start = square(count, rng)
-        tour = shortest_tour(between, from_start)
+        tour = plan_tour(between, from_start)
         length = tour_length(tour, between, from_start)
         first = _nearest_first_tour(between, from_start)
         assert sorted(tour.tolist()) == list(range(count))
@@ -101,9 +101,9 @@ def test_other_numbers_give_the_same_tour_where_no_two_distances_are_equal(count
     between = np.triu(rng.permutation(count * count).reshape(count, count) + 1000, 1)
     between += between.T
     from_start = rng.permutation(count).astype(np.int64) + 500
-    tour = shortest_tour(between, from_start)
+    tour = plan_tour(between, from_start)
     old_number = rng.permutation(count)
-    renamed = shortest_tour(between[np.ix_(old_number, old_number)], from_start[old_number])
+    renamed = plan_tour(between[np.ix_(old_number, old_number)], from_start[old_number])
     assert old_number[renamed].tolist() == tour.tolist()
 
 
@@ -112,4 +112,4 @@ def test_unreachable_tasks_come_last() -> None:
     between, from_start = line(9, 2, 5, 7)
     between[3, :3] = between[:3, 3] = 2**30
     from_start[3] = 2**30
-    assert shortest_tour(between, from_start).tolist() == [1, 2, 0, 3]
+    assert plan_tour(between, from_start).tolist() == [1, 2, 0, 3]

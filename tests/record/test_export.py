@@ -340,7 +340,7 @@ def test_a_record_that_cannot_be_read_leaves_nothing_behind(
 
 @pytest.mark.parametrize(
     ("name", "told"),
-    [("x.csv", "what is to be in this file?"), ("record.json", "this is the record itself")],
+    [("x.csv", "the ending says no format"), ("record.json", "this is the record itself")],
 )
 def test_what_cannot_be_exported_is_refused(name: str, told: str, tmp_path: Path) -> None:
     record = tmp_path / "record.json"

@@ -43,24 +43,16 @@ def test_two_robots_do_a_task() -> None:
     """a..T.b: a walks 3, b walks 3, they form one team, then serve for two steps."""
     mission = make([robot("a", 0), robot("b", 6)], [task("ab", 3, duration=2)])
     told = record_to_tree(run_trial(mission, load_method("plan")).record)["told"]
-    assert told["services"] == [[0, "serving", 4, 6, [0, 1], [0, 1]]]
+    assert told["services"] == [[0, SERVES, 4, 6, 0]]
     assert told["phases"] == [
-        [[0, WALKS, 0], [3, FORMS, 0], [4, SERVES, 0]],
-        [[0, WALKS, 0], [3, None, 0]],
+        [[0, WALKS, 0, 0], [3, FORMS, 0], [4, SERVES, 0, 1]],
+        [[0, WALKS, 0, 0], [3, None, 0]],
     ]
-    stories, texts = told["reasons"]["robots"], told["reasons"]["texts"]
-    assert [[begun, texts[what]] for begun, what, _ in stories[0]] == [
-        [0, "walks to t0"],
-        [3, "forms a team"],
-        [4, "serves t0"],
+    assert told["texts"] == [
+        "the plan has r0, r1 do it together",
+        "its team brings all that the task needs, and stays until that is done",
     ]
-    assert stories[1][-1] == [3, None, 0]
-    assert [texts[why] for why in stories[1][0][2]] == ["the plan has r0, r1 do it together"]
-    assert [row[:4] for row in told["path"]] == [
-        [0, 3, "walking", 0],
-        [3, 4, "forming", 0],
-        [4, 6, "serving", 0],
-    ]
+    assert told["path"] == [[0, 3, WALKS, 0, 0], [3, 4, FORMS, 0, 0], [4, 6, SERVES, 0, 0]]
 
 
 @pytest.mark.parametrize("method", ["plan", "heuristic", "join-all"])
@@ -75,7 +67,7 @@ def test_robots_do_one_thing_at_a_time_from_the_first_step_to_the_last(method: s
             for r in range(len(record.mission.robots))
         ]
         for number in range(len(by_robot)):
-            deeds = [run[1:] for _, run in told.runs_of(number)]
+            deeds = [run[1:3] for _, run in told.runs_of(number)]
             assert all(one != other for one, other in pairwise(deeds))
         for moment in list(moments(record))[1:]:
             runs = [row[moment.step - 1] for row in by_robot]
@@ -108,7 +100,7 @@ def test_a_service_that_is_broken_off_ends_then_and_begins_anew() -> None:
     away = replace(robot("b", 0), absences=(Absence(3, 6),))
     mission = make([robot("a", 0), away], [task("ab", 0, duration=4)], teams=((0, 1),))
     told = told_of(run_trial(mission, load_method("plan")).record)
-    assert [tuple(it) for it in told.services] == [
+    assert [it[:6] for it in told.services] == [
         (0, SERVING, 1, 3, (0, 1), (0, 1)),
         (0, SERVING, 7, 11, (0, 1), (0, 1)),
     ]
@@ -137,8 +129,7 @@ def test_what_steps_add_comes_to_what_is_told_of_all(method: str) -> None:
     """Whoever has been told of the first steps, and then of each, knows what the record tells."""
     for seed in range(6):
         record = record_of(seed, method)
-        told: Any = {"services": [], "phases": [[] for _ in record.mission.robots]}
-        told |= {"reasons": {"texts": [], "robots": copy.deepcopy(told["phases"])}}
+        told: Any = {"services": [], "phases": [[] for _ in record.mission.robots], "texts": []}
         teller = Teller(record)
         for _ in record.steps:
             news = news_to_tree(teller.go_on(record))
@@ -146,9 +137,7 @@ def test_what_steps_add_comes_to_what_is_told_of_all(method: str) -> None:
                 told["services"][row : row + 1] = [service]
             for number, run in news["phases"]:
                 told["phases"][number].append(run)
-            told["reasons"]["texts"] += news["reasons"]["texts"]
-            for number, chapter in news["reasons"]["robots"]:
-                told["reasons"]["robots"][number].append(chapter)
+            told["texts"] += news["texts"]
         whole = record_to_tree(record)["told"]
         assert told == {key: value for key, value in whole.items() if key != "path"}
 

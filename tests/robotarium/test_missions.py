@@ -194,7 +194,9 @@ def test_only_what_a_deployment_left_is_replaced(tmp_path: Path) -> None:
     assert set(again) == left
     assert tmp_path / "weights.npy" in set(first) - left
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(TeamformerError, match=r"holds what is no deployment's, notes.txt"):
+    with pytest.raises(
+        TeamformerError, match=r"holds files that are not of a deployment, notes.txt"
+    ):
         deploy(everybody, "heuristic", 0, tmp_path)
 
 

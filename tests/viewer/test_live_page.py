@@ -130,7 +130,7 @@ def test_a_task_is_added_where_one_clicks_and_a_robot_lost(
     assert len(served.session.mission.incidents) == 1  # the task
     page.click("text=Yes, lose r1")
     wait_for(opened, "#incidents", "5: robot r1 lost")
-    wait_for(opened, "#details", "r1 counts for nothing from the next step on")
+    wait_for(opened, "#details", "r1 is out of the mission from the next step on")
     assert page.locator("text=Lose r1").count() == 0
     step_to(opened, 6, begun=4)
     page.click("text=Bring r1 back")
@@ -392,7 +392,7 @@ def test_an_end_that_cannot_be_foreseen_is_not_awaited_for_ever(
     with serving_session(Session(run, tmp_path, 20.0)) as server:
         opened = Opened(browser.new_page())
         opened.page.goto(f"http://{server.address}/")
-        wait_for(opened, "#outlook", "nobody knows, for the method failed when it was played ahead")
+        wait_for(opened, "#outlook", "not known: the method failed when it was played ahead")
         opened.page.close()
 
 
@@ -435,7 +435,7 @@ def test_a_page_that_comes_to_another_mission_says_so(
     with serving_session(kept_session(tmp_path, name), port=server.port):
         opened.wait_until("document.querySelector('#cut-off').hidden")
         wait_for(opened, "#outlook", "all done")
-        told = "This is another mission than before; the server was started anew."
+        told = "The server was restarted with another mission."
         assert (told in page.inner_text("#notice")) == (name == "another")
         if name == "another":
             assert "`teamformer live --resume` goes on with" in page.inner_text("#notice")

@@ -20,11 +20,13 @@ from teamformer.mission.model import Mission
 from teamformer.record.export.moments import moments
 from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record
+from teamformer.record.teams import Teams
 from teamformer.record.telling.latest import LatestTold
 from teamformer.record.telling.trees import news_to_tree
 from teamformer.record.telling.whole import told_of
 from teamformer.trials.trial import run_trial
 from teamformer.viewer.modules import joined
+from teamformer.world.rules.constants import NOBODY
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -66,8 +68,9 @@ READ = """(tree) => {
   return {
     runs: robots.map((robot) => runsOf(history, robot).map(({from, to, phase, task}) => [from, to, phase, task])),
     why: robots.map((robot) => steps.map((step) => reasonFor(history, robot, step))),
-    services: history.told.rows.map(({task, doing, from, to}) => [task, doing, from, to]),
+    services: history.told.rows.map(({task, doing, from, to, began}) => [task, doing, from, to, began]),
     path: history.told.path.map(({from, to, doing, robot, task}) => [from, to, doing, robot, task]),
+    heads: steps.map((step) => history.at(step + 1)).map(({team, task}) => robots.map((robot) => task[team[robot]] ?? -1)),
     sites: [0, ...steps.map((step) => step + 1)].map((step) =>
       sitesAt(history, step).map(({at, isUp}) => isUp ? "up" : at)),
   };
@@ -88,14 +91,23 @@ def test_the_page_has_what_is_told(scripts: Any, record: Record) -> None:
         assert [(phase, about, to - since) for since, to, phase, about in shown] == runs
     for number in robots:
         reasons = [
-            "; ".join(told.texts[text] for text in chapter.why)
-            for end, chapter in told.chapters_of(number)
-            for _ in range(chapter.begun, end)
+            "; ".join(told.texts[text] for text in run.why)
+            for end, run in told.reasoned_runs_of(number)
+            for _ in range(run.begun, end)
         ]
         before = ["", *reasons]
         assert read["why"][number] == [of or was for of, was in zip(reasons, before, strict=False)]
-    assert read["services"] == [[s.task, s.doing, s.begun, s.ended] for s in told.services]
+    assert read["services"] == [[*s[:4], [*s.begun_by]] for s in told.services]
+    assert read["heads"] == list(_heads(record))
     assert read["path"] == [[s.begin, s.end, s.doing, s.robot, s.task] for s in told.path]
+
+
+def _heads(record: Record) -> Iterator[list[int]]:
+    """Yield what each robot heads for after each step."""
+    teams = Teams(record.mission.robots, record.start)
+    for step in record.steps:
+        teams.follow(step)
+        yield [teams.task.get(slot, NOBODY) for slot in teams.slot]
 
 
 def test_loads_are_where_the_tables_have_them(scripts: Any, record: Record) -> None:
@@ -113,8 +125,8 @@ STEP_BY_STEP = """([tree, whole, news]) => {
   steps.forEach((step, number) => other.grow(step, news[number], number + 1 < steps.length ? undefined : tree.end));
   const kept = ({told, events, moves, doneAt, doers}) => {
     for (const event of events) delete event.text;
-    const {rows, phases, chapters, texts} = told;
-    return JSON.stringify({rows, phases, chapters, texts, events, moves, doneAt, doers});
+    const {rows, phases, texts} = told;
+    return JSON.stringify({rows, phases, texts, events, moves, doneAt, doers});
   };
   return kept(one) === kept(other);
 }"""  # noqa: E501
@@ -141,7 +153,7 @@ def test_the_gantt_view_frames_the_critical_path(open_page: Opener) -> None:
         (9, 10, 1),
         (10, 13, 1),
     ]
-    assert "what the end hangs on" in opened.page.inner_text("#phases")
+    assert "critical path" in opened.page.inner_text("#phases")
     assert opened.errors == []
     row = opened.page.evaluate("window.teamformer.bars(1)")
     middle = (row["bars"][0]["left"] + row["bars"][0]["right"]) / 2

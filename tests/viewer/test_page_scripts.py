@@ -294,8 +294,8 @@ def test_a_task_of_a_fleet_that_nobody_knows_who_did_is_told_so(scripts: Any) ->
       return [describeEvent(history, done), history.doers[0],
         describeStanding(history, 0, sceneAt(history, 2)), sceneAt(history, 2).teams.get(0).activity]; }"""  # noqa: E501
     assert scripts.evaluate(ask, tree) == [
-        "t done by then, nobody heard by whom",
+        "t done by then, not known by whom",
         [],
-        "done by step 2, nobody heard by whom",
+        "done by step 2, not known by whom",
         "idle",
     ]

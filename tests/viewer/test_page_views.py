@@ -541,7 +541,7 @@ def test_a_page_of_a_fleet_shows_all_views_though_nobody_knows_who_did_a_task(
     for view in ("gantt", "tasks", "robots", "plots", "map"):
         opened.page.evaluate(f"location.hash = 'view={view}&task=inspect'")
         opened.wait_for_a_frame()
-        assert "nobody heard by whom" in opened.details()
+        assert "not known by whom" in opened.details()
     opened.page.evaluate("window.teamformer.criticalPath()")
     assert opened.errors == []
 

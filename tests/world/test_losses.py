@@ -152,8 +152,8 @@ def test_nothing_blocks_whoever_comes_back(method: str, is_plane: bool) -> None:
         ([(4, 6), (6, 9)], "is back at step 6 and lost at step 6; it must be lost later"),
         (
             [(4, None), (6, 9)],
-            "robot 'r0' is lost at step 6, but is so since step 4; say under back when it is there "
-            "again, or drop one",
+            "robot 'r0' is lost at step 6, but was lost in step 4; write under back when it "
+            "returns, or drop one of the two",
         ),
     ],
 )

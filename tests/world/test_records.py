@@ -83,7 +83,7 @@ def test_a_step_is_a_line_and_says_only_what_changed(path: Path) -> None:
     lines = path.read_text(encoding="utf-8").splitlines()
     begin = lines.index('"steps": [')
     assert lines[begin + 1 : begin + 6] == [
-        '{"splits":[[[0],[1]]],"teams":[[1,0,0,null]]},',
+        '{"splits":[[[0],[1]]],"teams":[[1,0,0]]},',
         '{"lost":[2],"teams":[[0,1,0,0]]},',
         "{},",
         '{"joins":[[1,0]],"teams":[[0,2,0,null]],"done":[[0,0]]}',

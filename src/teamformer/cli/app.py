@@ -11,43 +11,46 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
-    help="Teams of robots that form, split and share out tasks by themselves.",
+    help="Plan, simulate and run missions in which several robots do one job together.",
 )
 
 MissionPath = Annotated[Path, typer.Argument(metavar="MISSION", help="a mission file")]
-RecordPath = Annotated[Path, typer.Argument(metavar="RECORD", help="a record.json")]
-AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
-Seed = Annotated[int, typer.Option(min=0, help="of all randomness")]
+RecordPath = Annotated[
+    Path, typer.Argument(metavar="RECORD", help="a record of a trial, record.json")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="print the result as JSON")]
+Seed = Annotated[int, typer.Option(min=0, help="seed of everything random")]
 Method = Annotated[
     str | None,
     typer.Option(
-        help="how it is solved; see `methods`; else plan, or crews if the mission is too large"
+        help="see `teamformer methods`; by default plan, or crews if the mission is too large"
     ),
 ]
 TimeLimit = Annotated[
-    float, typer.Option(min=0, help="seconds for the method central; others ignore it")
+    float, typer.Option(min=0, help="seconds for --method central; others ignore it")
 ]
 Port = Annotated[
     str,
     typer.Option(
-        metavar="[HOST:]PORT", help="where to serve the page; elsewhere than here with a token"
+        metavar="[HOST:]PORT",
+        help="where to serve the page; a HOST other than this machine needs a token",
     ),
 ]
 Host = Annotated[
     str,
     typer.Option(
         metavar="NAMES",
-        help="further names, commas between, that a tunnel or proxy serves the page under",
+        help="other names of the page behind a tunnel or proxy, separated by commas",
     ),
 ]
 Foxglove = Annotated[
     int | None,
-    typer.Option(metavar="PORT", min=1, max=65535, help="port to serve it on to Foxglove"),
+    typer.Option(
+        metavar="PORT", min=1, max=65535, help="serve the mission to Foxglove on this port"
+    ),
 ]
-Webhook = Annotated[
-    str, typer.Option(metavar="URL", help="POST a JSON object there for each alert")
-]
-Folder = Annotated[Path, typer.Option(help="folder that the record is saved in")]
+Webhook = Annotated[str, typer.Option(metavar="URL", help="send each alert there as JSON, by POST")]
+Folder = Annotated[Path, typer.Option(help="folder to save the record in")]
 
 
 def _show_version(is_wanted: bool) -> None:
@@ -61,10 +64,11 @@ def _show_version(is_wanted: bool) -> None:
 @app.callback()
 def _every_verb(
     version: Annotated[
-        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="show it")
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="show the version"),
     ] = False,
 ) -> None:
-    """Teams of robots that form, split and share out tasks by themselves."""
+    """Plan, simulate and run missions in which several robots do one job together."""
 
 
 def is_given(context: typer.Context, name: str) -> bool:

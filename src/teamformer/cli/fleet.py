@@ -1,4 +1,4 @@
-"""Flags of the verbs of `fleet`, where every robot has a mind of its own."""
+"""Flags of the verbs of `fleet`, where every robot is a process of its own."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from teamformer.cli.app import (
 fleet = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
-    help="Every robot a mind of its own, no server; needs the extra `fleet`.",
+    help="Run every robot as a process of its own, without a server; needs the extra `fleet`.",
 )
 app.add_typer(fleet, name="fleet")
 
-FleetMethod = Annotated[str, typer.Option(help="plan, or who forms teams; see `methods`")]
-Keys = Annotated[
-    Path | None, typer.Option(help="folder of the fleet's keys: shared, certificates, NAME.pub")
+FleetMethod = Annotated[
+    str, typer.Option(help="plan, a coordinator or a policy; see `teamformer methods`")
 ]
-Connect = Annotated[str, typer.Option(help="the endpoint of an agent: tcp/127.0.0.1:7447")]
+Keys = Annotated[Path | None, typer.Option(help="folder of the fleet's keys and certificates")]
+Connect = Annotated[str, typer.Option(help="endpoint of an agent, such as tcp/127.0.0.1:7447")]
 
 
 @fleet.command()
@@ -39,7 +39,9 @@ def start(
     mission: MissionPath,
     method: FleetMethod = "plan",
     keys: Keys = None,
-    time_limit: Annotated[float, typer.Option(min=1, help="seconds until it gives up")] = 3600.0,
+    time_limit: Annotated[
+        float, typer.Option(min=1, help="seconds after which it gives up")
+    ] = 3600.0,
     as_json: AsJson = False,
 ) -> None:
     """Run every robot as a process of its own on this machine, with simulated bodies."""
@@ -53,8 +55,10 @@ def start(
 def add(
     mission: MissionPath,
     name: Annotated[str, typer.Argument(metavar="NAME", help="the new task's name")],
-    at: Annotated[str, typer.Option(metavar="X,Y", help="its place")],
-    needs: Annotated[str, typer.Option(help="such as lift:12.5,scan")],
+    at: Annotated[str, typer.Option(metavar="X,Y", help="the place of the task")],
+    needs: Annotated[
+        str, typer.Option(help="the capabilities that it needs, such as lift:12.5,scan")
+    ],
     connect: Connect,
     duration: Annotated[float, typer.Option(min=0, help="steps that it takes")] = 0.0,
     keys: Keys = None,
@@ -85,17 +89,21 @@ def cancel(
 @fleet.command()
 def agent(
     mission: MissionPath,
-    robot: Annotated[str, typer.Argument(metavar="ROBOT", help="whose mind it is, by name")],
+    robot: Annotated[str, typer.Argument(metavar="ROBOT", help="name of the robot")],
     body: Annotated[str, typer.Option(help="sim, nav2, vda5050:URL or module:Class")] = "sim",
-    listen: Annotated[str | None, typer.Option(help="own endpoint: tcp/127.0.0.1:7447")] = None,
+    listen: Annotated[
+        str | None, typer.Option(help="own endpoint, such as tcp/127.0.0.1:7447")
+    ] = None,
     connect: Annotated[
-        list[str] | None, typer.Option(help="endpoint of another; again for more")
+        list[str] | None, typer.Option(help="endpoint of another agent; may be repeated")
     ] = None,
     keys: Keys = None,
-    facts: Annotated[Path | None, typer.Option(help="file of what must not be forgotten")] = None,
+    facts: Annotated[
+        Path | None, typer.Option(help="file that keeps what the agent knows, for a restart")
+    ] = None,
     method: FleetMethod = "plan",
 ) -> None:
-    """Run the mind of one robot, over Zenoh from peer to peer."""
+    """Run the agent of one robot, which talks to the others over Zenoh."""
     from teamformer.cli.verbs.robots.agent import AgentOptions
     from teamformer.cli.verbs.robots.agent import agent as command
 
@@ -114,15 +122,21 @@ def agent(
 @fleet.command()
 def rehearse(
     mission: MissionPath,
-    schedules: Annotated[int, typer.Option(min=1, help="schedules of faults")] = 100,
+    schedules: Annotated[
+        int, typer.Option(min=1, help="number of schedules of faults to play")
+    ] = 100,
     seed: Seed = 0,
-    schedule: Annotated[int | None, typer.Option(min=0, help="play only this one")] = None,
-    out: Annotated[Path | None, typer.Option(help="folder for its record and page")] = None,
+    schedule: Annotated[
+        int | None, typer.Option(min=0, help="play only the schedule with this number")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="folder to write its record and page into")
+    ] = None,
     method: FleetMethod = "plan",
     foxglove: Foxglove = None,
     as_json: AsJson = False,
 ) -> None:
-    """Try the fleet's own agents under random faults, faster than real time."""
+    """Rehearse a fleet under random faults, faster than real time."""
     from teamformer.cli.verbs.robots.rehearse import RehearseOptions
     from teamformer.cli.verbs.robots.rehearse import rehearse as command
 

@@ -32,15 +32,15 @@ def run(
     seed: Seed = 0,
     time_limit: TimeLimit = 10.0,
     out: Annotated[
-        Path | None, typer.Option(help="folder for the record, record.json, and its page")
+        Path | None, typer.Option(help="folder to write record.json and record.html into")
     ] = None,
     explain: Annotated[
-        str | None, typer.Option(metavar="ROBOT", help="say what it did, and why")
+        str | None, typer.Option(metavar="ROBOT", help="print what this robot did, and why")
     ] = None,
     foxglove: Foxglove = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run one trial of a mission."""
+    """Run a mission once, say how it went, and write its record and page."""
     from teamformer.cli.verbs.missions.run import run as command
 
     raise typer.Exit(
@@ -61,16 +61,18 @@ def run(
 def compare(
     mission: MissionPath,
     methods: Annotated[
-        str, typer.Option(help="names, with commas")
+        str, typer.Option(help="names, separated by commas")
     ] = "heuristic,join-all,teamformer,crews,plan,central",
-    seeds: Annotated[int, typer.Option(min=1, help="trials by each method")] = 1,
+    seeds: Annotated[
+        int, typer.Option(min=1, help="trials of each method, with seeds 0, 1, ...")
+    ] = 1,
     time_limit: TimeLimit = 10.0,
     out: Annotated[
-        Path | None, typer.Option(help="folder for all records and one page of them, compare.html")
+        Path | None, typer.Option(help="folder to write all records and compare.html into")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run a mission by several methods, side by side."""
+    """Run a mission by several methods and compare them."""
     from teamformer.cli.verbs.missions.compare import compare as command
 
     names = [name.strip() for name in methods.split(",")]
@@ -82,18 +84,23 @@ def generate(
     context: typer.Context,
     out: Annotated[Path, typer.Option("-o", "--out", help="the file to write")],
     setting: Annotated[
-        str | None, typer.Option(help="a benchmark's, such as 4N20T-C4; with its --seed")
+        str | None, typer.Option(help="a named setting, such as real or 4N20T-C4")
     ] = None,
     robots: Annotated[int, typer.Option(min=1)] = 4,
     tasks: Annotated[int, typer.Option(min=1)] = 4,
     capabilities: Annotated[int, typer.Option(min=1)] = 4,
-    requirements: Annotated[int | None, typer.Option(min=1, help="of each task")] = None,
-    grid: Annotated[str | None, typer.Option(help="WIDTHxHEIGHT, 10x10 by default")] = None,
-    plane: Annotated[str | None, typer.Option(help="WIDTHxHEIGHT in metres")] = None,
-    map_path: Annotated[Path | None, typer.Option("--map", help="a .map or a ROS map")] = None,
+    requirements: Annotated[
+        int | None,
+        typer.Option(min=1, help="capabilities that each task needs; by default a random number"),
+    ] = None,
+    grid: Annotated[str | None, typer.Option(help="a grid, WIDTHxHEIGHT; by default 10x10")] = None,
+    plane: Annotated[str | None, typer.Option(help="a plane, WIDTHxHEIGHT in metres")] = None,
+    map_path: Annotated[
+        Path | None, typer.Option("--map", help="a MovingAI map, or the .yaml of a ROS map")
+    ] = None,
     seed: Seed = 0,
 ) -> None:
-    """Write a random mission, or a world of a benchmark."""
+    """Write a random mission file."""
     if out.exists():
         raise TeamformerError(f"{out}: there is such a file", "remove it, or name another")
     if setting is not None:
@@ -116,12 +123,15 @@ def import_(
         str,
         typer.Argument(metavar="FORMAT", help="hetero-mrta, dcmrta, sadcher, hhcrsp, rmf or lif"),
     ],
-    path: Annotated[Path, typer.Argument(metavar="FILE", help="their file, or folder")],
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="the instance: a file or a folder")],
     out: Annotated[
-        Path, typer.Option("-o", "--out", help="the file to write; a folder for several missions")
+        Path,
+        typer.Option(
+            "-o", "--out", help="the mission file to write; a folder if there are several instances"
+        ),
     ],
 ) -> None:
-    """Write somebody else's instance as a mission file."""
+    """Write an instance of another project as a mission file."""
     from teamformer.cli.verbs.missions.import_ import import_ as command
 
     raise typer.Exit(command(form, path, out))
@@ -136,12 +146,14 @@ def plan(
     time_limit: TimeLimit = 10.0,
     start: Annotated[
         Path | None,
-        typer.Option("--from", help="a plan to begin with, written by `plan --json`; for central"),
+        typer.Option("--from", help="a plan that central begins with: what `plan --json` printed"),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="folder for a Gantt chart, plan.html")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="folder to write the page plan.html into")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Plan a mission without playing it: who goes where, and when."""
+    """Plan a mission without running it: which robot goes where, and when."""
     from teamformer.cli.verbs.missions.plan import plan as command
 
     raise typer.Exit(command(mission, method, time_limit, start, out, as_json))
@@ -151,14 +163,14 @@ def plan(
 def advise(
     mission: MissionPath,
     page: Annotated[
-        Path | None, typer.Argument(metavar="[PAGE]", help="a picture of it to write, an .html")
+        Path | None, typer.Argument(metavar="[PAGE]", help="the page to write, .html")
     ] = None,
     time_limit: Annotated[
-        float, typer.Option(min=0, help="seconds that all of it may take")
+        float, typer.Option(min=0, help="seconds for all searches together")
     ] = 60.0,
     as_json: AsJson = False,
 ) -> None:
-    """Say what would help most and who could be spared, by planning again."""
+    """Say which changes would help most, and which robots could be spared."""
     from teamformer.cli.verbs.missions.advise import advise as command
 
     raise typer.Exit(command(mission, page, time_limit, as_json))
@@ -174,9 +186,11 @@ def schema() -> None:
 
 @app.command()
 def mcp(
-    folder: Annotated[Path, typer.Option(help="the only one that is read and written")] = Path("."),
+    folder: Annotated[
+        Path, typer.Option(help="the folder of missions; nothing else is read or written")
+    ] = Path("."),
 ) -> None:
-    """Serve missions to programs that talk, by the Model Context Protocol over stdio.
+    """Serve a folder of missions to an assistant, by the Model Context Protocol over stdio.
 
     Needs the extra `mcp`.
     """
@@ -188,7 +202,8 @@ def mcp(
 @app.command()
 def live(
     mission: Annotated[
-        Path | None, typer.Argument(metavar="[MISSION]", help="none: draw one in the editor")
+        Path | None,
+        typer.Argument(metavar="[MISSION]", help="a mission file; without one the editor opens"),
     ] = None,
     method: Method = None,
     seed: Seed = 0,
@@ -197,11 +212,14 @@ def live(
     out: Folder = Path("out/live"),
     resume: Annotated[
         bool,
-        typer.Option("--resume", help="go on with one that was cut off; MISSION: its autosave"),
+        typer.Option(
+            "--resume",
+            help="go on with a mission that was cut off; MISSION may name its autosave.jsonl",
+        ),
     ] = False,
     webhook: Webhook = "",
 ) -> None:
-    """Draw a mission in the browser and run it: watch it, add tasks, lose robots.
+    """Draw and run a mission in the browser: watch it, add tasks, lose robots.
 
     Needs the extra `live`.
     """

@@ -13,7 +13,7 @@ from teamformer.cli.app import AsJson, app, split_names
 
 @app.command()
 def methods() -> None:
-    """List what can be named with --method."""
+    """List the methods that --method can name."""
     from teamformer.cli.verbs.policies.listing import methods as command
 
     raise typer.Exit(command())
@@ -21,33 +21,43 @@ def methods() -> None:
 
 @app.command()
 def bench(
-    suite: Annotated[str, typer.Argument(metavar="SUITE", help="a name, or a .yaml file")],
+    suite: Annotated[
+        str, typer.Argument(metavar="SUITE", help="name of a suite, or a .yaml file with one")
+    ],
     worlds: Annotated[
         list[Path] | None,
         typer.Argument(metavar="[WORLDS]...", help="files or folders, for `authors` and `others`"),
     ] = None,
-    trials: Annotated[int | None, typer.Option(min=1, help="of each method and setting")] = None,
-    methods: Annotated[str, typer.Option(help="names, with commas; else the suite's")] = "",
-    settings: Annotated[str, typer.Option(help="the only ones wanted")] = "",
-    seed: Annotated[int, typer.Option(min=0, help="of the first world")] = 0,
+    trials: Annotated[int | None, typer.Option(min=1, help="worlds for each setting")] = None,
+    methods: Annotated[
+        str, typer.Option(help="names, separated by commas; by default those of the suite")
+    ] = "",
+    settings: Annotated[
+        str, typer.Option(help="names, separated by commas; by default all of the suite")
+    ] = "",
+    seed: Annotated[int, typer.Option(min=0, help="seed of the first world")] = 0,
     time_limit: Annotated[
-        float | None, typer.Option(min=0, help="seconds for the method central; others ignore it")
+        float | None, typer.Option(min=0, help="seconds for --method central; others ignore it")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="folder for rows, tables and figures")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="folder to write rows, tables and figures into")
+    ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, help="processes; one for each core by default")
+        int | None, typer.Option(min=1, help="number of processes; by default one for each core")
     ] = None,
     report: Annotated[
-        Path | None, typer.Option(help="write the paper's claims beside what was measured here")
+        Path | None,
+        typer.Option(help="document to write: the paper's claims beside these measurements"),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Measure methods on a suite of settings; `speed` times the simulator, `size` large missions.
+    """Measure methods on the settings of a suite.
 
-    Suites: fig3 fig4a fig4b fig5a fig5b fig6 fig9 table1, together `paper`; taught,
-    missions, large, uncertain, methods, scale, authors, others, robotarium, fleet.
+    Suites: missions, large, uncertain, others, fleet, robotarium; of the paper fig3 fig4a fig4b
+    fig5a fig5b fig6 fig9 table1 (together `paper`), scale, methods, authors, taught. `speed` times
+    the simulator, `size` large missions.
 
-    Run it again with the same folder to go on after an interruption, or for more trials.
+    The same command goes on after an interruption, or adds trials.
     """
     from teamformer.cli.verbs.policies.bench import BenchOptions
     from teamformer.cli.verbs.policies.bench import bench as command
@@ -72,15 +82,19 @@ def train(
         str | None,
         typer.Argument(
             metavar="SETTINGS",
-            help="a name, a .yaml file, or the folder of a training to go on with",
+            help="a name, a .yaml file, or the folder of a training to continue",
         ),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="folder, runs/SETTINGS-SEED by default; goes on if it has one"),
+        typer.Option(
+            help="folder, by default runs/SETTINGS-SEED; a training that is there is continued"
+        ),
     ] = None,
-    minutes: Annotated[float | None, typer.Option(min=0, help="at most")] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="else that of the settings")] = None,
+    minutes: Annotated[
+        float | None, typer.Option(min=0, help="minutes from the first start, after which it stops")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="by default that of the settings")] = None,
 ) -> None:
     """Train a policy; needs the extra `train`.
 

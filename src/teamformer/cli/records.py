@@ -14,11 +14,11 @@ from teamformer.cli.app import AsJson, MissionPath, RecordPath, app
 def check(
     record: RecordPath,
     mission: Annotated[
-        Path | None, typer.Option(help="the file that the record must be of")
+        Path | None, typer.Option(help="refuse the record if it is not of this mission file")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Judge the record of a trial by the rules alone."""
+    """Check that a record follows the rules, by code that shares nothing with the simulator."""
     from teamformer.cli.verbs.records.check import check as command
 
     raise typer.Exit(command(record, mission, as_json))
@@ -30,14 +30,14 @@ def view(
         list[Path],
         typer.Argument(
             metavar="FILE... [PAGE]",
-            help="records, and the .html to write, by default beside the first; a folder; a map",
+            help="records, and the page to write (.html); or a folder of records; or a map",
         ),
     ],
 ) -> None:
-    """Write the page of a recorded trial, or of several in step; of a map, draw the free cells.
+    """Write the page of a record, or of several side by side.
 
-    A folder of records gets a page with a row for each, which opens them. A mission (.yaml) or a
-    map (.map, or a ROS map's .yaml) is drawn in the terminal.
+    A folder of records gets a page with a row for each. Of a mission (.yaml) or a map (.map, or a
+    ROS map's .yaml) the free cells are drawn in the terminal.
     """
     if len(files) == 1 and files[0].suffix.lower() in (".yaml", ".yml", ".map"):
         from teamformer.cli.verbs.missions.draw_map import draw_map
@@ -58,9 +58,9 @@ def learn(
     records: Annotated[
         list[Path], typer.Argument(metavar="RECORD...", help="records, or folders with record.json")
     ],
-    learned: Annotated[Path, typer.Argument(metavar="LEARNED", help="the .yaml to write")],
+    learned: Annotated[Path, typer.Argument(metavar="LEARNED", help="the mission file to write")],
 ) -> None:
-    """Write a mission whose uncertain durations and needs are as records of its site show them."""
+    """Write a mission with the durations and needs that records of its site show."""
     from teamformer.cli.verbs.records.learn import learn_from
 
     raise typer.Exit(learn_from(mission, records, learned))
@@ -71,13 +71,16 @@ def export(
     record: RecordPath,
     wanted: Annotated[
         list[Path],
-        typer.Argument(metavar="FILE", help=".mcap, .gif, .yaml (the mission), or a folder"),
+        typer.Argument(
+            metavar="FILE",
+            help="a file that ends in .mcap, .gif, .trace.json or .yaml, or a folder",
+        ),
     ],
 ) -> None:
-    """Write a recorded trial for other tools: the ending of each file chooses its format.
+    """Write a record for other tools. The ending of FILE chooses its format.
 
-    .mcap is for Foxglove; .yaml is the mission with all that happened to it; a folder gets CSV
-    tables of robots, tasks, events and the Gantt chart.
+    .mcap is for Foxglove, .trace.json for Perfetto, .gif a moving picture, .yaml the mission with
+    all that happened to it. A folder gets CSV tables of robots, tasks, events and the Gantt chart.
     """
     from teamformer.cli.verbs.records.export import export as command
 

@@ -13,7 +13,7 @@ from teamformer.cli.app import AsJson, Method, MissionPath, Seed, app
 robotarium = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
-    help="Missions in Robotarium's arena; needs the extra `robotarium`.",
+    help="Missions for the Robotarium; needs the extra `robotarium`.",
 )
 app.add_typer(robotarium, name="robotarium")
 
@@ -25,9 +25,13 @@ def fly(
     seed: Seed = 0,
     simulator: Annotated[
         str,
-        typer.Option(help="plant; noisy, the same 66 ms late, 2 mm off; or rps, the official one"),
+        typer.Option(
+            help="plant; noisy, a plant 66 ms late and 2 mm off; or rps, the official one"
+        ),
     ] = "plant",
-    out: Annotated[Path | None, typer.Option("-o", "--out", help="folder for pictures")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="folder to write pictures into")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Fly a mission in a simulated arena."""
@@ -42,12 +46,14 @@ def fly(
 @robotarium.command()
 def deploy(
     mission: MissionPath,
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="to upload")],
-    method: Annotated[str, typer.Option(help="who forms teams along the paper's order")] = (
-        "teamformer"
-    ),
+    folder: Annotated[
+        Path, typer.Argument(metavar="FOLDER", help="the folder to write and upload")
+    ],
+    method: Annotated[
+        str, typer.Option(help="the policy that forms teams along the paper's order")
+    ] = "teamformer",
 ) -> None:
-    """Write the folder that the testbed takes; run it on the official simulator, if it is there."""
+    """Write a folder to upload to the Robotarium; try it on the official simulator if installed."""
     require("robotarium")
     from teamformer.cli.verbs.robots.robotarium import deploy as command
 

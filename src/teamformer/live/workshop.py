@@ -172,9 +172,7 @@ class Workshop:
             return tree
         if after not in (None, self._draft.id):
             self._tell_draft(watcher)
-            raise TeamformerError(
-                "another page has drawn meanwhile, and this is its drawing; Undo goes back to yours"
-            )
+            raise TeamformerError("another page has changed the drawing; Undo goes back to yours")
         if can_be_drawn(tree):
             self._draft = replace(self._draft, tree=tree, id=str(own or secrets.token_hex(8)))
             if not self._is_starting:

@@ -28,17 +28,23 @@ class Judgement(NamedTuple):
 class Race(Generic[Plan]):
     """The best plan that any thread has found so far, and when each better one was found.
 
-    Moments are what `time.perf_counter` shows.
+    Moments are what `time.perf_counter` shows. `is_abandoned` says whether nobody waits for it any
+    more.
     """
 
     def __init__(
-        self, judge: Callable[[Plan], Judgement], first: Plan, begun: float, deadline: float
+        self,
+        judge: Callable[[Plan], Judgement],
+        first: Plan,
+        begun: float,
+        deadline: float,
+        is_abandoned: Callable[[], bool] = lambda: False,
     ) -> None:
         self.plan, self.bound, self.deadline = first, 0, deadline
         self.judgement = judge(first)
         self.curve: list[tuple[float, Any]] = []
         self._judge, self._begun = judge, begun
-        self._is_stopped = False
+        self._is_stopped, self._is_abandoned = False, is_abandoned
         self._lock = threading.Lock()
 
     def offer(self, plan: Plan) -> None:
@@ -76,24 +82,19 @@ class Race(Generic[Plan]):
         A plan that is as good as the bound is the best.
         """
         is_proven = self.judgement.bounded <= self.bound
-        return self._is_stopped or is_proven or self.seconds_left == 0.0
+        is_stopped = self._is_stopped or self._is_abandoned()
+        return is_stopped or is_proven or self.seconds_left == 0.0
 
-    def run(
-        self,
-        jobs: Sequence[Callable[[], Any]],
-        threads: int,
-        is_abandoned: Callable[[], bool] = lambda: False,
-    ) -> list[Any]:
+    def run(self, jobs: Sequence[Callable[[], Any]], threads: int) -> list[Any]:
         """Run jobs on so many threads, and return what each returns.
 
-        `is_abandoned` says whether nobody waits for them any more. If a job raises an error, the
-        others end too, and the error is raised here. The calling thread only waits, so that Ctrl-C
-        reaches it.
+        If a job raises an error, the others end too, and the error is raised here. The calling
+        thread only waits, so that Ctrl-C reaches it.
         """
         with ThreadPoolExecutor(threads) as pool:
             running = [pool.submit(job) for job in jobs]
             try:
-                while not is_abandoned():
+                while not self._is_abandoned():
                     done, left = wait(running, LOOK, FIRST_EXCEPTION)
                     if not left or any(job.exception() for job in done):
                         break

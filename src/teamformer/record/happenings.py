@@ -28,7 +28,7 @@ TOLD = {
 }
 """What is said of an event of each kind; of the end, its kind."""
 
-UNKNOWN_DOERS = "{task} done by then, nobody heard by whom"
+UNKNOWN_DOERS = "{task} done by then, not known by whom"
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from teamformer.methods.by_name import load_method
 from teamformer.methods.central.policy import Central
 from teamformer.methods.listings import DEFAULT as SHARED
 from teamformer.mission.checks.costs import judged_by
-from teamformer.mission.checks.links import is_linked
 from teamformer.mission.checks.rules import rules_not_planned
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
@@ -102,10 +101,10 @@ def plan_mission(
     """
     refuse_unplannable(mission, method)
     if start is not None and method != CENTRAL:
-        raise TeamformerError(f"method '{method}' begins with no plan", f"use {CENTRAL}")
+        raise TeamformerError(f"method '{method}' cannot begin with a plan", f"use {CENTRAL}")
     if mission.time == "continuous":
         refuse_too_large(mission, load_method(SHARED))
-        warm_up(is_linked(mission))
+        warm_up()
         made = plan_continuous(pose_mission(mission), method, seconds, start)
         if made is None:
             return None

@@ -63,7 +63,7 @@ def _plan_of(rows: list[Row], mission: Mission) -> Plan:
         for name, known, what in ((robot, robot_of, "robot"), (task, task_of, "task")):
             if name not in known:
                 raise TeamformerError(
-                    f"the plan has a {what} '{name}', which {mission.name} has not",
+                    f"the plan has a {what} '{name}', which is not in {mission.name}",
                     "it is a plan of another mission, or of this one before a change",
                 )
         robots[task_of[task]].add(robot_of[robot])

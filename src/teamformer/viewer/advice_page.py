@@ -62,15 +62,15 @@ def _sentences(advice: Mapping[str, Any]) -> list[str]:
     least, most = advice["range"]
     lines = [
         f"By {advice['method']} {measure} {advice['makespan']:g}, the median of "
-        f"{advice['searches']} searches ({least:g} to {most:g}). Each bar is what a change wins; "
-        "the pale band is what luck alone may look like. At the right is what the mission takes "
+        f"{advice['searches']} searches ({least:g} to {most:g}). Each bar is what a change gains; "
+        "a gain inside the pale band may be chance. At the right is what the mission takes "
         "with the change."
     ]
     if advice["impossible"]:
         lines.append(f"Impossible: {', '.join(advice['impossible'])}.")
     left_out = len(advice["advice"]) - MOST_ROWS
     if left_out > 0:
-        lines.append(f"{left_out} changes that win and lose less are left out.")
+        lines.append(f"{left_out} changes with smaller effects are left out.")
     if advice["unmeasured"]:
         lines.append(f"There was no time for {len(advice['unmeasured'])} changes.")
     return lines
@@ -85,7 +85,7 @@ def _drawing(advice: Mapping[str, Any]) -> str:
         least = max(least, -LONGEST_LOSS * most)
     scale = _Scale(least, most)
     parts = [_axis(scale), *(_row(row, scale) for row in rows)]
-    return f'<ol aria-label="What each change wins">{"".join(parts)}</ol>'
+    return f'<ol aria-label="What each change gains">{"".join(parts)}</ol>'
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ def _row(row: Mapping[str, Any], scale: _Scale) -> str:
     """Return a change's name, the band of noise, its bar and the makespan with it."""
     gain, noise, name = row["gain"], row["noise"], html.escape(str(row["change"]))
     looks = "unsure" if abs(gain) <= noise else "wins" if gain > 0 else "loses"
-    told = f"{name}: {row['makespan']:g}, {_signed(gain)}; luck up to {noise:g}"
+    told = f"{name}: {row['makespan']:g}, {_signed(gain)}; up to {noise:g} may be chance"
     parts = [_rect("noise", -noise, noise, scale, ROW - 4)]
     parts += [_line(tick, scale) for tick in scale.ticks]
     parts.append(_rect(looks, min(0, gain), max(0, gain), scale, BAR))

@@ -55,19 +55,18 @@ def gantt_page(plan: Mapping[str, Any]) -> str:
 
 def _summary(plan: Mapping[str, Any]) -> str:
     late = "".join(f"; {task} is late by {by:g}" for task, by in plan["late"].items())
-    proof = ", which no plan beats" if plan["proven"] else ""
-    over = f"Over at {plan['makespan']:g}{proof}"
+    over = f"Over at {plan['makespan']:g}"
     if "cost" in plan:
         over += f", at a cost of {plan['cost']:g}"
     legend = "Lines are ways, pale bars waits"
     if plan.get("windows"):
         legend += ", thin lines below bars the windows of tasks"
     if plan.get("critical_path"):
-        legend += "; orange is the chain that the end hangs on"
+        legend += "; orange is the critical path"
     if plan["bound"] <= 0:
         return f"{over}{late}. {legend}."
-    if not plan["proven"]:
-        over += f"; no plan is over before {plan['bound']:g}"
+    least = f"can take less than {plan['bound']:g}"
+    over += f"; no plan {'is better' if plan['proven'] else least}"
     return f"{over}{late}. {legend}; the dashed line is the bound."
 
 

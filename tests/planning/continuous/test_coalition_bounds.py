@@ -27,14 +27,14 @@ def best_of_all(problem: CoalitionProblem) -> int:
 def test_bounds_proofs_and_searches_agree_with_trying_all_plans(problem: CoalitionProblem) -> None:
     best, shared = best_of_all(problem), plan_together(problem)
     assert shared is not None
-    assert bound_by_chains_and_work(problem, relax(problem)) <= best <= shared.makespan
-    proof = solve_exactly(problem, shared.schedule.plan, 0, 20.0)
+    assert bound_by_chains_and_work(problem, relax(problem)) <= best <= shared.worth
+    proof = solve_exactly(problem, shared.plan, 0, 20.0)
     assert proof.bound == best
     assert proof.plan is not None
     assert plain_times(problem, proof.plan)[0] == best
     solution = solve(problem, 20.0)
     assert solution is not None
-    assert (solution.makespan, solution.bound, solution.is_proven) == (best, best, True)
+    assert (solution.worth, solution.bound, solution.is_proven) == (best, best, True)
 
 
 def test_precedence_raises_the_bound() -> None:
@@ -147,7 +147,7 @@ def test_halving_windows_refutes_more() -> None:
     assert refuter.refutes(285, 30)
     plan = plan_together(problem)
     assert plan is not None
-    assert plan.makespan > 285
+    assert plan.worth > 285
 
 
 def test_a_capability_that_nobody_needs_or_has_bounds_nothing() -> None:

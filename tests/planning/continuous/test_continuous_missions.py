@@ -20,7 +20,7 @@ from teamformer.mission.parts.roads import Roads
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.cp_sat import solve_exactly
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
-from teamformer.planning.continuous.solve import judge, plan_together
+from teamformer.planning.continuous.solve import judge, measuring, plan_together
 from teamformer.planning.problem.coalition_plan import empty_plan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.routes import MissionPlan
@@ -201,9 +201,10 @@ def test_the_best_plan_is_over_first_however_early_robots_are_home_on_average() 
     assert first.total[MAKESPAN] < alone.total[MAKESPAN]
     assert first.total[COST] > alone.total[COST]
     for known, other in ((first, alone), (alone, first)):
-        race = Race(partial(judge, problem), known.plan, begun=0.0, deadline=0.0)
-        race.offer(other.plan)
-        assert race.judgement.value == schedule_of(problem, race.plan).total[MAKESPAN] == 100
+        measured = measuring(problem)
+        race = Race(partial(judge, problem), measured(known.plan), begun=0.0, deadline=0.0)
+        race.offer(measured(other.plan))
+        assert race.judgement.value == race.plan.worth == 100
 
 
 def roads(**movers: list[list[float]]) -> Roads:

@@ -6,17 +6,20 @@ import numpy as np
 import pytest
 
 from random_coalitions import is_able, plain_times, random_problem
+from teamformer.planning.continuous.cp_sat import solve_exactly
 from teamformer.planning.continuous.reactive import react
-from teamformer.planning.continuous.solve import plan_together
+from teamformer.planning.continuous.solve import plan_together, solve
 from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.constants import SPREAD
+from teamformer.planning.problem.links import MAKESPAN as MAKESPAN_PART
+from teamformer.planning.problem.links import link_tasks
 from teamformer.planning.problem.schedule import (
     BACK_SUM,
     COST,
     LATE,
     MAKESPAN,
-    SPREAD,
     Schedule,
     schedule_of,
 )
@@ -98,8 +101,8 @@ def test_the_reactive_rule_makes_able_plans(seed: int) -> None:
     problem = random_problem(seed)
     solution = react(problem)
     assert solution is not None
-    assert is_able(problem, solution.schedule.plan)
-    assert_consistent(problem, solution.schedule)
+    assert is_able(problem, solution.plan)
+    assert_consistent(problem, schedule_of(problem, solution.plan))
 
 
 def test_what_nobody_can_do_has_no_plan() -> None:
@@ -122,4 +125,42 @@ def test_the_only_task_is_done_by_who_is_home_first() -> None:
     )
     solution = plan_together(problem)
     assert solution is not None
-    assert solution.makespan == 8 + 5 + 9
+    assert solution.worth == 8 + 5 + 9
+
+
+def one_is_busy() -> CoalitionProblem:
+    """Pose a robot near to two tasks that is free after 10 ticks, and a free one farther away.
+
+    The near one would be at the first task 3 ticks later. So the far one does that from 8 on, and
+    the near one does the other from 10 + 1 on.
+    """
+    return pose_problem(
+        ways=[[[0, 9], [9, 0], [3, 1], [8, 20]]],
+        home=[[0, 0, 0, 0]] * 2,
+        pace=[0, 0],
+        origin=[2, 3],
+        counts=[[1], [1]],
+        needs=[[1], [1]],
+        duration=[5, 5],
+        ready=[10, 0],
+    )
+
+
+@pytest.mark.parametrize("cost", [None, {MAKESPAN_PART: 1.0}])
+def test_robots_are_sent_from_when_they_are_free(cost: dict[int, float] | None) -> None:
+    problem = one_is_busy()
+    if cost is not None:
+        problem = problem._replace(links=link_tasks(2, 2, (), cost))
+    for solution in (plan_together(problem), react(problem)):
+        assert solution is not None
+        assert solution.worth == 10 + 1 + 5
+        assert schedule_of(problem, solution.plan).start.tolist() == [8, 11]
+
+
+def test_bounds_and_proofs_know_when_robots_are_free() -> None:
+    problem = one_is_busy()._replace(ready=np.array([10, 9]))
+    solution = solve(problem, 5.0)
+    assert solution is not None
+    assert (solution.worth, solution.bound, solution.is_proven) == (22, 22, True)
+    proof = solve_exactly(problem, solution.plan, 0, 5.0)
+    assert proof.bound == 22  # the second is there from 9 + 8 on

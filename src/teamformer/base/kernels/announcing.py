@@ -66,8 +66,8 @@ def _announcement(part: str, is_kept: bool) -> str:
     if is_kept:
         return f"compiling {part}, on the first run only (a minute, more if busy) ..."
     return (
-        f"compiling {part}, at every run, as it cannot be kept (a minute, more if busy); "
-        "set NUMBA_CACHE_DIR to a folder that you may write to ..."
+        f"compiling {part}, at every run, as there is no folder to keep it in (a minute, more if "
+        "busy); set NUMBA_CACHE_DIR to a folder that you may write to ..."
     )
 
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from teamformer.base.array_types import Ints
 from teamformer.bench.peers.peer_plan import PeerPlan, plan_of
-from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem, without_spares
+from teamformer.planning.problem.coalition_plan import without_spares
+from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 
 Timetable = list[tuple[int, int]]
 """The tasks that a robot has signed up for, with when each starts, in their order."""
@@ -115,7 +116,7 @@ def _offer(problem: CoalitionProblem, task: int, bids: Ints) -> tuple[int, froze
                 break
     if left.any():
         return NEVER, frozenset()
-    chosen = without_spares(problem, task, chosen)
+    chosen = without_spares(problem.counts, problem.needs[task], chosen)
     return int(bids[chosen, task].max()), frozenset(chosen)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 from functools import partial
 
 from teamformer.bench.peers.auction import auction
@@ -16,7 +15,6 @@ from teamformer.planning.continuous.cp_sat import solve_exactly
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.planning.problem.schedule import schedule_of
 
 MOST_ARCS = 400_000
 """Robots times pairs of tasks from which on CP-SAT's model is not built: it takes gigabytes."""
@@ -63,6 +61,6 @@ def plan_by_peer(mission: ContinuousMission, name: str, seconds: float) -> Missi
     found = PEERS[name](problem, seconds)
     if found is None:
         return None
-    schedule = schedule_of(problem, found.plan)
-    told = mission.tell(Solution(schedule, found.bound))
-    return replace(told, is_proven=False) if found.bound == 0 else told
+    makespan, bound = makespan_of(problem, found.plan), found.bound
+    is_proven = bound > 0 and makespan <= bound
+    return mission.tell(Solution(found.plan, (makespan, makespan), bound, is_proven))

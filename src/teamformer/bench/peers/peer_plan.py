@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from teamformer.base.errors import TeamformerError
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.links import LinkedProblem
+from teamformer.planning.problem.links import have_weights
 from teamformer.planning.problem.schedule import MAKESPAN, schedule_of
 
 
@@ -45,9 +45,9 @@ def makespan_of(problem: CoalitionProblem, plan: CoalitionPlan) -> int:
     return int(schedule_of(problem, plan).total[MAKESPAN])
 
 
-def plain(problem: CoalitionProblem | LinkedProblem, name: str) -> CoalitionProblem:
+def plain(problem: CoalitionProblem, name: str) -> CoalitionProblem:
     """Return a problem that peers can be asked; raises `OutOfReachError` for any other."""
-    if isinstance(problem, LinkedProblem):
+    if have_weights(problem.links):
         raise OutOfReachError(f"{name} is asked no missions with linked starts or costs")
     if (problem.due < NEVER).any() or problem.forming[0] > 0 or (problem.release > 0).any():
         raise OutOfReachError(f"{name} is asked no missions with windows or forming")

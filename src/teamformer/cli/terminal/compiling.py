@@ -31,15 +31,15 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     If a mission is given that is large, that is also what they need for large ones.
     """
     from teamformer.base.kernels.jit import needs_compiling
-    from teamformer.planning.arcs.annealing import anneal_arcs
-    from teamformer.planning.arcs.start import dispatch
     from teamformer.planning.crews.deal import deal_crews
     from teamformer.planning.relaxation import threshold
+    from teamformer.planning.search.annealing import anneal
+    from teamformer.planning.search.start import dispatch
     from teamformer.planning.steps.arc_search import LARGE
     from teamformer.world.step import step_worlds
 
     wanted = {method.name: method for method in methods}
-    has_new_planner = "plan" in wanted and needs_compiling(anneal_arcs)
+    has_new_planner = "plan" in wanted and needs_compiling(anneal)
     is_new = needs_compiling(step_worlds)
     if has_new_planner and is_new and (os.cpu_count() or 1) > 1:
         compile_beside("--simulator")
@@ -47,7 +47,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
         is_new
         or has_new_planner
         or ("crews" in wanted and needs_compiling(deal_crews))
-        or ("central" in wanted and (needs_compiling(anneal_arcs) or not threshold.is_compiled()))
+        or ("central" in wanted and (needs_compiling(anneal) or not threshold.is_compiled()))
     ):
         _compile(wanted.values())
     is_large = mission is not None and len(mission.tasks) >= LARGE

@@ -60,7 +60,7 @@ def _needs(tree: TreePart) -> list[int]:
     for number in range(len(tree.parts())):
         requirement = tree[f"task{number}"]["and0"]["or0"]
         if requirement["capId"].whole(0) != 0:
-            requirement["capId"].refuse("is another capability; only one is known here")
+            requirement["capId"].refuse("is another capability; this format has only one")
         needs.append(requirement["capReq"].whole(1))
     return needs
 

@@ -63,7 +63,7 @@ class ObserverSession:
     ) -> None:
         self.watch, self.folder = watch, folder
         self.lock = asyncio.Lock()
-        self.note = "this is what was seen of the fleet; its robots keep no record"
+        self.note = "this is what was seen of the fleet; no record of steps"
         self._transport = transport
         self._post = post
         self._watchers: set[Watcher] = set()

@@ -75,7 +75,7 @@ def _end(watch: Watch) -> Iterator[Alert]:
     there = [robot for robot in able if watch.mission.reach(robot, first)]
     lack = missing(total(robots[robot].can for robot in there), needs)
     helpers = _names(robots[robot].name for robot in sorted(out) if lack.keys() & robots[robot].can)
-    do = f"bring {helpers} back" if helpers else "add a robot; nobody who was lost has it"
+    do = f"bring {helpers} back" if helpers else "add a robot; no lost robot has it"
     why = f"for {first.name} the robots that are left lack {describe(lack)}"
     yield Alert(END, f"the mission cannot end: {_names(task.name for task in stuck)}", why, do)
 

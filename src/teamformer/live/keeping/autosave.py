@@ -121,5 +121,5 @@ class Autosave:
         self.release()
         self.warn(
             f"{self.path}: cannot be written: {error.strerror}; "
-            "the mission goes on without an autosave, so save it yourself"
+            "the mission goes on without an autosave; save it yourself"
         )

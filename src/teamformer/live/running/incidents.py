@@ -139,10 +139,10 @@ class NewWeight(_Told):
         """Return the mission in which the task has always had this weight."""
         number = _number_of_undone(mission, self.task, now)
         if mission.cost is None:
-            raise TeamformerError("this mission has no cost, so that weights count for nothing")
+            raise TeamformerError("this mission has no cost, so weights change nothing")
         if not now.is_coordinated[0]:
             raise TeamformerError(
-                "by this method robots go by no plan, which a weight could change"
+                "with this method robots follow no plan that a weight could change"
             )
         return self._weighed(mission, number)
 
@@ -208,8 +208,8 @@ def search_plan(
     """
     if not past.env.is_coordinated[0]:
         raise TeamformerError(
-            "by this method robots go by no plan that could be another; "
-            "a mission that runs by the method 'plan' can be planned anew"
+            "with this method robots follow no plan that could be made anew; "
+            "run the mission with the method 'plan'"
         )
     known, old = past.env.known(), past.env.plan()
     searches = 1 if past.mission.has_surprises else SEARCHES

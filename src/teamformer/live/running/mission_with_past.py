@@ -244,7 +244,7 @@ class RunningMission:
         return TeamFormation([mission], truths=[truth], coordinator=coordinator)
 
     def _coordinator(self, order: int = 0) -> Coordinator:
-        assert self._method.coordinator is not None, "refused where robots go by no plan"
+        assert self._method.coordinator is not None, "refused where robots follow no plan"
         coordinator = self._method.coordinator
         return Reordered(coordinator, order) if order else coordinator
 

@@ -41,12 +41,10 @@ class Doors:
         host = connection.headers.get("host", "").lower()
         origin = connection.headers.get("origin", f"http://{host}").lower()
         if self.hosts is not None and _name(f"//{host}") not in self.hosts | self.further:
-            return f"this server is not asked for as '{host}'; if it is yours, name it with --host"
+            return f"this server does not answer to '{host}'; if it is yours, add it with --host"
         is_own = origin in (f"http://{host}", f"https://{host}")
         if not is_own and _name(origin) not in self.further:
-            return (
-                f"pages of {origin} may not steer this mission; if it is yours, name it with --host"
-            )
+            return f"pages of {origin} may not control this mission; if it is yours, add --host"
         given = connection.query_params.get("token", "")
         if self.token is not None and not hmac.compare_digest(given.encode(), self.token.encode()):
             return "the token is missing or wrong; use the address that was printed"

@@ -81,10 +81,10 @@ def _paths() -> dict[str, Any]:
         },
         "/socket": {
             "get": {
-                "summary": "the socket that tells and hears",
+                "summary": "the socket of messages",
                 "description": socket,
                 "parameters": [TOKEN],
-                "responses": {"101": {"description": "the protocol becomes that of WebSockets"}},
+                "responses": {"101": {"description": "the connection becomes a WebSocket"}},
             }
         },
     }
@@ -109,7 +109,9 @@ def _alert_post() -> Schema:
     return {
         "summary": "an alert is raised or has ended; sent to the address of --webhook",
         "requestBody": {"content": sent},
-        "responses": {"2XX": {"description": "taken; anything else is tried again, thrice"}},
+        "responses": {
+            "2XX": {"description": "taken; any other answer is tried again, three times"}
+        },
     }
 
 

@@ -98,7 +98,7 @@ def plan_centrally(
         plays.add_plan("search", first.plan)
     plays.add_simple_rules()
     if first is None or time_limit == 0:
-        solution = solve(mission, plays.seconds_left, seed=seed, workers=workers)
+        solution = solve(mission, plays.seconds_left, seed=seed)
         bound, searched = solution.bound, list[tuple[float, int]]()
     else:
         race = begin_race(first, plays.begun, plays.begun + plays.limit)
@@ -207,7 +207,7 @@ def _relax_and_search(
 ) -> RelaxedSolution:
     """Solve the relaxed problem, then search from its coalitions and from others."""
     seconds = RELAXING * race.seconds_left
-    solution = solve(mission, seconds, seed=seed, workers=1, is_stopped=race.is_stopped)
+    solution = solve(mission, seconds, seed=seed, is_stopped=race.is_stopped)
     race.raise_bound(solution.bound)
     starts = from_coalitions(situation.problem, race, seed)
     if solution.schedule is not None:

@@ -22,7 +22,7 @@ class Heuristic:
     it stands at its assigned task. There it joins the teams with the same assignment, which pair
     off, until the requirements are met. Afterwards it halves, step by step, until every robot is
     alone or stands at its new assignment. That this ends is shown in
-    docs/explanation/nothing-blocks.md.
+    docs/explanation/nothing-blocks-policies.md.
     """
 
     needs_everything = False

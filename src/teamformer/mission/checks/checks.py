@@ -182,8 +182,10 @@ def _problems_of_absences(robot: Robot, where: tuple[str | int, ...]) -> Iterato
         if before is None:
             least, advice, again = 1, "the first step is 1", ""
         elif before.back is None:
-            message = f"{what} lost at step {away.lost}, but is so since step {before.lost}"
-            yield Problem(lost, f"{message}; say under back when it is there again, or drop one")
+            message = f"{what} lost at step {away.lost}, but was lost in step {before.lost}"
+            yield Problem(
+                lost, f"{message}; write under back when it returns, or drop one of the two"
+            )
             return
         else:
             least, advice = before.back + 1, "it must be lost later"

@@ -81,7 +81,7 @@ def find_cost_problems(mission: Mission) -> Iterator[Problem]:
     if mission.cost is None:
         return
     if not mission.cost:
-        yield Problem(("cost",), f"the cost weighs nothing; name {', '.join(COST_PARTS)}, or some")
+        yield Problem(("cost",), f"the cost has no weights; name {', '.join(COST_PARTS)}, or some")
     for name, weight in mission.cost.items():
         if name not in COST_PARTS:
             choices = ", ".join(COST_PARTS)

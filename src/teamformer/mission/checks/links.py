@@ -99,7 +99,9 @@ def _problems_of_groups(mission: Mission) -> Iterator[Problem]:
             other = number_of.get(name, number)
             if number in group_of and group_of.get(other) == group_of[number]:
                 message = f"task '{task.name}' is after '{name}', with which its start is linked"
-                yield Problem(("tasks", number, "after"), f"{message}; say it by the gap alone")
+                yield Problem(
+                    ("tasks", number, "after"), f"{message}; drop after, the link says it"
+                )
                 return
     if groups:
         yield from _problems_of_waiting(mission, groups)

@@ -123,23 +123,23 @@ def rules_of_robotarium(mission: Mission) -> Iterator[Problem]:
         for number, robot in enumerate(mission.robots)
         if robot.flies and mission.world.rows
     ]
-    yield from told_once(mission, flying, _remedy(mission, ROBOTARIUM, "drop {}"))
+    yield from told_once(mission, flying, _remedy(mission, ROBOTARIUM))
 
 
 def _rules_of_real_robots(mission: Mission, who: str) -> Iterator[Problem]:
     """Return which keys of a mission in steps `who` does not know."""
     yield from rules_not_played(mission)
-    surprises = find_unknown(mission, who, is_surprise=True)
-    yield from told_once(mission, surprises, _remedy(mission, who, "make {0} sure, drop it"))
-    yield from told_once(mission, find_unknown(mission, who), _remedy(mission, who, "drop {}"))
+    remedy = _remedy(mission, who)
+    yield from told_once(mission, find_unknown(mission, who, is_surprise=True), remedy)
+    yield from told_once(mission, find_unknown(mission, who), remedy)
 
 
-def _remedy(mission: Mission, who: str, change: str) -> Callable[[str], str]:
+def _remedy(mission: Mission, who: str) -> Callable[[str], str]:
     """Return what is told after what a mission has that `who` does not know, by key."""
     verbs = _verbs_for(mission)
 
     def rest(key: str) -> str:
-        what = "drop it" if key == "arrivals" else change.format(key)
+        what = "write one number" if key == "duration" else f"drop {key}"
         return (
             f"which {who} {'does' if who == ROBOTARIUM else 'do'} not know; {what}, or use {verbs}"
         )

@@ -58,7 +58,7 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
 
 
 def _only_in_steps(mission: Mission) -> Iterator[Problem]:
-    rest = "which only missions in steps know; make {} sure, or drop it"
+    rest = "which only missions in steps know; write one number, or drop {}"
     yield from told_once(mission, find_unknown(mission, CONTINUOUS, is_surprise=True), rest.format)
 
 
@@ -70,7 +70,7 @@ def _problems_of_range(
         message = f"{what} {least} to {most} steps; use {lowest} to {LARGEST_NUMBER:,}"
         yield Problem(where, message)
     elif most < least:
-        message = f"{what} {least} to {most} steps, which ends before it begins; turn it round"
+        message = f"{what} {least} to {most} steps, but the least comes first; swap the two"
         yield Problem(where, message)
 
 
@@ -86,7 +86,7 @@ def _problems_of_breaks(
             breaks.repair, 1, (*where, "repair"), f"{what} is repaired in"
         )
     if robot.absences:
-        yield Problem(where, f"{what} is lost at a step and breaks at a rate; keep one of the two")
+        yield Problem(where, f"{what} has both lost and breaks; keep one of the two")
 
 
 def _problems_of_may_need(

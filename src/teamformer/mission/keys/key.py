@@ -75,4 +75,4 @@ class Key:
 
 def plain(text: str) -> str:
     """Return Markdown without its links."""
-    return re.sub(r"\[([^]]+)\]\(#[^)]+\)", r"\1", re.sub(r" \(\[[^]]+\]\([^)]+\)\)", "", text))
+    return re.sub(r"\[([^]]+)\]\([^)]+\)", r"\1", re.sub(r" \(\[[^]]+\]\([^)]+\)\)", "", text))

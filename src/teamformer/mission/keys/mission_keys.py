@@ -78,15 +78,17 @@ RADIUS = Number(0, can_be_infinite=True)
 MISSION_KEYS = (
     Key("teamformer", Whole(1, VERSION), "version of this format: 1"),
     Key("name", Text(), "name of the mission", default="", without="the file's name"),
-    Key("world", Forms(FORMS), "the map ([the world](#the-world))"),
+    Key("world", Forms(FORMS), "the map ([the world](mission/world.md))"),
     Key(
         "capabilities",
         Names(),
         "the names of all capabilities",
         example=["lift", "scan"],
     ),
-    Key("robots", KeyedParts(ROBOT_KEYS), "a list of at least one robot"),
-    Key("tasks", KeyedParts(TASK_KEYS), "a list of at least one task"),
+    Key(
+        "robots", KeyedParts(ROBOT_KEYS), "a list of at least one robot ([keys](#keys-of-a-robot))"
+    ),
+    Key("tasks", KeyedParts(TASK_KEYS), "a list of at least one task ([keys](#keys-of-a-task))"),
     Key(
         "teams",
         TeamLists(),

@@ -24,7 +24,7 @@ SLOWEST, FASTEST = 0.001, 1000
 MOST_ALIKE = 1000
 """Robots that one entry of a file stands for."""
 
-NOT_KNOWN = "([what is not known](#what-is-not-known))"
+NOT_KNOWN = "([what is not known](mission/unknown.md))"
 SURPRISES = (CONTINUOUS, FLEETS, ROBOTARIUM)
 
 BREAKS_KEYS = (
@@ -62,7 +62,7 @@ ROBOT_KEYS = (
         "can",
         Counts(),
         "its capabilities: a list of names, or counts as in `{scan: 1, power: 2}`; counts may be "
-        "[fractions](#fractions)",
+        "[fractions](mission/tasks.md#fractions)",
         example=["lift"],
     ),
     Key(
@@ -114,8 +114,9 @@ ROBOT_KEYS = (
     Key(
         "moves",
         Moves((GROUND, AIR)),
-        "`ground`, or `air` if obstacles do not stop it ([robots that fly](#robots-that-fly)); on "
-        "[roads](#roads) it says which of the tables the robot uses",
+        "`ground`, or `air` if obstacles do not stop it "
+        "([robots that fly](mission/world.md#robots-that-fly)); on [roads](mission/world.md#roads) "
+        "it says which of the tables the robot uses",
         default=GROUND,
         label="Flies",
     ),

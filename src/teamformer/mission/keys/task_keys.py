@@ -23,7 +23,7 @@ from teamformer.mission.keys.robot_keys import NOT_KNOWN, SURPRISES
 SMALLEST_WEIGHT, LARGEST_WEIGHT = 1e-3, 1e6
 """Of the weights of a cost and of tasks: they are told apart however far apart they are."""
 
-CONTINUOUS_TIME = "([continuous time](#continuous-time))"
+CONTINUOUS_TIME = "([continuous time](mission/time.md))"
 
 TASK_KEYS = (
     Key(
@@ -53,7 +53,7 @@ TASK_KEYS = (
         default=0,
         label="Duration, steps",
         unknown=Unknown(
-            (CONTINUOUS, ROBOTARIUM), "has no sure duration", is_surprise=True, field="lasts"
+            (CONTINUOUS, ROBOTARIUM), "has an uncertain duration", is_surprise=True, field="lasts"
         ),
     ),
     Key(
@@ -67,7 +67,7 @@ TASK_KEYS = (
         "cancelled",
         Whole(1, is_checked_later=True),
         "the step in which the task is called off, if it is not done by then "
-        "([called off](#called-off))",
+        "([called off](mission/tasks.md#called-off))",
         default=None,
         without="it never is",
         label="Called off in step",
@@ -103,7 +103,8 @@ TASK_KEYS = (
     Key(
         "to",
         Place(),
-        "the cell or point `[x, y]` to which the task's load is brought ([loads](#loads))",
+        "the cell or point `[x, y]` to which the task's load is brought "
+        "([loads](mission/tasks.md#loads))",
         default=None,
         without="nothing is carried",
     ),
@@ -121,7 +122,7 @@ TASK_KEYS = (
         default={},
         without="nothing",
         example={"weld": 0.4},
-        unknown=Unknown((CONTINUOUS, ROBOTARIUM), "has no sure needs", is_surprise=True),
+        unknown=Unknown((CONTINUOUS, ROBOTARIUM), "has uncertain needs", is_surprise=True),
     ),
     Key(
         "within",
@@ -131,7 +132,7 @@ TASK_KEYS = (
         default=0.0,
         without="0: it is at `at`",
         label="Within (cells or m)",
-        unknown=Unknown(SURPRISES, "has no sure place", is_surprise=True),
+        unknown=Unknown(SURPRISES, "has an uncertain place", is_surprise=True),
     ),
     Key(
         "weight",
@@ -144,14 +145,14 @@ TASK_KEYS = (
         "only",
         RobotNames(),
         "names of robots, or the name of an entry with `count` for all its robots: what other "
-        "robots bring does not count for this task ([pins](#pins))",
+        "robots bring does not count for this task ([pins](mission/tasks.md#pins))",
         default=(),
         without="every robot may do it",
     ),
     Key(
         "with",
         RobotNames(),
-        "names of robots that must take part, as for `only` ([pins](#pins))",
+        "names of robots that must take part, as for `only` ([pins](mission/tasks.md#pins))",
         default=(),
         without="none",
     ),

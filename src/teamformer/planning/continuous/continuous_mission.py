@@ -22,16 +22,14 @@ from teamformer.mission.parts.roads import AIR, Roads
 from teamformer.mission.precedence import tasks_before
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.times import TaskClock
-from teamformer.planning.linked.solve import LinkedSolution
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan, without_spares
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     SPARES,
     CoalitionProblem,
     pose_problem,
-    without_spares,
 )
-from teamformer.planning.problem.links import PART_OF, Link, LinkedProblem, link_problem
+from teamformer.planning.problem.links import PART_OF, Link, Links, have_weights, link_tasks
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.ways import ends_of
@@ -62,9 +60,9 @@ class ContinuousMission:
     pace: Ints  # (robots,) row of `ways`
     carry: Floats  # (paces, tasks) how long a load is carried; 0 for other tasks
     scale: float
-    problem: CoalitionProblem | LinkedProblem
+    problem: CoalitionProblem
 
-    def tell(self, solution: Solution | LinkedSolution) -> MissionPlan:
+    def tell(self, solution: Solution) -> MissionPlan:
         """Return a solution in the mission's unit; its times are worked out from the true ways.
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
@@ -84,11 +82,13 @@ class ContinuousMission:
 
         Nobody is in it who can be spared, unless that may pay, or it is wanted `with_spares`.
         """
-        made = empty_plan(self.base)
+        made = empty_plan(self.problem)
         made.order[:] = plan.order
-        is_kept = with_spares or self.base.spares > 0
+        is_kept = with_spares or self.problem.spares > 0
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
-            robots = coalition if is_kept else without_spares(self.base, task, coalition)
+            needs = self.problem.needs[task]
+            kept = without_spares(self.problem.counts, needs, coalition)
+            robots = coalition if is_kept else kept
             made.size[task] = len(robots)
             made.coalition[task, : len(robots)] = robots
         return made
@@ -101,20 +101,15 @@ class ContinuousMission:
         ends = {stop.task: stop.end for route in plan.routes for stop in route.stops}
         return weighed(self.source, weights, ends, plan.makespan)
 
-    def _curve_of(self, solution: Solution | LinkedSolution) -> tuple[tuple[float, float], ...]:
+    def _curve_of(self, solution: Solution) -> tuple[tuple[float, float], ...]:
         """Return a curve in units; that of a linked problem without a cost is none of times."""
-        if isinstance(solution, LinkedSolution) and self.source.cost is None:
+        if have_weights(self.problem.links) and self.source.cost is None:
             return ()
         return tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve)
 
-    @property
-    def base(self) -> CoalitionProblem:
-        """Return the problem without links and costs."""
-        return self.problem.base if isinstance(self.problem, LinkedProblem) else self.problem
-
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules."""
-        parts = (self.ways, self.home, self.pace, self.origin, self.base.site, self.carry)
+        parts = (self.ways, self.home, self.pace, self.origin, self.problem.site, self.carry)
         return TaskClock(self.source, *parts).time(plan)
 
 
@@ -160,7 +155,8 @@ def pose_mission(mission: Mission) -> ContinuousMission:
         spares=SPARES if _may_spare_pay(mission, ways, home, pace, takes) else 0,
         site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
     )
-    linked = _link(mission, problem, scale) if is_linked(mission) else problem
+    if is_linked(mission):
+        problem = problem._replace(links=_links(mission, scale))
     return ContinuousMission(
         source=mission,
         ways=ways,
@@ -169,7 +165,7 @@ def pose_mission(mission: Mission) -> ContinuousMission:
         pace=pace,
         carry=carry,
         scale=scale,
-        problem=linked,
+        problem=problem,
     )
 
 
@@ -204,8 +200,8 @@ def _has_detour(ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
     return False
 
 
-def _link(mission: Mission, problem: CoalitionProblem, scale: float) -> LinkedProblem:
-    """Return a mission's problem with its linked starts and the weights of its cost.
+def _links(mission: Mission, scale: float) -> Links:
+    """Return a mission's linked starts and the weights of its cost.
 
     The longest gaps are longer by what ticks round, so that one which is just long enough is.
     """
@@ -219,7 +215,8 @@ def _link(mission: Mission, problem: CoalitionProblem, scale: float) -> LinkedPr
     weights = judged_by(mission) or {"makespan": 1}
     total = sum(weights.values())
     weight = {PART_OF[name]: value / total for name, value in weights.items()}
-    return link_problem(problem, links, weight, [task.weight for task in mission.tasks])
+    sizes = (len(mission.tasks), len(mission.robots))
+    return link_tasks(*sizes, links, weight, [task.weight for task in mission.tasks])
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:

@@ -111,13 +111,14 @@ class _Circuits:
         problem, model = self.problem, self.model
         tasks, pace, kind = len(self.start), problem.pace[robot], problem.kind[robot]
         origin = int(problem.origin[robot])
+        ready = int(problem.ready[origin - tasks])
         arcs: list[tuple[int, int, cp_model.LiteralT]] = []
         ways: dict[tuple[int, int], cp_model.IntVar] = {}
         busy: list[cp_model.LinearExprT] = []  # ticks of the ways and tasks that the robot takes
         self.goes.append(ways)
         idle = ways[0, 0] = model.new_bool_var("")
         arcs.append((0, 0, idle))
-        model.add(self.makespan >= int(problem.home[kind, origin])).only_enforce_if(idle)
+        model.add(self.makespan >= ready + int(problem.home[kind, origin])).only_enforce_if(idle)
         for task in range(tasks):
             does, end = self.does[robot][task], self.end[task]
             takes = int(problem.duration[task] + problem.slower[pace, task])
@@ -127,7 +128,8 @@ class _Circuits:
             first, last = model.new_bool_var(""), model.new_bool_var("")
             ways[0, task + 1], ways[task + 1, 0] = first, last
             arcs += [(0, task + 1, first), (task + 1, 0, last)]
-            model.add(self.start[task] >= int(problem.ways[pace, origin, task])).only_enforce_if(
+            there = ready + int(problem.ways[pace, origin, task])
+            model.add(self.start[task] >= there).only_enforce_if(
                 does if self._is_straight(pace, origin, task) else first
             )
             model.add(self.makespan >= end + int(problem.home[kind, task])).only_enforce_if(last)

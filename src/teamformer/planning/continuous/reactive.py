@@ -18,7 +18,14 @@ from teamformer.planning.dispatch.coalition_choice import arrival, cover, empty_
 from teamformer.planning.dispatch.first_plan import is_ready
 from teamformer.planning.problem.coalition_plan import copy_plan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import COST, empty_schedule, schedule_of, sum_up, time_one
+from teamformer.planning.problem.schedule import (
+    COST,
+    MAKESPAN,
+    empty_schedule,
+    schedule_of,
+    sum_up,
+    time_one,
+)
 from teamformer.world.rules.chance import draw_below
 from teamformer.world.rules.coverage import helps
 
@@ -48,7 +55,8 @@ def react(problem: CoalitionProblem) -> Solution | None:
     leg = int(problem.duration.mean() + np.median(problem.ways))
     if not _react(problem, schedule, best, workspace, FUTURES, leg // 4):
         return None
-    return Solution(schedule_of(problem, schedule.plan), 0)
+    total = schedule_of(problem, schedule.plan).total
+    return Solution(schedule.plan, (int(total[MAKESPAN]), int(total[COST])))
 
 
 @entry

@@ -10,22 +10,19 @@ from itertools import islice
 
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.coordination import Plan
-from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, refuse_no_way
 from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
 from teamformer.planning.continuous_bounds.makespan import improving_bounds
 from teamformer.planning.dispatch.first_plan import draw_plan
-from teamformer.planning.linked.search import LinkedSearch
-from teamformer.planning.linked.solve import LinkedSolution, plan_linked, solve_linked
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
-from teamformer.planning.problem.links import MAKESPAN, LinkedProblem, link_problem
+from teamformer.planning.problem.links import have_weights
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.schedule import schedule_of
+from teamformer.planning.search.arc_search import ArcSearch
 
 Planner = Callable[[CoalitionProblem, float, CoalitionPlan | None], Solution | None]
-LinkedPlanner = Callable[[LinkedProblem, float, CoalitionPlan | None], LinkedSolution | None]
 
 PLANNERS: dict[str, Planner] = {
     "central": lambda problem, seconds, start: solve(problem, seconds, start=start),
@@ -35,13 +32,10 @@ PLANNERS: dict[str, Planner] = {
 """`central` uses all the time, and may begin with a plan; `plan` is what every robot computes;
 `reactive` plans nothing."""
 
-LINKED_PLANNERS: dict[str, LinkedPlanner] = {
-    "central": lambda problem, seconds, start: solve_linked(problem, seconds, start=start),
-    "plan": lambda problem, seconds, start: plan_linked(problem),
-}
-"""The same where starts are linked or plans have a cost of their own."""
+KNOW_COSTS = ("central", "plan")
+"""Those that know starts that are linked and costs."""
 
-__all__ = ["PLANNERS", "plan_continuous", "warm_up"]
+__all__ = ["KNOW_COSTS", "PLANNERS", "plan_continuous", "warm_up"]
 
 
 def plan_continuous(
@@ -60,7 +54,7 @@ def plan_continuous(
         made = _better_one(mission, made, given)
     if made is not None:
         refuse_no_way(mission, made)
-    elif isinstance(mission.problem, LinkedProblem):
+    elif have_weights(mission.problem.links):
         raise TeamformerError(
             f"{mission.source.name}: no coalitions were found for tasks that are linked",
             "different robots do them, so add robots or drop a link",
@@ -70,19 +64,16 @@ def plan_continuous(
 
 def _solve(
     mission: ContinuousMission, method: str, seconds: float, start: CoalitionPlan | None
-) -> Solution | LinkedSolution | None:
+) -> Solution | None:
     """Return what a method finds; refuse one that does not know what the mission is judged by."""
-    source, problem = mission.source, mission.problem
-    if not isinstance(problem, LinkedProblem):
-        return PLANNERS[method](problem, seconds, start)
-    if method in LINKED_PLANNERS:
-        return LINKED_PLANNERS[method](problem, seconds, start)
-    if source.cost is None and not any(task.starts for task in source.tasks):
-        return PLANNERS[method](problem.base, seconds, start)
-    raise TeamformerError(
-        f"--method {method} knows no starts that are linked and no cost",
-        f"use {', '.join(LINKED_PLANNERS)}",
-    )
+    source = mission.source
+    has_own = source.cost is not None or any(task.starts for task in source.tasks)
+    if has_own and method not in KNOW_COSTS:
+        raise TeamformerError(
+            f"--method {method} knows neither linked starts nor costs",
+            f"use {', '.join(KNOW_COSTS)}",
+        )
+    return PLANNERS[method](mission.problem, seconds, start)
 
 
 def _better_one(
@@ -98,7 +89,7 @@ def _better_one(
 
 
 @cache
-def warm_up(is_linked: bool = False) -> None:
+def warm_up() -> None:
     """Have everything compiled before the clock starts."""
     problem = pose_problem(
         ways=[[[0, 1], [1, 0], [1, 1]]],
@@ -109,16 +100,10 @@ def warm_up(is_linked: bool = False) -> None:
         needs=[[1], [1]],
         duration=[1, 1],
     )
-    if is_linked:
-        linked = LinkedSearch(link_problem(problem, (), {MAKESPAN: 1}), 0)
-        linked.begin_anew()
-        linked.anneal(1.0, 10)
-        schedule_of(problem, linked.best)
-        list(islice(improving_bounds(problem, lambda: 10), 2))
-        return
     search = ArcSearch(problem, 0)
     search.begin_anew()
     search.anneal(1, 1, 0, 10, 10)
+    schedule_of(problem, search.best)
     draw_plan(problem, 0)
     react(problem)
     list(islice(improving_bounds(problem, lambda: 10), 2))

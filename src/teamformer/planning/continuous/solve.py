@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
-from teamformer.planning.arcs.annealing import ArcSearch, has_few_tasks, shared_annealings
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
-from teamformer.planning.problem.schedule import COST, MAKESPAN, Schedule, schedule_of
+from teamformer.planning.problem.links import have_weights, is_bounded
+from teamformer.planning.problem.schedule import COST, LATE, MAKESPAN, schedule_of
 from teamformer.planning.race import Judgement, Race
+from teamformer.planning.search.arc_search import ArcSearch, has_few_tasks
 
 SECONDS_EACH = 3.0
 """A search of fewer than `MANY_TASKS` tasks anneals again every `SECONDS_EACH` seconds."""
@@ -22,44 +24,43 @@ COOLER = (1, 3)
 """A search of more tasks anneals twice. The heat of the shared plan is divided by these at the
 beginning: the second time it begins at a good plan, and much heat would leave little of it."""
 
+FEW_IF_WEIGHED, SECONDS_EACH_IF_WEIGHED = 100, 15.0
+"""If plans have a cost, a search of fewer tasks than this anneals again after so many seconds; with
+more it anneals once in all the time there is."""
+
 
 @dataclass(frozen=True)
 class Solution:
-    """A timed plan, and ticks that no plan beats; `curve` holds (seconds, makespan)."""
+    """A plan, and what it is compared by; `curve` holds (seconds, worth).
 
-    schedule: Schedule
-    bound: int
-    curve: tuple[tuple[float, int], ...] = ()
+    That is what it is judged by, its makespan or what it costs, then what leads a search. No plan
+    is over before tick `bound`, and none is better than one that is proven.
+    """
 
-    @property
-    def plan(self) -> CoalitionPlan:
-        """Return the plan itself."""
-        return self.schedule.plan
-
-    @property
-    def makespan(self) -> int:
-        """Return when all is over, in ticks."""
-        return int(self.schedule.total[MAKESPAN])
+    plan: CoalitionPlan
+    rank: tuple[float, float]
+    bound: int = 0
+    is_proven: bool = False
+    curve: tuple[tuple[float, float], ...] = ()
 
     @property
-    def is_proven(self) -> bool:
-        """Say whether no plan is better: it is over no later than the bound."""
-        return self.makespan <= self.bound
+    def worth(self) -> float:
+        """Return what the plan is judged by: its makespan in ticks, or its cost."""
+        return self.rank[0]
 
 
 def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
     """Return the plan that every robot computes for itself, after a fixed number of rounds.
 
-    None if some task cannot be done by all robots together. There is no clock and no fraction in
-    it, so that it is the same on every machine.
+    None if some task cannot be done by all robots together, or if no coalitions were found for
+    tasks that are linked: different robots do them. There is no clock in it, and the same sums of
+    the same numbers, so that it is the same on every machine.
     """
     search = ArcSearch(problem, seed)
     if not search.begin_anew():
         return None
-    for rounds in shared_annealings(len(problem.needs)):
-        search.anneal(*search.heats, 0, rounds, rounds)
-        search.begin_at_best()
-    return Solution(_schedule(problem, search.best), 0)
+    search.anneal_shared()
+    return _without_riders(problem, _found(search))
 
 
 def solve(
@@ -69,7 +70,7 @@ def solve(
     workers: int = 2,
     start: CoalitionPlan | None = None,
 ) -> Solution | None:
-    """Return the best plan found in so many seconds; None if some task can never be done.
+    """Return the best plan found in so many seconds; None where `plan_together` finds none.
 
     It begins with the shared plan, or with `start` if that is better, and ends early if a plan is
     proven. The main thread only waits, so that Ctrl-C reaches it.
@@ -78,62 +79,124 @@ def solve(
     shared = plan_together(problem, seed)
     if shared is None:
         return None
-    race = Race(partial(judge, problem), shared.plan, begun, begun + time_limit)
-    first = (time.perf_counter() - begun, shared.makespan)
+    race = Race(partial(judge, problem), shared, begun, begun + time_limit)
+    first = (time.perf_counter() - begun, shared.worth)
     if start is not None:
-        race.offer(start)
+        race.offer(measuring(problem)(start))
     jobs = [partial(_prove_and_search, problem, seed + 1, race)]
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
-    schedule = _schedule(problem, race.plan)
-    bound = min(race.bound, int(schedule.total[MAKESPAN]))
-    return Solution(schedule, bound, (first, *race.curve))
+    best = _without_riders(problem, race.plan)
+    is_proven = judge(problem, best).bounded <= race.bound
+    return replace(best, bound=race.bound, is_proven=is_proven, curve=(first, *race.curve))
 
 
-def _schedule(problem: CoalitionProblem, plan: CoalitionPlan) -> Schedule:
-    """Return a plan with its times, and without robots that only come along."""
-    return schedule_of(problem, without_riders(problem, plan, lambda it: judge(problem, it).rank))
+def measuring(problem: CoalitionProblem) -> Callable[[CoalitionPlan], Solution]:
+    """Return who says what plans of a problem are worth; infinite if robots wait for ever.
 
-
-def judge(problem: CoalitionProblem, plan: CoalitionPlan) -> Judgement:
-    """Compare plans by their makespans, and only then by what leads a search.
-
-    That also counts how early robots are home on average.
+    Plans that have a cost are laid out in a graph where all robots may come to a task.
     """
+    if not have_weights(problem.links):
+        return partial(_timed, problem)
+    search = ArcSearch(problem._replace(spares=len(problem.counts)), 0)
+
+    def measured(plan: CoalitionPlan) -> Solution:
+        is_possible = search.begin_at(plan)
+        return Solution(search.best, search.rank) if is_possible else Solution(plan, NEVER_DONE)
+
+    return measured
+
+
+NEVER_DONE = (math.inf, math.inf)
+"""What a plan is worth in which robots wait for ever."""
+
+
+def _timed(problem: CoalitionProblem, plan: CoalitionPlan) -> Solution:
     total = schedule_of(problem, plan).total
-    makespan = int(total[MAKESPAN])
-    return Judgement((makespan, int(total[COST])), makespan, makespan)
+    return Solution(plan, (int(total[MAKESPAN]), int(total[COST])))
 
 
-def _search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> None:
-    """Anneal several times, from the best plan each time."""
-    search = ArcSearch(problem, seed)
-    search.begin_at(race.plan)
-    coolings: Sequence[int] = COOLER
-    if len(problem.needs) < MANY_TASKS:
-        coolings = [1] * max(1, round(race.seconds_left / SECONDS_EACH))
+def _found(search: ArcSearch) -> Solution:
+    """Return the best plan of a search.
+
+    In a graph what takes no time takes a tick, so that where the makespan counts all is timed anew.
+    """
+    if have_weights(search.problem.links):
+        return Solution(search.best, search.rank)
+    return _timed(search.problem, search.best)
+
+
+def _without_riders(problem: CoalitionProblem, solution: Solution) -> Solution:
+    """Return a solution without robots that only come along."""
+    if problem.spares == 0:
+        return solution
+    return without_riders(problem.counts, problem.needs, solution, measuring(problem))
+
+
+def judge(problem: CoalitionProblem, solution: Solution) -> Judgement:
+    """Compare plans by what they are judged by, and only then by what leads a search.
+
+    If they have a cost, a bound of the makespan may say something of those with nothing late.
+    """
+    bounded = solution.worth
+    if have_weights(problem.links):
+        total, bounded = schedule_of(problem, solution.plan).total, math.inf
+        if is_bounded(problem.links) and total[LATE] == 0:
+            bounded = int(total[MAKESPAN])
+    return Judgement(solution.rank, solution.worth, bounded)
+
+
+def _search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
+    """Anneal once or several times, each time from the best plan.
+
+    If plans have a cost it begins anew each time: what the best plan costs says too little of how
+    hot to begin, as it is not left any more then.
+    """
+    search, is_weighed = ArcSearch(problem, seed), have_weights(problem.links)
+    if not is_weighed:
+        search.begin_at(race.plan.plan)
+    coolings = _coolings(problem, race.seconds_left)
     for number, cooler in enumerate(coolings):
+        if race.is_over:
+            break
+        if is_weighed:
+            search.begin_anew()
+            search.quench()
         hot, cold = search.heats
         search.anneal_until(
             time.perf_counter() + race.seconds_left / (len(coolings) - number),
             race,
-            lambda: race.offer(search.best),
-            (hot // cooler, cold),
+            lambda: race.offer(_found(search)),
+            (hot / cooler, cold),
         )
-        search.begin_at_best()
+        if not is_weighed:
+            search.begin_at_best()
 
 
-def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[CoalitionPlan]) -> None:
+def _coolings(problem: CoalitionProblem, seconds: float) -> Sequence[int]:
+    """Return what the heat of each annealing in so many seconds is divided by at its beginning."""
+    tasks = len(problem.needs)
+    if have_weights(problem.links):
+        is_few = tasks < FEW_IF_WEIGHED
+        return [1] * max(1, round(seconds / SECONDS_EACH_IF_WEIGHED) if is_few else 1)
+    return COOLER if tasks >= MANY_TASKS else [1] * max(1, round(seconds / SECONDS_EACH))
+
+
+def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
     """Work out a bound, prove small problems, and search for the rest of the time.
 
     CP-SAT gets as large a share of what is left as bounds get.
     """
-    tasks = len(problem.needs)
-    raise_bound(problem, race, lambda: int(race.judgement.value))
-    if has_few_tasks(tasks) and is_small(problem) and not race.is_over:
+    tasks, is_weighed = len(problem.needs), have_weights(problem.links)
+    if is_bounded(problem.links):
+        raise_bound(
+            problem, race, lambda: int(schedule_of(problem, race.plan.plan).total[MAKESPAN])
+        )
+    is_provable = not is_weighed and has_few_tasks(tasks) and is_small(problem)
+    if is_provable and not race.is_over:
         seconds = proof_share(tasks) * race.seconds_left
-        proof = solve_exactly(problem, race.plan, race.bound, seconds)
+        proof = solve_exactly(problem, race.plan.plan, race.bound, seconds)
         race.raise_bound(proof.bound)
         if proof.plan is not None:
-            race.offer(proof.plan)
+            race.offer(_timed(problem, proof.plan))
     _search(problem, seed, race)

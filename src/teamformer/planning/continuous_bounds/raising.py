@@ -6,10 +6,10 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from teamformer.planning.arcs.annealing import has_few_tasks
 from teamformer.planning.continuous_bounds.makespan import improving_bounds
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.race import Race
+from teamformer.planning.search.arc_search import has_few_tasks
 
 PROOF, LARGE_PROOF = 0.3, 0.1
 """Share of the time that one thread spends on bounds at most, with few tasks and with more."""

@@ -69,7 +69,9 @@ def _heads_and_tails(problem: CoalitionProblem, ways: Ints, home: Ints) -> tuple
         able, needing = _able(problem, cap), problem.needs[:, cap] > 0
         if not needing.any():
             continue
-        there = ways[problem.pace[able], problem.origin[able]].min(axis=0)  # (tasks,)
+        ready = problem.ready[problem.origin[able] - tasks]  # (able,)
+        leave = ready[:, None] + ways[problem.pace[able], problem.origin[able]]
+        there = leave.min(axis=0)  # (tasks,)
         back = home[problem.kind[able], :tasks].min(axis=0)
         head[needing] = np.maximum(head, there)[needing]
         tail[needing] = np.maximum(tail, back)[needing]
@@ -83,7 +85,8 @@ def _heads_and_tails(problem: CoalitionProblem, ways: Ints, home: Ints) -> tuple
 
 def _idle_bound(problem: CoalitionProblem, home: Ints) -> int:
     """Return the longest way home, which the robot has even if it does nothing."""
-    return int(home[problem.kind, problem.origin].max(initial=0))
+    ready = problem.ready[problem.origin - len(problem.needs)]
+    return int((ready + home[problem.kind, problem.origin]).max(initial=0))
 
 
 def _work(problem: CoalitionProblem, relaxation: Relaxation, cap: int) -> int:

@@ -15,6 +15,8 @@ from teamformer.planning.problem.coalition_problem import (
     CoalitionProblem,
     different_rows,
 )
+from teamformer.planning.problem.constants import TICKS
+from teamformer.planning.problem.links import Links, have_weights
 from teamformer.planning.problem.prices import SHARES, Prices
 from teamformer.planning.problem.prices import SMOOTH as SMOOTH_IF_PRICED
 
@@ -25,13 +27,18 @@ KIND = np.dtype([("pace", np.int32), ("type", np.int32), ("lost", np.int64)])
 FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 28, 7
 """How many tasks are near to each: every seventh within these limits."""
 
-SWAP, REPLACE, RIDE, ANYWHERE, IN_PLACE, BUNDLE, SMOOTH, SLACK, STRETCH = range(9)
-"""Habits of a search: how many percent of the changes are swaps, replacements, riders; of the moves
-how many are to any moment, in place, or try a bundle; how many percent the mean end of tasks weighs
-in steps; by how many ticks chains may be longer than allowed."""
+NEAR_IF_WEIGHED = 60
+"""How many are if plans have a cost: who is cheap matters then, not who is soon there, and windows
+make most near tasks useless at a moment."""
 
-CONTINUOUS, WITH_SPARES = (40, 0, 0, 5, 0, 0, 0, 0, 0), (40, 0, 15, 5, 0, 0, 0, 0, 0)
-"""The habits in continuous time, and where coalitions with more robots than they need may pay."""
+ANYWHERE, IN_PLACE, BUNDLE, SMOOTH, SLACK = range(5)
+"""Habits of a search: of the moves how many percent are to any moment, in place, or try a bundle;
+how many percent the mean end of tasks weighs in steps; by how many ticks chains may be longer than
+allowed."""
+
+CONTINUOUS = (5, 0, 0, 0, 0)
+STEPS, LARGE_STEPS = (10, 10, 60, 60, 10 * TICKS), (2, 15, 60, 40, 2 * TICKS)
+"""The habits in continuous time, in steps, and in steps with a hundred tasks and more."""
 
 
 class ArcProblem(NamedTuple):
@@ -56,33 +63,36 @@ class ArcProblem(NamedTuple):
     after: Int32s  # (tasks, most) the tasks that each must have ended before, then NOBODY
     forming: Ints  # (1,)
     most: Ints  # (1,) seats of each task
-    habits: Int32s  # (9,)
+    habits: Int32s  # (5,)
     passed: Int32s  # (ways + 1,) of in steps: where the tasks of each way begin in `passes`
     passes: Int32s  # tasks that take time and lie on a way, from the place on
     together: Int32s  # (paces, paces) the pace of those who go together
     weights: Ints  # (4,) in steps: of makespan and ends, the divisor, and if there are prices
+    links: Links  # as in the coalition problem
 
 
-def near_of(tasks: int) -> int:
-    """Return how many tasks are near to each of so many."""
+def near_of(problem: CoalitionProblem) -> int:
+    """Return how many tasks are near to each in continuous time."""
+    tasks = len(problem.needs)
+    if have_weights(problem.links):
+        return min(tasks - 1, NEAR_IF_WEIGHED)
     return min(tasks - 1, max(FEWEST_NEAR, min(MOST_NEAR, tasks // NEAR_SHARE)))
 
 
 class StepRules(NamedTuple):
     """What a mission in steps has beside its coalition problem; robots of a team are in a row."""
 
-    ready: Ints  # (places - tasks,) when the robots at each depot are free
     lost: Ints  # (robots,) the step in which each is lost, if that is known; alike in a kind
     together: Int32s  # (paces, paces) the pace of those who go together
     prices: Prices  # if more than the makespan counts
     near: int  # how many tasks are near to each
-    habits: tuple[int, ...]
+    is_large: bool  # of a hundred tasks and more
     passed: Int32s  # (ways + 1,) as in ArcProblem
     passes: Int32s
 
 
-def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = None) -> ArcProblem:
-    """Return a coalition problem as one of arcs; `near` tasks are near to each.
+def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcProblem:
+    """Return a coalition problem as one of arcs.
 
     Robots are of a type if they bring the same; of a kind if they are as fast and go home to the
     same place, too.
@@ -115,17 +125,24 @@ def pose_arcs(problem: CoalitionProblem, near: int, steps: StepRules | None = No
         useful=useful,
         covers=covers,
         listed=listed,
-        near=near_tasks(problem.ways[0], near),
+        near=near_tasks(problem.ways[0], near_of(problem) if steps is None else steps.near),
         before=problem.before,
         after=problem.after,
         forming=problem.forming,
         most=np.array([most_seats(problem)]),
-        habits=np.array(_habits(problem, steps), np.int32),
+        habits=np.array(_habits(steps), np.int32),
         passed=np.zeros(1, np.int32) if steps is None else steps.passed,
         passes=np.zeros(0, np.int32) if steps is None else steps.passes,
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
         weights=_weights(len(problem.needs), steps),
+        links=problem.links,
     )
+
+
+@kernel
+def is_weighed(problem: ArcProblem) -> bool:
+    """Say whether plans are judged by a cost; starts may be linked then."""
+    return len(problem.links.weight) > 0
 
 
 @kernel
@@ -151,13 +168,13 @@ def _weights(tasks: int, steps: StepRules | None) -> Ints:
         return np.array([1, 0, 1, 0])
     if len(steps.prices.due) > 0:
         return np.array([steps.prices.whole[0], SMOOTH_IF_PRICED, SHARES * tasks, 1])
-    return np.array([100 * tasks, steps.habits[SMOOTH], 100 * tasks, 0])
+    return np.array([100 * tasks, _habits(steps)[SMOOTH], 100 * tasks, 0])
 
 
-def _habits(problem: CoalitionProblem, steps: StepRules | None) -> tuple[int, ...]:
-    if steps is not None:
-        return steps.habits
-    return WITH_SPARES if problem.spares > 0 else CONTINUOUS
+def _habits(steps: StepRules | None) -> tuple[int, ...]:
+    if steps is None:
+        return CONTINUOUS
+    return LARGE_STEPS if steps.is_large else STEPS
 
 
 def _mixed(problem: CoalitionProblem) -> Int32s:

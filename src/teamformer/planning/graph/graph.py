@@ -8,7 +8,7 @@ Start times are the order of the graph. A task's key is twice its start and one 
 before all keys, homes after. Every arc leads from a lower to a higher key, so there is no circle.
 
 Missions in continuous time and missions in steps differ in when a task starts and when those who
-leave it are at their next one: `in_steps` has that for the latter.
+leave it are at their next one: `approximate_steps` has that for the latter.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.graph.approximate_steps import find_way, plan_ways, start_in_steps
 from teamformer.planning.graph.arc_problem import (
     ArcProblem,
     Records,
@@ -28,10 +29,9 @@ from teamformer.planning.graph.arc_problem import (
     most_seats,
     takes_with,
 )
-from teamformer.planning.graph.meeting import TICKS, find_way, plan_ways, start_in_steps
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import SPREAD
+from teamformer.planning.problem.constants import SPREAD, TICKS
 from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 NODE = np.dtype(
     [
-        ("end", np.int64),  # when the task ends; 0 for depots
+        ("end", np.int64),  # when the task ends; for depots when robots there are free
         ("key", np.int64),
         ("tail", np.int64),  # the longest chain of work and ways from its start to the end of all
         ("duration", np.int64),  # with the coalition that it has
@@ -107,8 +107,8 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     nodes.has_links[:tasks] = linked
     most = most_seats(problem)
     nodes.first[:tasks] = np.arange(tasks) * most
+    nodes.end[tasks:places] = problem.ready
     if steps is not None:
-        nodes.end[tasks:places] = steps.ready
         nodes.taken[tasks:places] = np.bincount(problem.origin - tasks)
         nodes.first[tasks:places] = tasks * most + np.searchsorted(
             problem.origin, np.arange(tasks, places)

@@ -14,6 +14,7 @@ import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.approximate_steps import find_way, plan_ways
 from teamformer.planning.graph.arc_problem import ArcProblem, Records
 from teamformer.planning.graph.graph import (
     AIM,
@@ -33,8 +34,8 @@ from teamformer.planning.graph.graph import (
     tail_of,
     takes,
 )
-from teamformer.planning.graph.meeting import TICKS, find_way, plan_ways
 from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.planning.problem.constants import TICKS
 
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from teamformer.base.array_types import Array, Int32s
 from teamformer.base.kernels.jit import entry
 from teamformer.mission.precedence import keep_precedence
-from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem, without_spares
+from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
 
 
 class CoalitionPlan(NamedTuple):
@@ -74,32 +74,71 @@ def copy_plan(plan: CoalitionPlan, into: CoalitionPlan) -> None:
     into.size[:] = plan.size
 
 
+def without_spares(counts: Int32s, need: Int32s, robots: Sequence[int], most: int = 0) -> list[int]:
+    """Return robots that cover a need (caps,) without those to spare, dropped from the last on.
+
+    Nobody more is dropped once they are `most`.
+    """
+    kept = list(robots)
+    for robot in reversed(robots):
+        rest = [other for other in kept if other != robot]
+        if len(kept) > most and (counts[rest].sum(axis=0) >= need).all():
+            kept = rest
+    return kept
+
+
 def with_seats(problem: CoalitionProblem, plan: CoalitionPlan, most: int) -> CoalitionPlan:
     """Return a plan in which no task has more than so many robots, but for those that it needs."""
     if (plan.size <= most).all():
         return plan
     seated = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
     for task in np.flatnonzero(plan.size > most).tolist():
-        kept = without_spares(problem, task, plan.coalition[task, : plan.size[task]].tolist(), most)
+        crew = plan.coalition[task, : plan.size[task]].tolist()
+        kept = without_spares(problem.counts, problem.needs[task], crew, most)
         seated.size[task], seated.coalition[task, : len(kept)] = len(kept), kept
     return seated
 
 
+class Judged(Protocol):
+    """A plan and what it is compared by, the least first."""
+
+    @property
+    def plan(self) -> CoalitionPlan:
+        """Return the plan."""
+
+    @property
+    def rank(self) -> tuple[float, ...]:
+        """Return what it is compared by."""
+
+
+Made = TypeVar("Made", bound=Judged)
+
+
 def without_riders(
-    problem: CoalitionProblem, plan: CoalitionPlan, cost_of: Callable[[CoalitionPlan], Any]
-) -> CoalitionPlan:
-    """Return a plan without the robots that a task can be done without, where it costs no more."""
-    if problem.spares == 0:
-        return plan
-    cost = cost_of(plan)
-    for task in plan.order.tolist():
-        for robot in plan.coalition[task, : plan.size[task]][::-1].tolist():
-            crew = plan.coalition[task, : plan.size[task]]
-            rest = crew[crew != robot]
-            if (problem.counts[rest].sum(axis=0) < problem.needs[task]).any():
+    counts: Int32s,
+    needs: Int32s,
+    made: Made,
+    judged: Callable[[CoalitionPlan], Made],
+    is_strict: bool = False,
+) -> Made:
+    """Return a plan without the robots that a task can be done without, where it is no worse then.
+
+    If it `is_strict`, only where it is better.
+
+    A search has some come along, as that may pay; others only trail along. What is judged may have
+    its robots renamed. `counts` is (robots, caps), `needs` (tasks, caps).
+    """
+    for task in made.plan.order.tolist():
+        seat = int(made.plan.size[task]) - 1
+        while seat >= 0:
+            crew = made.plan.coalition[task, : made.plan.size[task]]
+            rest = np.delete(crew, seat)
+            seat -= 1
+            if (counts[rest].sum(axis=0) < needs[task]).any():
                 continue
-            fewer = CoalitionPlan(plan.order, plan.coalition.copy(), plan.size.copy())
+            fewer = CoalitionPlan(*(array.copy() for array in made.plan))
             fewer.size[task], fewer.coalition[task, : len(rest)] = len(rest), rest
-            if cost_of(fewer) <= cost:
-                plan, cost = fewer, cost_of(fewer)
-    return plan
+            found = judged(fewer)
+            if found.rank < made.rank or (found.rank == made.rank and not is_strict):
+                made, seat = found, min(seat, int(found.plan.size[task]) - 1)
+    return made

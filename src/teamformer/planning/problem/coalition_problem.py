@@ -16,6 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Int32s, Ints
+from teamformer.planning.problem.constants import NEVER
+from teamformer.planning.problem.links import Links, no_links
 from teamformer.world.rules.constants import NOBODY
 
 __all__ = [
@@ -25,12 +27,7 @@ __all__ = [
     "CoalitionProblem",
     "different_rows",
     "pose_problem",
-    "without_spares",
 ]
-
-NEVER = 2**60
-"""A due time that no task has; ticks of real times stay far below."""
-
 
 SPARES = 4
 """How many robots more than it needs come to a task at most, where that may pay."""
@@ -57,6 +54,8 @@ class CoalitionProblem(NamedTuple):
     after: Int32s  # (tasks, most) the tasks that each must have ended before, then NOBODY
     forming: Ints  # (1,) what a coalition takes whose robots do not all come from one site
     spares: int  # how many robots more than it needs come to a task at most
+    ready: Ints  # (places - tasks,) when those who start at a place are free
+    links: Links  # of starts, and what plans cost; empty where the makespan alone counts
 
 
 def pose_problem(
@@ -75,12 +74,15 @@ def pose_problem(
     site: npt.ArrayLike | None = None,
     apart: npt.ArrayLike | None = None,
     spares: int = 0,
+    ready: npt.ArrayLike | None = None,
+    links: Links | None = None,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
     `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
     `site` no two places lie at the same position; without `slower` all carry loads equally fast.
-    Robots with different numbers in `apart` (robots,) are of different kinds.
+    Robots with different numbers in `apart` (robots,) are of different kinds. Without `ready` all
+    are free from the beginning.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
@@ -111,6 +113,10 @@ def pose_problem(
         after=listed([[j for i, j in precedence if i == task] for task in range(tasks)]),
         forming=np.array([forming]),
         spares=spares,
+        ready=np.zeros(ways.shape[1] - tasks, np.int64)
+        if ready is None
+        else np.asarray(ready, np.int64),
+        links=no_links() if links is None else links,
     )
 
 
@@ -130,19 +136,3 @@ def listed(rows: Sequence[Sequence[int] | Ints]) -> Int32s:
     for row, numbers in zip(table, rows, strict=True):
         row[: len(numbers)] = numbers
     return table
-
-
-def without_spares(
-    problem: CoalitionProblem, task: int, robots: Sequence[int], most: int = 0
-) -> list[int]:
-    """Return robots that cover a task without those to spare, which are dropped from the last on.
-
-    Nobody more is dropped once they are `most`.
-    """
-    kept = list(robots)
-    for robot in reversed(robots):
-        rest = [other for other in kept if other != robot]
-        is_spare = (problem.counts[rest].sum(axis=0) >= problem.needs[task]).all()
-        if is_spare and len(kept) > most:
-            kept = rest
-    return kept

@@ -1,4 +1,4 @@
-"""The coalition problem with links between the starts of tasks, and with weights for a cost.
+"""Links between the starts of tasks, and the weights of a cost.
 
 Tasks that are linked, directly or by others, form a group: they are planned together, and start at
 once or so many ticks after one another as their gaps say. Two that are linked directly are done by
@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Floats, Int32s, Ints
-from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import SPREAD
+from teamformer.planning.problem.constants import NEVER, SPREAD
+from teamformer.world.rules.constants import NOBODY
 
 FREE = -NEVER
 """A gap that says nothing."""
@@ -46,10 +46,9 @@ class Link(NamedTuple):
     most: int
 
 
-class LinkedProblem(NamedTuple):
-    """A coalition problem with its groups, gaps and weights."""
+class Links(NamedTuple):
+    """What is linked with what, and what plans are judged by; empty arrays if there is neither."""
 
-    base: CoalitionProblem
     group: Int32s  # (tasks,) the group of each
     members: Int32s  # (groups, most) the tasks of each group, then NOBODY
     gap: Ints  # (tasks, tasks) [i, j]: j starts no sooner than so many ticks after i, or FREE
@@ -57,27 +56,42 @@ class LinkedProblem(NamedTuple):
     task_weight: Floats  # (tasks,)
 
 
-def is_bounded(problem: LinkedProblem) -> bool:
+def no_links() -> Links:
+    """Return what a problem has in which nothing is linked and the makespan alone counts."""
+    no_tasks, nothing = np.zeros(0, np.int32), np.zeros(0)
+    table = np.zeros((0, 0), np.int32)
+    return Links(no_tasks, table, table.astype(np.int64), nothing, nothing)
+
+
+def have_weights(links: Links) -> bool:
+    """Say whether plans are judged by a cost, which links need too."""
+    return len(links.weight) > 0
+
+
+def is_bounded(links: Links) -> bool:
     """Say whether a bound of the makespan says something of plans in which nothing is late.
 
     Loads that are linked are carried as slowly as can be (`continuous_mission`): bounds may then
     be too high.
     """
-    is_free = bool((problem.gap == FREE).all())
-    weight = problem.weight
+    weight = links.weight
+    if not have_weights(links):
+        return True
+    is_free = bool((links.gap == FREE).all())
     return is_free and weight[MAKESPAN] > 0 and weight[TRAVEL] == weight[COMPLETION] == 0
 
 
-def link_problem(
-    base: CoalitionProblem,
+def link_tasks(
+    tasks: int,
+    robots: int,
     links: Sequence[Link],
     weight: Mapping[int, float],
     task_weight: npt.ArrayLike | None = None,
-) -> LinkedProblem:
-    """Return a problem with its links worked out; parts that have no weight do not count."""
-    tasks, weights = len(base.needs), np.zeros(PARTS)
+) -> Links:
+    """Return links of so many tasks worked out; parts that have no weight do not count."""
+    weights = np.zeros(PARTS)
     weights[list(weight)] = list(weight.values())
-    weights[HOME] = weights[MAKESPAN] / (SPREAD * len(base.counts))
+    weights[HOME] = weights[MAKESPAN] / (SPREAD * robots)
     gap = np.full((tasks, tasks), FREE)
     leader = list(range(tasks))
     for task, other, least, most in links:
@@ -91,4 +105,4 @@ def link_problem(
     for number, found in enumerate(groups):
         members[number, : len(found)], group[found] = found, number
     by_task = np.ones(tasks) if task_weight is None else np.asarray(task_weight, np.float64)
-    return LinkedProblem(base, group, members, gap, weights, by_task)
+    return Links(group, members, gap, weights, by_task)

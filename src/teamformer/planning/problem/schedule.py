@@ -11,12 +11,10 @@ from teamformer.base.kernels.jit import entry, kernel
 from teamformer.mission.checks.costs import LATENESS
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, copy_plan, empty_plan
 from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
+from teamformer.planning.problem.constants import SPREAD
 
 if TYPE_CHECKING:
     from teamformer.base.array_types import Array
-
-SPREAD = 20
-"""The mean time at which robots are home weighs this many times less than the last one."""
 
 MAKESPAN, COST, BACK_SUM, LATE = range(4)
 
@@ -28,19 +26,20 @@ class Schedule(NamedTuple):
     rank: Int32s  # (tasks,) positions in the order
     last: Int32s  # (tasks + 1, robots) where each robot is before a position of the order
     start: Ints  # (tasks,)
-    end: Ints  # (places,) 0 for the places where robots start
+    end: Ints  # (places,) of places where robots start when they are free
     total: Ints  # (4,) makespan, cost, sum of the times at home, lateness
 
 
 def empty_schedule(problem: CoalitionProblem) -> Schedule:
     """Return room for a plan and its times."""
     tasks, robots = len(problem.needs), len(problem.counts)
+    end = np.concatenate([np.zeros(tasks, np.int64), problem.ready])
     return Schedule(
         plan=empty_plan(problem),
         rank=np.arange(tasks, dtype=np.int32),
         last=np.zeros((tasks + 1, robots), np.int32),
         start=np.zeros(tasks, np.int64),
-        end=np.zeros(problem.ways.shape[1], np.int64),
+        end=end,
         total=np.zeros(4, np.int64),
     )
 

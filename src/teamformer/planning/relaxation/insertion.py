@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from teamformer.base.array_types import Array
-from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
+from teamformer.base.kernels.jit import allocating_kernel, kernel
 from teamformer.planning.problem.relaxed_problem import Relaxed, least_brought
 from teamformer.planning.relaxation.relaxed_plan import (
     arrival_at,
@@ -115,7 +115,7 @@ def insert_task(
             size = _pick_coalition(robots, asked, candidates, counts, pick, earliest, duration)
             if workspace.is_versatile[0]:
                 count_spares(problem.needs, counts, pick, size, task, workspace.spare)
-                size = drop_spares(counts, pick, size, workspace.spare)
+                size = _drop_spares(counts, pick, size, workspace.spare)
             through, detour = _judge_coalition(robots, pick, size, earliest, duration)
             cost = STEP * max(through, makespan) + through + detour
             if cost < best_cost:
@@ -328,8 +328,8 @@ def _judge_coalition(robots: Array, pick: Array, size: int, earliest: int, durat
     return ready + duration + remains, detour
 
 
-@entry
-def drop_spares(counts: Array, pick: Array, size: int, spare: Array) -> int:
+@kernel
+def _drop_spares(counts: Array, pick: Array, size: int, spare: Array) -> int:
     """Send away robots that a coalition can spare, the first picked first; return who is left.
 
     `spare` is what the coalition has beyond what is needed. No more stay than counts are needed.

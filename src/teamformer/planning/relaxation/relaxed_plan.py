@@ -121,7 +121,7 @@ def arrival_at(robots: Array, steps: Array, cells: Array, robot: int, task: int)
     return robots[robot].arrive if way == 0 else robots[robot].leave + way
 
 
-@entry
+@kernel
 def serve(robots: Array, steps: Array, cells: Array, robot: int, task: int, end: int) -> int:
     """Let a robot go to a task and stay until its end; return the steps walked."""
     way = leg_to(robots, steps, cells, robot, task)

@@ -4,30 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from teamformer.base.array_types import Array
-from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
+from teamformer.planning.problem.coalition_plan import without_spares
 from teamformer.planning.problem.relaxed_problem import Relaxed
-from teamformer.planning.relaxation.insertion import drop_spares
 from teamformer.planning.relaxation.relaxed_plan import (
     RelaxedPlan,
-    arrival_at,
     empty_plan,
     empty_timing,
-    send_home,
-    serve,
-    set_free,
     start_tasks,
 )
 from teamformer.world.rules.constants import FAR
-from teamformer.world.rules.coverage import helps
-from teamformer.world.rules.sorting import sort_indices
-
-if TYPE_CHECKING:
-    from teamformer.planning.relaxation.relaxed_plan import Timing
 
 
 @dataclass(frozen=True)
@@ -56,9 +45,41 @@ def schedule_tasks(problem: Relaxed, ranking: Sequence[int]) -> RelaxedSchedule 
     Each task in turn gets the coalition that can be there first. None if robots that will be lost
     leave a task without a coalition.
     """
-    plan = empty_plan(problem)
-    decode(problem, np.asarray(ranking, np.int32), plan, empty_timing(problem, plan))
-    return read_schedule(problem, plan)
+    at = len(problem.appears) + np.arange(len(problem.pace))  # (robots,) places
+    arrive, leave = problem.ready.astype(np.int64), problem.ready.astype(np.int64)
+    coalitions: list[list[int]] = [[] for _ in problem.appears]
+    for task in ranking:
+        ways = problem.steps[problem.pace, problem.cells[task, at]]
+        arrival = np.where(ways == 0, arrive, leave + ways)
+        crew = coalitions[task] = _first_to_come(problem, task, arrival)
+        if not crew:
+            return None
+        end = max(problem.appears[task] + 1, arrival[crew].max()) + problem.duration[task]
+        stays = ways[crew] == 0
+        arrive[crew] = arrival[crew]
+        leave[crew] = np.where(stays, np.maximum(leave[crew], end), end)
+        at[crew] = task
+    return read_schedule(problem, make_plan(problem, ranking, coalitions))
+
+
+def _first_to_come(problem: Relaxed, task: int, arrival: Array) -> list[int]:
+    """Return who can be there first and is there at the end; nobody if that is not enough.
+
+    Of those that come until there are enough, the first are sent away again if they can be spared:
+    they would wait longest.
+    """
+    counts, needs, crew = problem.counts, problem.needs[task], list[int]()
+    is_useful = (np.minimum(counts, needs) > 0).any(axis=1) & (arrival < FAR)  # (robots,)
+    for robot in np.argsort(arrival, kind="stable").tolist():
+        if not is_useful[robot]:
+            continue
+        crew.append(robot)
+        if (counts[crew].sum(axis=0) >= needs).all():
+            end = max(problem.appears[task] + 1, arrival[robot]) + problem.duration[task]
+            crew = [one for one in crew if end < problem.lost[one]]
+            if (counts[crew].sum(axis=0) >= needs).all():
+                return without_spares(counts, needs, crew[::-1])[::-1]
+    return []
 
 
 def read_schedule(problem: Relaxed, plan: RelaxedPlan) -> RelaxedSchedule | None:
@@ -97,82 +118,6 @@ def make_plan(
     plan.order[:] = order
     plan.placed[0] = len(order)
     for task, coalition in enumerate(coalitions):
-        pick = np.array(coalition, np.int32)
-        spare = problem.counts[pick].sum(axis=0, dtype=np.int32) - problem.needs[task]
-        plan.size[task] = drop_spares(problem.counts, pick, len(pick), spare)
-        plan.coalition[task, : plan.size[task]] = pick[: plan.size[task]]
+        kept = without_spares(problem.counts, problem.needs[task], coalition[::-1])[::-1]
+        plan.size[task], plan.coalition[task, : len(kept)] = len(kept), kept
     return plan
-
-
-@entry
-def decode(problem: Relaxed, ranking: Array, plan: RelaxedPlan, timing: Timing) -> Any:
-    """Give each task in turn the coalition that can be there first; return the makespan.
-
-    Of those that come until there are enough, the first are sent away again if they can be spared:
-    they would wait longest. A task that nobody is left to do stays out of the plan.
-    """
-    robots, steps, cells = timing.robots, problem.steps, problem.cells
-    pick, spare = np.empty(len(robots), np.int32), np.empty(problem.needs.shape[1], np.int32)
-    send_home(robots, len(plan.size))
-    set_free(robots, problem.ready)
-    plan.placed[0] = makespan = 0
-    for task in ranking:
-        _sort_by_arrival(robots, steps, cells, task, pick)
-        size = _take_first(robots, problem, pick, spare, task)
-        plan.size[task] = drop_spares(problem.counts, pick, size, spare)
-        start = problem.appears[task] + 1
-        for seat in range(plan.size[task]):
-            plan.coalition[task, seat] = pick[seat]
-            start = max(start, robots[pick[seat]].arrival)
-        for seat in range(plan.size[task]):
-            serve(robots, steps, cells, pick[seat], task, start + problem.duration[task])
-        if size > 0:
-            plan.order[plan.placed[0]] = task
-            plan.placed[0] += 1
-            makespan = max(makespan, start + problem.duration[task])
-    return makespan
-
-
-@allocating_kernel
-def _sort_by_arrival(robots: Array, steps: Array, cells: Array, task: int, pick: Array) -> None:
-    arrival, room = np.empty(len(robots), np.int64), np.empty(len(robots), np.int32)
-    for robot in range(len(robots)):
-        arrival[robot] = arrival_at(robots, steps, cells, robot, task)
-        robots[robot].arrival = arrival[robot]
-    sort_indices(arrival, pick, room)
-
-
-@allocating_kernel
-def _take_first(robots: Array, problem: Relaxed, pick: Array, spare: Array, task: int) -> int:
-    """Keep in `pick`, sorted by arrival, the first that cover a task; return how many, or 0.
-
-    `spare` is left with what they have beyond what the task needs.
-    """
-    needs, counts = problem.needs, problem.counts
-    earliest, duration = problem.appears[task] + 1, problem.duration[task]
-    spare[:] = -needs[task]
-    size = 0
-    for robot in pick:
-        if helps(counts[robot], needs[task]) and robots[robot].arrival < FAR:
-            pick[size] = robot
-            size += 1
-            spare += counts[robot]
-            if spare.min() >= 0:
-                end = max(earliest, robots[robot].arrival) + duration
-                size = _drop_lost(robots, counts, pick, size, spare, end)
-                if spare.min() >= 0:
-                    return size
-    return 0
-
-
-@kernel
-def _drop_lost(robots: Array, counts: Array, pick: Array, size: int, spare: Array, end: int) -> int:
-    """Send away robots that will be missing at the end; return how many are left."""
-    kept = 0
-    for seat in range(size):
-        if end < robots[pick[seat]].lost:
-            pick[kept] = pick[seat]
-            kept += 1
-        else:
-            spare -= counts[pick[seat]]
-    return kept

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Literal
 
 from teamformer.mission.model import Mission, Robot, Task
@@ -21,6 +20,7 @@ from teamformer.planning.problem.relaxed_problem import (
     may_set_down,
     relax,
 )
+from teamformer.planning.race import Judgement, Race, search_by_clock
 from teamformer.planning.relaxation.cp_sat import (
     build_circuits,
     count_arcs,
@@ -34,6 +34,9 @@ from teamformer.world.rules.constants import FAR
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 
+Schedules = Race[RelaxedSchedule | None]
+"""A race of relaxed schedules; it may begin without one."""
+
 FIRST_ROUNDS = 250
 """Rounds of searching, for each task, before anything is to be proven; up to half of the time."""
 
@@ -43,11 +46,8 @@ LARGEST_MODEL = 5000
 SECONDS_TO_BUILD = 5e-5
 """Seconds that an arc may take to be built and presolved; with less time left, none are."""
 
-MOST_AT_ONCE = 2000
-"""Rounds times tasks of searching between two looks at the clock; a few hundredths of a second."""
-
 STOP_AGAIN = 0.05
-"""Seconds after which it is looked again whether threads are to end, and they are told again."""
+"""Seconds after which it is looked again whether the solver is to end, and it is told again."""
 
 EARLY = 0.3
 """Share of the time left for a first cooling down; a second one takes the rest."""
@@ -75,162 +75,89 @@ def solve(
     mission: Mission,
     time_limit: float,
     seed: int = 0,
-    workers: int = 2,
-    hint: RelaxedSchedule | None = None,
     is_stopped: Callable[[], bool] = lambda: False,
 ) -> RelaxedSolution:
-    """Minimise the makespan if joining is free, for up to `time_limit` seconds.
+    """Minimise the makespan if joining is free, for up to `time_limit` seconds, on this thread.
 
-    Starts from `hint`, if given, and works on up to `workers` threads. A limit of 0 returns
-    the first plan. It ends early when `is_stopped` says so. Compiling, once for each installation,
-    takes seconds that do not count.
+    A limit of 0 returns the first plan. It ends early when `is_stopped` says so. Compiling, once
+    for each installation, takes seconds that do not count.
     """
     _compile()
-    progress = SolverProgress(relax(mission), time_limit, is_stopped)
-    progress.is_bounding = not may_set_down(mission)
-    if (earliest_starts(progress.problem) >= FAR).any():
-        progress.is_infeasible = progress.is_bounding
-        return progress.report()
-    search = ThresholdSearch(progress.problem, seed, hint)
+    begun, problem = time.perf_counter(), relax(mission)
+    is_bounding = not may_set_down(mission)
+    if (earliest_starts(problem) >= FAR).any():
+        status: Status = "infeasible" if is_bounding else "unknown"
+        return RelaxedSolution(None, None, 0, status, time.perf_counter() - begun, ())
+    search = ThresholdSearch(problem, seed)
     search.run(1)
-    progress.offer(search.best)
-    if progress.is_bounding:
-        progress.raise_bound(bound_makespan(progress.problem))
-    if count_arcs(progress.problem) <= LARGEST_MODEL:
-        rounds = FIRST_ROUNDS * len(mission.tasks)
-        _cool_down(progress, search, rounds, progress.seconds_left / 2)
-    if not progress.is_over():
-        _search_and_prove(progress, seed, workers)
-    return progress.report()
+    race = Schedules(_judge, search.best, begun, begun + time_limit, is_stopped)
+    first = () if race.plan is None else ((time.perf_counter() - begun, race.plan.makespan),)
+    if is_bounding:
+        race.raise_bound(bound_makespan(problem))
+    arcs, is_infeasible = count_arcs(problem), False
+    if arcs <= LARGEST_MODEL:
+        _cool_down(race, search, 0.5, FIRST_ROUNDS * len(mission.tasks))
+    if arcs <= LARGEST_MODEL and arcs * SECONDS_TO_BUILD < race.seconds_left and not race.is_over:
+        is_infeasible = _prove(race, problem, seed, is_bounding)
+    else:
+        search = ThresholdSearch(problem, seed + 1, race.plan)
+        _cool_down(race, search, EARLY)
+        if race.plan is not None:
+            search.restart(race.plan)
+        _cool_down(race, search)
+    best, bound = race.plan, race.bound
+    if best is None:
+        status = "infeasible" if is_infeasible else "unknown"
+    else:
+        status = "optimal" if best.makespan <= bound else "feasible"
+    value, seconds = best.makespan if best else None, time.perf_counter() - begun
+    return RelaxedSolution(best, value, bound, status, seconds, (*first, *race.curve))
 
 
-class SolverProgress:
-    """What all threads together know so far about one problem."""
-
-    def __init__(
-        self,
-        problem: Relaxed,
-        time_limit: float,
-        is_stopped: Callable[[], bool] = lambda: False,
-    ) -> None:
-        self.problem = problem
-        self._is_stopped = is_stopped
-        self.best: RelaxedSchedule | None = None
-        self.is_exhausted = False  # nothing better is left to be found
-        self.is_infeasible = False
-        self.is_bounding = True  # what is proven of the relaxed problem holds for all plans
-        self.stop_solver: Callable[[], None] = lambda: None
-        self.bound = 0
-        self._curve: list[tuple[float, int]] = []
-        self._started, self._limit = time.perf_counter(), time_limit
-        self._lock = threading.Lock()
-
-    @property
-    def seconds(self) -> float:
-        """Return the seconds since the start."""
-        return time.perf_counter() - self._started
-
-    @property
-    def seconds_left(self) -> float:
-        """Return the seconds until time is up."""
-        return max(0.0, self._limit - self.seconds)
-
-    def is_over(self) -> bool:
-        """Say whether time is up, somebody stops it, or nothing better is left to be found."""
-        return self.seconds_left == 0 or self.is_exhausted or self._is_stopped()
-
-    def offer(self, schedule: RelaxedSchedule | None) -> None:
-        """Take a schedule if it is faster than the best."""
-        with self._lock:
-            if schedule and (self.best is None or schedule.makespan < self.best.makespan):
-                self.best = schedule
-                self._curve.append((self.seconds, schedule.makespan))
-        self.raise_bound(0)
-
-    def raise_bound(self, bound: int) -> None:
-        """Note that no plan is faster than this."""
-        self.bound = max(self.bound, bound)
-        self.is_exhausted |= self.best is not None and self.best.makespan <= self.bound
-
-    def stop(self) -> None:
-        """Let all threads come to their end."""
-        self.is_exhausted = True
-        self.stop_solver()
-
-    def report(self) -> RelaxedSolution:
-        """Return where things stand."""
-        best, status = self.best, self._status()
-        value = best.makespan if best else None
-        return RelaxedSolution(best, value, self.bound, status, self.seconds, tuple(self._curve))
-
-    def _status(self) -> Status:
-        if self.best is None:
-            return "infeasible" if self.is_infeasible else "unknown"
-        return "optimal" if self.best.makespan <= self.bound else "feasible"
+def _judge(schedule: RelaxedSchedule | None) -> Judgement:
+    """Compare schedules by their makespans; any is better than none."""
+    makespan = math.inf if schedule is None else schedule.makespan
+    return Judgement((makespan,), makespan, makespan)
 
 
 def _cool_down(
-    progress: SolverProgress, search: ThresholdSearch, rounds: float, seconds: float
+    race: Schedules, search: ThresholdSearch, share: float = 1.0, rounds: float = math.inf
 ) -> None:
-    """Search once from hot to cool, over so many rounds or seconds, whichever are over first."""
-    begin, made = progress.seconds, 0
-    at_once = max(1, MOST_AT_ONCE // len(progress.problem.appears))
-    while not progress.is_over():
-        part = max(made / rounds, (progress.seconds - begin) / seconds)
-        if part >= 1:
-            break
-        cost, heat = search.cost, HOT * (1 - part)
-        search.run(at_once, heat, heat)
-        made += at_once
-        if search.cost < cost:
-            progress.offer(search.best)
+    """Search once from hot to cool, over a share of the time or so many rounds."""
+    deadline = time.perf_counter() + share * race.seconds_left
+
+    def run(passed: float, rounds: int) -> None:
+        heat = HOT * (1 - passed)
+        search.run(rounds, heat, heat)
+
+    search_by_clock(
+        run, lambda: (search.cost,), deadline, race, lambda: race.offer(search.best), rounds
+    )
 
 
-def _search_on(progress: SolverProgress, seed: int) -> None:
-    """Search until time is up."""
-    search = ThresholdSearch(progress.problem, seed, progress.best)
-    _cool_down(progress, search, math.inf, EARLY * progress.seconds_left)
-    if progress.best:
-        search.restart(progress.best)
-    _cool_down(progress, search, math.inf, progress.seconds_left)
+def _prove(race: Schedules, problem: Relaxed, seed: int, is_bounding: bool) -> bool:
+    """Look for a faster schedule with CP-SAT, or show that there is none; say if there is none.
 
-
-def _search_and_prove(progress: SolverProgress, seed: int, workers: int) -> None:
-    """Let the solver work on one thread, if it can get anywhere, and search on all others.
-
-    The main thread only waits, so that Ctrl-C reaches it.
+    It works on a thread of its own, and this one only waits, so that Ctrl-C reaches it.
     """
-    arcs, workers = count_arcs(progress.problem), max(1, workers)
-    proves = arcs <= LARGEST_MODEL and arcs * SECONDS_TO_BUILD < progress.seconds_left
-    with ThreadPoolExecutor(workers) as pool:
-        work = [pool.submit(_prove, progress, seed)] if proves else []
-        while len(work) < workers:
-            work.append(pool.submit(_search_on, progress, seed + 1 + len(work)))
-        try:
-            while wait(work, timeout=STOP_AGAIN).not_done:
-                if progress.is_over():
-                    progress.stop()
-            for done in work:
-                done.result()
-        finally:
-            progress.stop()
-            while wait(work, timeout=STOP_AGAIN).not_done:  # one that just begins is deaf
-                progress.stop()
-
-
-def _prove(progress: SolverProgress, seed: int) -> None:
-    """Look for a faster schedule with the solver, or show that there is none."""
-    problem, best = progress.problem, progress.best
-    solver = make_solver(seed)
-    progress.stop_solver = solver.stop_search
+    solver, best = make_solver(seed), race.plan
     horizon = best.makespan - 1 if best else latest_makespan(problem)
-    circuits = build_circuits(problem, progress.bound, horizon)
-    solver.parameters.max_time_in_seconds = progress.seconds_left
-    has_seen_all, bound = minimise(circuits, solver, progress.offer)
-    if progress.is_bounding and is_true_relaxation(problem):
-        progress.raise_bound(bound)
-        progress.is_infeasible = bound > horizon and best is None
-    progress.is_exhausted |= has_seen_all
+    circuits = build_circuits(problem, race.bound, horizon)
+    solver.parameters.max_time_in_seconds = race.seconds_left
+    with ThreadPoolExecutor(1) as pool:
+        proof = pool.submit(partial(minimise, circuits, solver, race.offer))
+        try:
+            while wait([proof], timeout=STOP_AGAIN).not_done:
+                if race.is_over:
+                    solver.stop_search()
+        finally:
+            while wait([proof], timeout=STOP_AGAIN).not_done:  # one that just begins is deaf
+                solver.stop_search()
+    _, bound = proof.result()
+    if not is_bounding or not is_true_relaxation(problem):
+        return False
+    race.raise_bound(bound)
+    return best is None and bound > horizon
 
 
 @cache

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
-from teamformer.planning.arcs.annealing import ArcSearch
 from teamformer.planning.graph.arc_problem import StepRules
 from teamformer.planning.graph.graph import MAKESPAN
-from teamformer.planning.graph.meeting import TICKS
 from teamformer.planning.problem.coalition_plan import (
     CoalitionPlan,
     empty_plan,
@@ -17,8 +15,10 @@ from teamformer.planning.problem.coalition_plan import (
     plan_of_lists,
 )
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.relaxed_problem import Relaxed
-from teamformer.planning.steps.crossings import Crossings
+from teamformer.planning.search.arc_search import ArcSearch
+from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 from teamformer.world.rules.constants import FAR
@@ -29,13 +29,8 @@ RIDERS, RIDERS_IF_LARGE = 4, 2
 FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 60, 7
 """How many tasks are near to each: every seventh, or two for each type of robots."""
 
-HABITS = (25, 20, 20, 10, 10, 60, 60, 10 * TICKS, 15)
-"""Swaps, replacements, riders and so on, as `planning.arcs.arc_problem` names them."""
-
 LARGE = 100
 """Missions of so many tasks are planned from an empty plan, not from coalitions."""
-
-HABITS_IF_LARGE = (30, 10, 5, 2, 15, 60, 40, 2 * TICKS, 0)
 
 COOL = 20
 """An annealing at a plan begins at what a task takes a robot on average, divided by this."""
@@ -63,12 +58,11 @@ class TeamArcs:
         leaders = np.unique(situation.company)
         passed, passes = _passes(situation.problem, situation.crossings, leaders)
         rules = StepRules(
-            ready=situation.problem.ready[leaders].astype(np.int64) * TICKS,
             lost=situation.problem.lost[self._robots].astype(np.int64),
             together=_together(situation.problem),
             prices=situation.problem.prices,
             near=_near_of(tasks, len(np.unique(problem.counts, axis=0))),
-            habits=HABITS_IF_LARGE if is_large else HABITS,
+            is_large=is_large,
             passed=passed,
             passes=passes,
         )
@@ -167,6 +161,7 @@ def _pose(situation: Situation, robots: Ints, riders: int) -> CoalitionProblem:
         forming=situation.forming_steps,
         apart=problem.lost[robots],
         spares=riders,
+        ready=problem.ready[leaders].astype(np.int64) * TICKS,
     )
 
 

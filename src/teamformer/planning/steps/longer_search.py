@@ -8,15 +8,14 @@ from dataclasses import replace
 from functools import partial
 
 from teamformer.mission.coordination import Known, Plan
-from teamformer.planning.steps.initial import crew_plans
 from teamformer.planning.steps.shared_plan import kept_plan, shared_plan_of
 from teamformer.planning.steps.situation import situation_of
 from teamformer.planning.steps.solve import (
     begin_race,
+    first_plan,
     from_best,
     from_coalitions,
     improve,
-    is_able,
 )
 from teamformer.planning.steps.timed_plan import time_team_plan
 
@@ -42,14 +41,14 @@ def search_longer(
     situation = situation_of(replace(known, open_tasks=known.possible_tasks))
     problem = situation.problem
     kept = time_team_plan(situation, kept_plan(situation, old))
-    race = begin_race(kept, begun, begun + seconds)
-    for start in crew_plans(problem):
-        if is_able(problem, start):
-            race.offer(time_team_plan(situation, start))
+    race = begin_race(kept, begun, begun + seconds, is_over)
+    start = first_plan(situation)
+    if start is not None:
+        race.offer(start)
     coalitions = from_coalitions(problem, race, seed)
     jobs = [
         partial(improve, race, situation, from_best(race), seed),
         partial(improve, race, situation, coalitions, seed + 1),
     ]
-    race.run(jobs, len(jobs), is_over)
+    race.run(jobs, len(jobs))
     return shared_plan_of(situation, CENTRAL, race.plan)

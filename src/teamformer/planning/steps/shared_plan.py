@@ -8,18 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Mission
-from teamformer.planning.problem.coalition_plan import CoalitionPlan
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.relaxed_problem import Relaxed, has_prices, most_in_coalitions
 from teamformer.planning.steps.arc_search import LARGE, TeamArcs
 from teamformer.planning.steps.situation import Situation, plan_of, situation_of
 from teamformer.planning.steps.starts import complete_plan, plan_from_coalitions, plan_from_crews
-from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan, without_riders
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
 CREWS, COALITIONS, ANEW = "crews", "coalitions", "arcs"
 """What a plan is made from: what crews do, coalitions that are best where joining is free, or
@@ -150,7 +151,9 @@ def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | Non
     else:
         plans = _hopeful(plans, step)
     name, best = _by_halving(arcs, plans, rounds.arcs * (len(plans) + MORE))
-    return name, without_riders(situation, best)
+    problem = situation.problem
+    timed = partial(time_team_plan, situation)
+    return name, without_riders(problem.counts, problem.needs, best, timed, is_strict=True)
 
 
 def _by_halving(arcs: TeamArcs, plans: list[Named], rounds: int) -> Named:

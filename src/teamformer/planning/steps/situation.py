@@ -14,7 +14,7 @@ from teamformer.mission.parts.grid import Grid, Place
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Future, Relaxed, future_of, relax_ways
 from teamformer.planning.problem.ways import are_ways_straight, ends_of
-from teamformer.planning.steps.crossings import Crossings, find_crossings, without_loads
+from teamformer.planning.step_times.crossings import Crossings, find_crossings, without_loads
 from teamformer.world.rules.constants import FAR
 from teamformer.world.rules.distances import straight_ways, travel_matrix
 

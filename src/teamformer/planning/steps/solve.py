@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.race import Judgement, Race
-from teamformer.planning.steps.arc_search import COLD, COOL, LARGE, LESS_HOT, TeamArcs, rank_of
-from teamformer.planning.steps.initial import crew_plans
+from teamformer.planning.steps.arc_search import COLD, COOL, LARGE, LESS_HOT, TeamArcs
 from teamformer.planning.steps.shared_plan import relaxed_rounds, rounds_for
 from teamformer.planning.steps.situation import Situation
-from teamformer.planning.steps.starts import plan_from_coalitions
+from teamformer.planning.steps.starts import plan_from_coalitions, plan_from_crews
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
 Starts = Iterator[CoalitionPlan]
@@ -25,9 +24,14 @@ ROUNDS = 3000
 """Rounds for each pair of tasks; a search that long finds nothing more."""
 
 
-def begin_race(first: TimedPlan, begun: float, deadline: float) -> Race[TimedPlan]:
-    """Return a race of plans in steps that a first one leads."""
-    return Race(_judge, first, begun, deadline)
+def begin_race(
+    first: TimedPlan,
+    begun: float,
+    deadline: float,
+    is_abandoned: Callable[[], bool] = lambda: False,
+) -> Race[TimedPlan]:
+    """Return a race of plans in steps that a first one leads; `is_abandoned` as in `Race`."""
+    return Race(_judge, first, begun, deadline, is_abandoned)
 
 
 def _judge(plan: TimedPlan) -> Judgement:
@@ -37,10 +41,9 @@ def _judge(plan: TimedPlan) -> Judgement:
 
 
 def first_plan(situation: Situation) -> TimedPlan | None:
-    """Return the best of the first plans; None if a task has too few robots."""
-    problem = situation.problem
-    starts = [plan for plan in crew_plans(problem) if is_able(problem, plan)]
-    return min((time_team_plan(situation, start) for start in starts), key=rank_of, default=None)
+    """Return what crews do that share a tour out; None if a task has too few robots."""
+    plan = plan_from_crews(situation.problem, situation.company, rounds=0)
+    return time_team_plan(situation, plan) if is_able(situation.problem, plan) else None
 
 
 def is_able(problem: Relaxed, plan: CoalitionPlan) -> bool:

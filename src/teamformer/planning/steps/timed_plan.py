@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from teamformer.base.array_types import Array
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, keep_order
 from teamformer.planning.problem.relaxed_problem import has_prices
-from teamformer.planning.steps.passing import settle
+from teamformer.planning.step_times.groups import empty_groups
+from teamformer.planning.step_times.passing import settle
 from teamformer.planning.steps.situation import Situation
-from teamformer.planning.steps.timing import empty_groups
 
 
 @dataclass(frozen=True)
@@ -35,28 +35,6 @@ class TimedPlan:
     def makespan(self) -> int:
         """Return the step in which the last task is done."""
         return int(self.ends.max())
-
-
-def without_riders(situation: Situation, timed: TimedPlan) -> TimedPlan:
-    """Return a plan without robots that a coalition can do without, where that costs less.
-
-    A search has some come along, so that nobody parts; others only trail along.
-    """
-    problem = situation.problem
-    for task in timed.plan.order.tolist():
-        seat = int(timed.plan.size[task]) - 1
-        while seat >= 0:
-            crew = timed.plan.coalition[task, : timed.plan.size[task]].tolist()
-            rest = crew[:seat] + crew[seat + 1 :]
-            seat -= 1
-            if (problem.counts[rest].sum(axis=0) < problem.needs[task]).any():
-                continue
-            coalition, size = timed.plan.coalition.copy(), timed.plan.size.copy()
-            coalition[task, : len(rest)], size[task] = rest, len(rest)
-            fewer = time_team_plan(situation, CoalitionPlan(timed.plan.order, coalition, size))
-            if fewer.rank < timed.rank:
-                timed, seat = fewer, min(seat, int(fewer.plan.size[task]) - 1)
-    return timed
 
 
 def time_team_plan(situation: Situation, plan: CoalitionPlan) -> TimedPlan:

@@ -181,7 +181,7 @@ def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
     with inside("decisions"):
         caps = len(mission.capabilities)
         decisions = tuple(
-            (count_of(step), tuple(_wants(row, robots, caps) for row in rows_of(rows, 3)))
+            (count_of(step), tuple(_wants(row, robots, caps) for row in rows_of(rows, 3, 1)))
             for step, rows in rows_of(tree.get("decisions", []), 2)
         )
     with inside("end"):
@@ -235,7 +235,7 @@ def _plan(row: Any, robots: int) -> SharedPlanMade:
 
 
 def _wants(row: Sequence[Any], robots: int, caps: int) -> Wants:
-    slot, counts, task = row
+    slot, counts, task = (*row, None, None)[:3]
     if counts is not None:
         [counts] = rows_of([counts], caps)
         counts = tuple(metres(one) if isinstance(one, float) else number_of(one) for one in counts)
@@ -266,12 +266,14 @@ def _ending(tree: Any) -> Ending:
 
 
 def _steps(trees: Any, robots: int, tasks: int, along: Coordinate) -> Iterator[Step]:
+    heads_for: dict[int, Any] = {}
     for number, tree in enumerate(list_of(trees), start=1):
         with inside(f"step {number}"):
-            yield _step(tree, robots, tasks, along)
+            yield _step(tree, robots, tasks, along, heads_for)
 
 
-def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
+def _step(tree: Any, robots: int, tasks: int, along: Coordinate, heads_for: dict[int, Any]) -> Step:
+    """Read a step; `heads_for` has by slot what teams headed for when a row last said so."""
     check_keys(tree, STEP_KEYS)
     return Step(
         joins=_pairs(tree.get("joins", []), robots, robots),
@@ -282,13 +284,8 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
         lost=numbers_below(tree.get("lost", []), robots),
         back=numbers_below(tree.get("back", []), robots),
         teams=tuple(
-            TeamAt(
-                number_below(slot, robots),
-                along(x),
-                along(y),
-                None if task is None else number_below(task, tasks),
-            )
-            for slot, x, y, task in rows_of(tree.get("teams", []), 4)
+            _team(row, robots, tasks, along, heads_for)
+            for row in rows_of(tree.get("teams", []), 4, 3)
         ),
         done=tuple(
             (number_below(task, tasks), None if slot is None else number_below(slot, robots))
@@ -309,6 +306,16 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate) -> Step:
         ),
         unloads=numbers_below(tree.get("unloads", []), tasks),
     )
+
+
+def _team(
+    row: Sequence[Any], robots: int, tasks: int, along: Coordinate, heads_for: dict[int, Any]
+) -> TeamAt:
+    slot, x, y, *said = row
+    slot = number_below(slot, robots)
+    for task in said:
+        heads_for[slot] = None if task is None else number_below(task, tasks)
+    return TeamAt(slot, along(x), along(y), heads_for.get(slot))
 
 
 def _heard(row: Sequence[Any], robots: int) -> tuple[int, int, str]:

@@ -38,11 +38,13 @@ def check_keys(tree: Any, known: Sequence[str], needed: Sequence[str] = ()) -> N
             raise DamageError(f"the key '{key}' is missing")
 
 
-def rows_of(values: Any, width: int) -> Iterator[list[Any]]:
-    """Yield the rows of a list, each of which has so many values."""
+def rows_of(values: Any, width: int, least: int | None = None) -> Iterator[list[Any]]:
+    """Yield the rows of a list, each of so many values, or of at least some of these."""
+    least = width if least is None else least
     for row in list_of(values):
-        if not isinstance(row, list) or len(row) != width:
-            raise DamageError(f"{short(row)} stands where a list of {width} belongs")
+        if not isinstance(row, list) or not least <= len(row) <= width:
+            size = width if least == width else f"{least} to {width}"
+            raise DamageError(f"{short(row)} stands where a list of {size} belongs")
         yield row
 
 

@@ -37,11 +37,10 @@ class Doings:
 
     def _note_ends(self, record: Record) -> None:
         """Note who was about tasks that were done, and loads that were set down, by step."""
+        robots = {(it.task, it.ended): it.robots for it in self._told.services}
         for number, step in enumerate(record.steps, start=1):
             for task in (*(task for task, _ in step.done), *(row.task for row in step.left)):
-                ended = (it for it in self._told.services if (it.task, it.ended) == (task, number))
-                robots = [service.robots for service in ended]
-                self._ended[number].append((task, robots[-1] if robots else ()))
+                self._ended[number].append((task, robots.get((task, number), ())))
 
     def ended_in(self, step: int) -> Iterator[tuple[int, Robots]]:
         """Yield tasks that were done or loads that were set down in a step, and who had them."""

@@ -16,18 +16,28 @@ Deed = tuple[str, int]
 
 
 class TeamsBefore:
-    """How the teams stood that a step is about to change; `slot` has the robots of some of them."""
+    """How the teams stood that a step is about to change; `slot` has the robots of some of them.
 
-    def __init__(self, teams: Teams, step: Step) -> None:
+    `walking` are teams that only get on towards the task that they walked to before.
+    """
+
+    def __init__(self, teams: Teams, step: Step, deeds: Mapping[int, Deed]) -> None:
         self.slot: dict[int, int] = {}
         self.stood: dict[int, tuple[Place, int]] = {}
         parted = (robot for parts in step.splits for part in parts for robot in part)
         slots = {teams.slot[robot] for robot in (*parted, *step.lost)}
         for slot in slots | {slot for pair in step.joins for slot in pair}:
             self.slot |= dict.fromkeys(teams.robots.get(slot, ()), slot)
-        for slot in {*self.slot.values(), *(row.slot for row in step.teams)}:
-            if slot in teams.robots:
-                self.stood[slot] = teams.at[slot], teams.task[slot]
+        self.walking: set[int] = set()
+        special = {*self.slot.values(), *(slot for slot, _ in step.pursued)}
+        for slot, x, y, task in step.teams:
+            is_on_its_way = deeds.get(slot) == (WALKING, task) and slot not in special
+            if is_on_its_way and slot in teams.robots and teams.at[slot] != (x, y):
+                self.walking.add(slot)
+            else:
+                special.add(slot)
+        for slot in special & teams.robots.keys():
+            self.stood[slot] = teams.at[slot], teams.task[slot]
         for robot in step.back:
             self.stood[robot] = teams.place(robot), NOBODY
 
@@ -69,10 +79,7 @@ class Phases:
         `goals` where each task is believed to be, or is brought to.
         """
         told, others, self.apart = dict(step.pursued), [], {}
-        special = formed | work.keys() | told.keys() | set(step.back)
         for slot in sorted(slots):
-            if slot not in special and self._walks_on(teams, slot, before):
-                continue
             was_at, was_for = before.of(teams, slot)
             place, heads_for = teams.at[slot], teams.task[slot]
             task = told.get(slot, was_for if heads_for == NOBODY else heads_for)
@@ -91,9 +98,3 @@ class Phases:
                 came_for = {robot: before.of(teams, robot)[1] for robot in teams.robots[slot]}
                 self.apart |= {r: (phase, own) for r, own in came_for.items() if own != task}
         return others
-
-    def _walks_on(self, teams: Teams, slot: int, before: TeamsBefore) -> bool:
-        """Say whether a team has got on towards the task that it walked to before."""
-        stood = before.stood.get(slot)
-        has_moved = stood is not None and stood[0] != teams.at[slot]
-        return has_moved and self.deeds.get(slot) == (WALKING, teams.task[slot])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, insort
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 from teamformer.record.record import Record, SharedPlanMade
@@ -22,6 +23,8 @@ class PlansInForce:
         self.made = 0
         self.reasons: tuple[str, ...] = ()  # of the latest plan that is shared
         self.has_shared_plan = False
+        self._places: dict[int, int] = {}  # of tasks in the order that are not over
+        self._passed: list[int] = []  # the places of those that are over since, ascending
         self._coalitions: dict[int, tuple[int, ...]] = {}  # as the plan was made, by task
         self._tasks: defaultdict[int, list[int]] = defaultdict(list)  # the other way round
         self._played_by: dict[int, int] = {}  # who plays the part of a robot
@@ -31,13 +34,26 @@ class PlansInForce:
     def go_on(self, record: Record, made: int) -> bool:
         """Take in what was planned after a number of steps; say whether anything was."""
         orders, plans = _made_at(record.orders, made), _made_at(record.plans, made)
-        self.order = orders[-1] if orders else self.order
+        if orders:
+            self.order = orders[-1]
+            self._places = {task: place for place, task in enumerate(self.order)}
+            self._passed = []
         if orders or plans:
             self.made = made
         if plans:
             self.reasons = tuple(dict.fromkeys(why for plan in plans for why in plan.reasons))
             self._begin(plans[-1], dict(*_made_at(record.scouts, made)))
         return bool(orders or plans)
+
+    def pass_over(self, tasks: Iterable[int]) -> None:
+        """Take tasks that are over out of the order."""
+        for task in self._places.keys() & tasks:
+            insort(self._passed, self._places.pop(task))
+
+    def rank(self, task: int) -> int | None:
+        """Return how many open tasks come before one in the order; None if it is not in it."""
+        place = self._places.get(task)
+        return None if place is None else place - bisect_left(self._passed, place)
 
     def coalition(self, task: int) -> tuple[int, ...]:
         """Return who does a task by the shared plan; nobody if it is not in it."""

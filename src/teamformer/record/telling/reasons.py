@@ -1,4 +1,4 @@
-"""What a team does and why, in words, by what was known then."""
+"""Why a team does what it does, in words, by what was known then."""
 
 from __future__ import annotations
 
@@ -12,9 +12,7 @@ from teamformer.record.phases import (
     CARRYING,
     FORMING,
     IDLE,
-    LOADING,
     LOST,
-    SERVING,
     UNLOADING,
     WAITING,
 )
@@ -24,33 +22,24 @@ from teamformer.world.rules.constants import NEVER, NOBODY
 MANY = 3
 """Names that are written out where more would be too many to read."""
 
-FORMS, PARTS = "forms a team", "parts from"
-"""What is said of forming: who joins, and who parts."""
-
 RANKS = ("first", "second", "third")
 
 
 class Narrator:
-    """Tells what teams do in the latest step of a unrolled, and why."""
+    """Tells why teams do what they do in the latest step of a record that is unrolled."""
 
     def __init__(self, unrolled: Unrolled) -> None:
         self._now = unrolled
         self._news: list[str] = []  # of the step before the latest
         self._plan = ""  # when the plan that holds was made, and after what, if not at the start
         self._useful: dict[tuple[str, ...], list[str]] = {}  # open tasks by what robots can
-        self._ranks: dict[int, int] = {}  # of open tasks in the order
 
     def go_on(self) -> None:
         """Go on to the step that the unrolled has gone on to."""
         if self._now.is_planned:
             self._plan = self._planned_anew()
         self._news = self._happened()
-        self._useful, self._ranks = {}, {}
-        self._parted: dict[int, tuple[int, ...]] = {
-            robot: (*stay, *leave)
-            for stay, leave in self._now.latest.splits
-            for robot in (*stay, *leave)
-        }
+        self._useful = {}
 
     def _happened(self) -> list[str]:
         """Return what happened in the latest step that may have a plan made anew."""
@@ -72,24 +61,11 @@ class Narrator:
         when = f"after step {plans.made}"
         if isinstance(world, Plane):
             when = f"at {round(plans.made * world.step, 2):g} s"
-        taken_over = ["a longer search was taken over"] if "taken over" in plans.reasons else []
+        taken_over = (
+            ["an operator took over a longer search"] if "taken over" in plans.reasons else []
+        )
         causes = [*self._news, *taken_over] or plans.reasons
         return f"planned anew {when}{': ' if causes else ''}{', '.join(causes)}"
-
-    def what(self, slot: int) -> str:
-        """Return what a team does."""
-        phase, task = self._now.phases.deeds[slot]
-        name = "" if task == NOBODY else self._now.source.tasks[task].name
-        return {
-            LOST: "lost",
-            IDLE: "idle",
-            FORMING: self._parting(slot) or FORMS,
-            SERVING: f"serves {name}",
-            LOADING: f"loads {name}",
-            CARRYING: f"carries {name}",
-            UNLOADING: f"unloads {name}",
-            WAITING: f"waits at {name}",
-        }.get(phase, f"walks to {name}" if name else "walks, while plans are made anew")
 
     def why(self, slot: int) -> tuple[str, ...]:
         """Return why a team does it; nothing where that goes without saying."""
@@ -110,12 +86,6 @@ class Narrator:
         if phase in (CARRYING, UNLOADING):
             return "its team brings all that the load takes, and stays with it until it is unloaded"
         return "its team brings all that the task needs, and stays until that is done"
-
-    def _parting(self, slot: int) -> str:
-        """Return the words for whom a team parts from in the step; empty if it does not."""
-        slots = self._now.teams.slot
-        left = [r for r in sorted(self._parted.get(slot, ())) if slots[r] != slot]
-        return f"{PARTS} {self._names(left)}" if left else ""
 
     def _why_waiting(self, slot: int, task: int) -> str:
         now, tasks = self._now, self._now.source.tasks
@@ -152,7 +122,7 @@ class Narrator:
             return "no task is open"
         if not useful:
             return "no open task needs what it brings"
-        return f"others are to do {_listed(useful)}"
+        return f"others are to do {listed(useful)}"
 
     def _tasks_that_need(self, can: tuple[str, ...]) -> list[str] | None:
         """Return the open tasks that need one of some capabilities, by name; None if none is."""
@@ -173,18 +143,16 @@ class Narrator:
             looking = plans.scouts_of(task).intersection(now.teams.robots[slot])
             if looking:
                 names = self._names(sorted(looking))
-                return f"the plan has {names} look first what is to be known of it"
+                return f"the plan has {names} look first at what is not known of it"
             coalition = plans.coalition(task)
             together = " together" if len(coalition) > 1 else ""
             return f"the plan has {self._names(coalition)} do it{together}" if coalition else ""
-        if not self._ranks:
-            tasks = [k for k in plans.order if k not in now.over or k in now.done]
-            self._ranks = {k: rank for rank, k in enumerate(tasks)}
-        return _ranked(self._ranks[task]) if task in self._ranks else ""
+        rank = plans.rank(task)
+        return "" if rank is None else _ranked(rank)
 
     def _names(self, robots: Sequence[int]) -> str:
         """Name robots; of many the first, and how many more there are."""
-        return _listed([self._now.source.robots[robot].name for robot in robots])
+        return listed([self._now.source.robots[robot].name for robot in robots])
 
 
 def _ranked(rank: int) -> str:
@@ -194,6 +162,7 @@ def _ranked(rank: int) -> str:
     return order if rank == 0 else f"{order}, the first it was sent to"
 
 
-def _listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
+    """Return names as a text; of many the first, and how many more there are."""
     shown = ", ".join(names[:MANY])
     return f"{shown} and {len(names) - MANY} more" if len(names) > MANY else shown

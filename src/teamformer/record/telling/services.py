@@ -71,25 +71,26 @@ class Services:
                 self._serve(task, robots)
             else:
                 is_load = mission.tasks[task].to is not None
-                self._begin(task, LOADING if is_load else SERVING, number, robots)
+                self._begin(task, LOADING if is_load else SERVING, number, robots, teams)
         for task, slot in taken:
             robots = teams.robots[slot]
             if task not in self._open:
-                self._begin(task, LOADING, number, robots)
-            self._go_over(task, CARRYING, number, robots)
+                self._begin(task, LOADING, number, robots, teams)
+            self._go_over(task, CARRYING, number, robots, teams)
         for task in step.unloads:
-            self._go_over(task, UNLOADING, number, self._with.get(task, ()))
+            self._go_over(task, UNLOADING, number, self._with.get(task, ()), teams)
         for task, doer in step.done:
             robots = teams.doers(doer)
             if task not in self._open:
-                self._begin(task, SERVING, number, robots)
+                self._begin(task, SERVING, number, robots, teams)
             self._serve(task, robots or self._with[task])
             self._end(task, number)
 
-    def _begin(self, task: int, doing: str, number: int, robots: Robots) -> None:
+    def _begin(self, task: int, doing: str, number: int, robots: Robots, teams: Teams) -> None:
         self._open[task] = len(self.rows)
         self.changed.append(len(self.rows))
-        self.rows.append(ToldService(task, doing, number, None, robots, ()))
+        slot = robots[0] if robots and teams.robots.get(robots[0]) == robots else None
+        self.rows.append(ToldService(task, doing, number, None, robots, (), slot))
         self._serve(task, robots)
 
     def _serve(self, task: int, robots: Robots) -> None:
@@ -97,11 +98,11 @@ class Services:
         self.touched.update(self._with.get(task, ()), robots)
         self._with[task] = robots
 
-    def _go_over(self, task: int, doing: str, number: int, robots: Robots) -> None:
+    def _go_over(self, task: int, doing: str, number: int, robots: Robots, teams: Teams) -> None:
         """Let a load be carried that was loaded, or unloaded that was carried."""
         self._serve(task, robots)
         self._end(task, number)
-        self._begin(task, doing, number, robots)
+        self._begin(task, doing, number, robots, teams)
 
     def _end(self, task: int, number: int) -> None:
         """End a service, if there is one."""

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TypeVar
 
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.phases import LOST, WAITING
 from teamformer.record.record import Record
 from teamformer.record.telling.reasons import Narrator
-from teamformer.record.telling.told import Chapter, Run, ToldOfStep, ToldRecord
+from teamformer.record.telling.told import Run, ToldOfStep, ToldRecord
 from teamformer.record.telling.unrolled import Unrolled
 from teamformer.world.rules.constants import NOBODY
-
-Part = TypeVar("Part", Run, Chapter)
 
 
 class Teller:
@@ -22,9 +19,7 @@ class Teller:
     def __init__(self, record: Record) -> None:
         self.unrolled = Unrolled(record)
         self._narrator = Narrator(self.unrolled)
-        robots = record.mission.robots
-        self._runs: list[list[Run]] = [[] for _ in robots]
-        self._chapters: list[list[Chapter]] = [[] for _ in robots]
+        self._runs: list[list[Run]] = [[] for _ in record.mission.robots]
         self._texts: dict[str, int] = {}
         self._apart: set[int] = set()  # the teams whose robots came with other tasks before
 
@@ -38,41 +33,36 @@ class Teller:
         now, known = self.unrolled, len(self._texts)
         now.go_on(record)
         self._narrator.go_on()
-        runs = _added(self._runs, self._what_robots_did())
-        chapters = _added(self._chapters, self._stories())
+        runs = tuple(self._added())
         self._apart = {now.teams.slot[robot] for robot in now.phases.apart}
         rows = now.services.rows
         services = tuple((row, rows[row]) for row in now.services.changed)
-        return ToldOfStep(services, runs, chapters, (*self._texts,)[known:])
+        return ToldOfStep(services, runs, (*self._texts,)[known:])
 
     def told(self, path: tuple[Stretch, ...] = ()) -> ToldRecord:
         """Return all that has been told, with the critical path."""
         services = tuple(self.unrolled.services.rows)
         runs = tuple(tuple(row) for row in self._runs)
-        chapters = tuple(tuple(row) for row in self._chapters)
-        return ToldRecord(self.steps, services, runs, chapters, tuple(self._texts), path)
+        return ToldRecord(self.steps, services, runs, tuple(self._texts), path)
+
+    def _added(self) -> Iterator[tuple[int, Run]]:
+        """Add what robots do since the latest step to their runs, and yield it, if it is other."""
+        for robot, run in self._what_robots_did():
+            row = self._runs[robot]
+            if not row or row[-1][1:] != run[1:]:
+                row.append(run)
+                yield robot, run
 
     def _what_robots_did(self) -> Iterator[tuple[int, Run]]:
-        """Yield what robots may do since the latest step that they did not do before."""
-        now, since = self.unrolled, self.steps - 1
-        for slot in sorted({*now.others, *now.formed}):
-            yield slot, Run(since, *now.phases.deeds[slot])
-        for robot, slot in self._other_mates():
-            deed = now.phases.apart.get(robot, (None, slot))
-            yield robot, Run(since, *deed)
-        for robot in now.latest.lost:
-            yield robot, Run(since, LOST, NOBODY)
-
-    def _stories(self) -> Iterator[tuple[int, Chapter]]:
-        """Yield the chapters that may begin with the latest step."""
+        """Yield the runs that may begin with the latest step."""
         now, since = self.unrolled, self.steps - 1
         for slot in self._whose_story_goes_on():
             why = tuple(self._text(reason) for reason in self._narrator.why(slot))
-            yield slot, Chapter(since, self._text(self._narrator.what(slot)), why)
+            yield slot, Run(since, *now.phases.deeds[slot], why)
         for robot, slot in self._other_mates():
-            yield robot, Chapter(since, None, (slot,))
+            yield robot, Run(since, *now.phases.apart.get(robot, (None, slot)))
         for robot in now.latest.lost:
-            yield robot, Chapter(since, self._text(LOST), ())
+            yield robot, Run(since, LOST, NOBODY)
 
     def _whose_story_goes_on(self) -> Iterable[int]:
         """Return the teams that do something else, or for another reason."""
@@ -97,15 +87,3 @@ class Teller:
     def _text(self, text: str) -> int:
         """Return the number of a text, which is kept once."""
         return self._texts.setdefault(text, len(self._texts))
-
-
-def _added(
-    rows: list[list[Part]], parts: Iterable[tuple[int, Part]]
-) -> tuple[tuple[int, Part], ...]:
-    """Add what robots begin to the rows of theirs; return what is not what they go on with."""
-    added = []
-    for robot, part in parts:
-        if not rows[robot] or rows[robot][-1][1:] != part[1:]:
-            rows[robot].append(part)
-            added.append((robot, part))
-    return tuple(added)

@@ -5,15 +5,12 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from teamformer.record.critical_path.stretches import Stretch
 
 Robots = tuple[int, ...]
 """Numbers of robots, ascending."""
-
-
-Part = TypeVar("Part", "Run", "Chapter")
 
 
 class ToldService(NamedTuple):
@@ -28,10 +25,11 @@ class ToldService(NamedTuple):
     ended: int | None  # None while it goes on
     begun_by: Robots
     robots: Robots  # those that were with it when it ended; nobody yet while it goes on
+    slot: int | None = None  # of the team that they began it as, if they were one
 
 
 class Run(NamedTuple):
-    """What a robot did from the end of a step on, or another robot whose doings were its own.
+    """What a robot did from the end of a step on and why, or another robot whose doings it shared.
 
     What a team does is told once, by its lowest robot.
     """
@@ -39,38 +37,27 @@ class Run(NamedTuple):
     begun: int
     phase: str | None  # one of phases.PHASES; None: as another robot
     task: int  # that it was about, or NOBODY; or that other robot
-
-
-class Chapter(NamedTuple):
-    """What a robot did from the end of a step on, and the reasons for it, as numbers of texts.
-
-    Or another robot whose story is its own: then `what` is None, and `why` names that.
-    """
-
-    begun: int
-    what: int | None
-    why: tuple[int, ...]
+    why: tuple[int, ...] = ()  # numbers of texts
 
 
 @dataclass(frozen=True)
 class ToldRecord:
-    """What is told of a record of so many steps; `runs` and `chapters` are by robot."""
+    """What is told of a record of so many steps; `runs` are by robot, `texts` by number."""
 
     steps: int
     services: tuple[ToldService, ...]
     runs: tuple[tuple[Run, ...], ...]
-    chapters: tuple[tuple[Chapter, ...], ...]
     texts: tuple[str, ...]
     path: tuple[Stretch, ...] = ()
 
     def runs_of(self, robot: int) -> Iterator[tuple[int, Run]]:
         """Yield the ends of a robot's runs and the runs, its team's among them.
 
-        What it goes on with as it comes into a team, or leaves one, is one run.
+        What it goes on with as it comes into a team, leaves one or has another reason is one run.
         """
         latest: tuple[int, Run] | None = None
-        for end, run in self._runs(robot):
-            if latest is not None and latest[1][1:] == run[1:]:
+        for end, run in self.reasoned_runs_of(robot):
+            if latest is not None and latest[1][1:3] == run[1:3]:
                 run = latest[1]
             elif latest is not None:
                 yield latest
@@ -78,7 +65,8 @@ class ToldRecord:
         if latest is not None:
             yield latest
 
-    def _runs(self, robot: int) -> Iterator[tuple[int, Run]]:
+    def reasoned_runs_of(self, robot: int) -> Iterator[tuple[int, Run]]:
+        """Yield the ends of a robot's runs and the runs, each with its own reasons."""
         for begun, end, run in _parts(self.runs[robot], 0, self.steps):
             if run.phase is not None:
                 yield end, run
@@ -86,35 +74,25 @@ class ToldRecord:
             for start, until, other in _parts(self.runs[run.task], begun, end):
                 yield until, other._replace(begun=start)
 
-    def chapters_of(self, robot: int) -> Iterator[tuple[int, Chapter]]:
-        """Yield the ends of a robot's chapters and the chapters, its team's among them."""
-        for begun, end, chapter in _parts(self.chapters[robot], 0, self.steps):
-            if chapter.what is not None:
-                yield end, chapter
-                continue
-            for start, until, other in _parts(self.chapters[chapter.why[0]], begun, end):
-                yield until, other._replace(begun=start)
-
 
 @dataclass(frozen=True)
 class ToldOfStep:
-    """What one step adds: services by their place among all, runs and chapters by robot, texts.
+    """What one step adds: services by their place among all, runs by robot, texts.
 
     Each robot that is not among the runs goes on with what it did.
     """
 
     services: tuple[tuple[int, ToldService], ...]
     runs: tuple[tuple[int, Run], ...]
-    chapters: tuple[tuple[int, Chapter], ...]
     texts: tuple[str, ...]
 
 
-def _parts(row: Sequence[Part], begin: int, end: int) -> Iterator[tuple[int, int, Part]]:
-    """Yield begin, end and each of a robot's runs or chapters between two moments."""
-    first = max(0, bisect_right(row, begin, key=lambda part: part.begun) - 1)
+def _parts(row: Sequence[Run], begin: int, end: int) -> Iterator[tuple[int, int, Run]]:
+    """Yield begin, end and each of a robot's runs between two moments."""
+    first = max(0, bisect_right(row, begin, key=lambda run: run.begun) - 1)
     for place in range(first, len(row)):
-        part, until = row[place], row[place + 1].begun if place + 1 < len(row) else end
-        if part.begun >= end:
+        run, until = row[place], row[place + 1].begun if place + 1 < len(row) else end
+        if run.begun >= end:
             return
         if until > begin:
-            yield max(begin, part.begun), min(until, end), part
+            yield max(begin, run.begun), min(until, end), run

@@ -7,10 +7,12 @@ from typing import Any
 
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.phases import PHASES
-from teamformer.record.telling.told import Chapter, Run, ToldOfStep, ToldRecord, ToldService
+from teamformer.record.telling.told import Run, ToldOfStep, ToldRecord, ToldService
 from teamformer.world.rules.constants import NOBODY
 
 Tree = dict[str, Any]
+
+NUMBERS = {None: None} | {phase: number for number, phase in enumerate(PHASES)}
 
 
 def told_to_tree(told: ToldRecord) -> Tree:
@@ -18,42 +20,37 @@ def told_to_tree(told: ToldRecord) -> Tree:
     return {
         "services": [_service(service) for service in told.services],
         "phases": [[_run(run) for run in row] for row in told.runs],
-        "reasons": {
-            "texts": list(told.texts),
-            "robots": [[_chapter(chapter) for chapter in row] for row in told.chapters],
-        },
+        "texts": list(told.texts),
         "path": path_to_tree(told.path),
     }
 
 
 def news_to_tree(news: ToldOfStep) -> Tree:
     """Return what a step adds, as pages are told."""
-    chapters = [[robot, _chapter(chapter)] for robot, chapter in news.chapters]
     return {
         "services": [[row, _service(service)] for row, service in news.services],
         "phases": [[robot, _run(run)] for robot, run in news.runs],
-        "reasons": {"texts": list(news.texts), "robots": chapters},
+        "texts": list(news.texts),
     }
 
 
 def path_to_tree(path: Iterable[Stretch]) -> list[list[Any]]:
     """Return the rows of a critical path."""
-    return [[s.begin, s.end, s.doing, _one(s.robot), _one(s.task)] for s in path]
+    return [
+        [s.begin, s.end, NUMBERS.get(s.doing, s.doing), _one(s.robot), _one(s.task)] for s in path
+    ]
 
 
 def _service(service: ToldService) -> list[Any]:
-    return [*service[:4], list(service.begun_by), list(service.robots)]
+    """Return the row of a service: robots that began it as a team by its slot, the same once."""
+    begun_by = list(service.begun_by) if service.slot is None else service.slot
+    row = [service.task, NUMBERS[service.doing], service.begun, service.ended, begun_by]
+    is_told = service.ended is None or service.robots == service.begun_by
+    return row if is_told else [*row, list(service.robots)]
 
 
 def _run(run: Run) -> list[Any]:
-    phase = None if run.phase is None else PHASES.index(run.phase)
-    return [run.begun, phase, _one(run.task)]
-
-
-def _chapter(chapter: Chapter) -> list[Any]:
-    if chapter.what is None:
-        return [chapter.begun, None, chapter.why[0]]
-    return [chapter.begun, chapter.what, list(chapter.why)]
+    return [run.begun, NUMBERS[run.phase], _one(run.task), *run.why]
 
 
 def _one(number: int) -> int | None:

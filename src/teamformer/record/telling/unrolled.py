@@ -78,16 +78,18 @@ class Unrolled:
         for pair in self.latest.took:
             self.plans.exchange(*pair)
         self.is_planned = self.plans.go_on(record, self.steps)
+        self.plans.pass_over(self.over if self.is_planned else self.done)
         self.latest = step = record.steps[self.steps]
         self.steps += 1
         self._heading = None
-        before = TeamsBefore(self.teams, step)
+        before = TeamsBefore(self.teams, step, self.phases.deeds)
         formed = self._slots_of(self.teams.follow(step))
         self.formed = formed | self._slots_of(r for r in before.slot if r not in step.lost)
         changed = self.formed | self._slots_of(step.back) | set(self._who_heads_elsewhere(step))
         changed |= {row.slot for row in step.teams} | {slot for slot, _ in step.pursued}
-        slots = (changed | self._changed) & self.teams.robots.keys()
         work = self.services.by_slot(self.teams)
+        walking = before.walking - self.formed - work.keys() - set(step.back)
+        slots = ((changed | self._changed) & self.teams.robots.keys()) - walking
         self._complete(step)
         self.others = self.phases.follow(
             self.mission, self.teams, step, slots, before, formed, work, self.goals
@@ -123,6 +125,7 @@ class Unrolled:
         taken = [(task, slot) for task, slot in step.taken if task not in self.over]
         for task in (k for k, _ in taken if k not in done):
             self.goals[task] = self.mission.tasks[task].to or self.lies[task]
+        self.plans.pass_over(self.called_off)
         ended = {*self.called_off, *(row.task for row in step.left)}
         self.services.go_on(self.mission, self.teams, step, self.steps, ended, taken)
         self.over |= done | {*self.called_off}

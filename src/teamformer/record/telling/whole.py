@@ -34,7 +34,7 @@ def _tell(record: Record) -> ToldRecord:
     try:
         teller = Teller(record)
     except NONSENSE:
-        return ToldRecord(0, (), nothing, nothing, ())
+        return ToldRecord(0, (), nothing, ())
     try:
         for _ in record.steps:
             teller.go_on(record)

@@ -92,7 +92,7 @@ def _earlier_files(folder: Path) -> list[Path]:
     is_ours = folder.joinpath("tf_experiment.py").exists()
     for path in found:
         if not (is_ours and (path.name in (MAIN, WEIGHTS) or OURS.fullmatch(path.name))):
-            what = f"{folder}: holds what is no deployment's, {path.name} for example"
+            what = f"{folder}: holds files that are not of a deployment, {path.name} for example"
             raise TeamformerError(what, "name an empty folder")
     return found
 

@@ -12,7 +12,6 @@ from statistics import median_low
 from teamformer.base.errors import TeamformerError
 from teamformer.methods.by_name import default_for
 from teamformer.methods.listings import DEFAULT
-from teamformer.mission.checks.links import is_linked
 from teamformer.mission.model import Mission
 from teamformer.planning.continuous.rules import warm_up
 from teamformer.record.critical_path.stretches import Stretch
@@ -46,7 +45,7 @@ def advise_on(
     expected. Raises `TeamformerError` for a mission that is not completed.
     """
     if mission.time == "continuous":
-        warm_up(is_linked(mission))
+        warm_up()
     measuring = _Measuring(mission, seconds, clock)
     jobs = measuring.searches()
     _make(measuring, islice(jobs, 1), 1, progress)

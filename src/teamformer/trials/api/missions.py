@@ -39,7 +39,7 @@ def save(mission: Mission, path: PathOrName) -> None:
 
 
 def setting(name: str, seed: int = 0) -> Mission:
-    """Return a random mission of a named setting of `bench` (docs/how-to/bench.md).
+    """Return a random mission of a named setting (docs/reference/random-missions.md).
 
     The same name and seed give the same mission on every machine. Raises `TeamformerError` if there
     is no setting of this name.

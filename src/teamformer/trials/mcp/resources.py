@@ -1,4 +1,4 @@
-"""What programs may read before they draw up a mission: the schema, examples, the page on it."""
+"""What programs may read before they draw up a mission: the schema, examples, the pages on it."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from teamformer.files.schema import schema_text
 from teamformer.methods.listings import method_listings
 
 SHIPPED = "shipped"
-"""The folder of the installed package with the examples and the page; in a clone it is the root."""
+"""The folder of the installed package with examples and pages; in a clone it is the root."""
 
-PAGE = "docs/reference/mission.md"
+PAGES = ("docs/reference/mission.md", "docs/reference/mission")
+"""The page on the mission file, and the folder of those on its parts."""
 EXAMPLES = "examples"
 
 
@@ -25,9 +26,10 @@ def schema() -> str:
     return schema_text()
 
 
-def mission_page() -> str:
-    """Return the page on the mission file: every key, what it means, what holds without it."""
-    return (_root() / PAGE).read_text(encoding="utf-8")
+def mission_pages() -> str:
+    """Return the pages on the mission file: every key, what it means, what holds without it."""
+    page, folder = (_root() / path for path in PAGES)
+    return "\n".join(path.read_text(encoding="utf-8") for path in (page, *sorted(folder.iterdir())))
 
 
 def methods() -> str:

@@ -93,7 +93,7 @@ async def _say_that_it_goes_on(context: Context[Any, Any]) -> None:
 def _add_resources(server: MCPServer[Any]) -> None:
     add = server.resource
     add("teamformer://schema", mime_type="application/schema+json")(resources.schema)
-    add("teamformer://mission-file", mime_type="text/markdown")(resources.mission_page)
+    add("teamformer://mission-file", mime_type="text/markdown")(resources.mission_pages)
     add("teamformer://methods", mime_type="text/plain")(resources.methods)
     for name in resources.example_names():
         uri = f"teamformer://examples/{name}"

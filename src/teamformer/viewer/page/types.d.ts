@@ -148,6 +148,7 @@ interface Service {
   from: number;
   to: number;
   began: number[]; // robots
+  slot: number | null; // of the team that these are, if they are one
   ended: number[];
 }
 
@@ -155,7 +156,6 @@ interface Told {
   rows: Service[];
   services: Service[][]; // by task
   phases: any[][]; // by robot, as in the record
-  chapters: any[][];
   texts: string[];
   path: Stretch[];
   runs: Map<number, { last: number; runs: Run[] }>; // worked out of the phases

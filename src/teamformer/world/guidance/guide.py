@@ -75,7 +75,7 @@ class Guide:
         Tasks that it does not know yet are planned after it, as when they appear.
         """
         coordinator = self.coordinators[w]
-        assert coordinator is not None, "this world goes by no plan"
+        assert coordinator is not None, "this world follows no plan"
         known = replace(known_of(worlds, w, self.missions[w], 0), news=("task appeared",))
         plan = _of_open_tasks(plan, known)
         if set(known.possible_tasks) - set(plan.order):

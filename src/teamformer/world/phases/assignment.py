@@ -1,6 +1,6 @@
 """Allocation: which task a team without an assignment heads for.
 
-docs/explanation/nothing-blocks.md has the rules.
+docs/explanation/order.md has the rules.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Phase 4: which task a team heads for; docs/explanation/nothing-blocks.md has the rules."""
+"""Phase 4: which task a team heads for; docs/explanation/order.md has the rules."""
 
 from __future__ import annotations
 

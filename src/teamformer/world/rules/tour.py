@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.base.array_types import Array, Ints
+from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
 
 LARGEST_EXACT = 10
@@ -16,18 +16,12 @@ LARGEST_EXACT = 10
 UNLINKED = 2**60
 
 
-def shortest_tour(between: Ints, from_start: Ints) -> Ints:
-    """Return the order of an open tour from the start through all tasks, as (tasks,).
-
-    `between` is (tasks, tasks) and symmetric, `from_start` is (tasks,).
-    """
-    tour: Ints = plan_tour(between, from_start)
-    return tour
-
-
 @entry
 def plan_tour(between: Array, from_start: Array) -> Array:
-    """Choose between the exact and the local tour."""
+    """Return the order of an open tour from the start through all tasks, as (tasks,).
+
+    `between` is (tasks, tasks) and symmetric, `from_start` is (tasks,). Few tasks get the best.
+    """
     if len(from_start) <= LARGEST_EXACT:
         return _exact_tour(between, from_start)
     tour = _nearest_first_tour(between, from_start)

@@ -57,7 +57,7 @@ def _prepare(mission: Mission) -> None:
     """Compile what planning in steps needs, and say what is measured."""
     compile_ahead([load_method(default_for(mission))], mission)
     if mission.has_surprises:
-        say("not everything is known: this is measured for what is to be expected")
+        say("some values are uncertain: measured with expected values")
 
 
 def _show(advice: Advice) -> None:
@@ -71,11 +71,11 @@ def _show(advice: Advice) -> None:
         markup=False,
     )
     helpful = advice.helpful
-    table = Table("what would help", what, "gain", "luck up to", box=None, header_style="dim")
+    table = Table("what would help", what, "gain", "chance", box=None, header_style="dim")
     for it in helpful[:MOST_LINES]:
         numbers = (_told(it.makespan), _told(it.gain), f"{it.noise:.3g}")
         table.add_row(Text(it.change), *numbers)
-    out.print(table if helpful else "no change wins more than luck may give")
+    out.print(table if helpful else "no change gains more than chance may")
     if len(helpful) > MOST_LINES:
         out.print(f"and {len(helpful) - MOST_LINES} more; --json tells all")
     for line in _lines_on_sparing(advice):

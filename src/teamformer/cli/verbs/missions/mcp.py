@@ -16,12 +16,12 @@ def mcp(folder: Path) -> int:
     require("mcp", "mcp")
     if not folder.is_dir():
         raise TeamformerError(f"{folder}: there is no such folder", "name one that is there")
-    from teamformer.planning.arcs.annealing import anneal_arcs
+    from teamformer.planning.search.annealing import anneal
     from teamformer.trials.mcp.server import make_server
     from teamformer.trials.mcp.work_folder import WorkFolder
     from teamformer.trials.mcp.workbench import Workbench
 
-    if needs_compiling(anneal_arcs):
+    if needs_compiling(anneal):
         compile_beside("plan")
     say(f"serving {folder.resolve()} over stdio; it ends when its client closes stdin")
     make_server(Workbench(WorkFolder(folder.resolve()), processors())).run("stdio")

@@ -66,7 +66,7 @@ def _prepare(mission: Mission, method: str) -> None:
 def _show(made: PlannedMission, row: Mapping[str, Any]) -> None:
     """Print a plan, given as `--json` prints it: every output rounds the same way."""
     cost = f", at a cost of {row['cost']:g}" if "cost" in row else ""
-    over = f"{row['mission']}: over at {row['makespan']:g}{_known(row)}{cost}"
+    over = f"{row['mission']}: over at {row['makespan']:g}{cost}{_known(row)}"
     out.print(over, markup=False)
     for task, by in row["late"].items():
         out.print(f"late: {task} by {by:g}", markup=False)
@@ -89,7 +89,8 @@ def _known(row: Mapping[str, Any]) -> str:
     if row["bound"] <= 0:
         return ""
     if "cost" in row:
-        return f" (no plan is over before {row['bound']:g})"
+        return f"; no plan can take less than {row['bound']:g}"
+    if row["proven"]:
+        return "; no plan is better"
     gap = 100 * (row["makespan"] / row["bound"] - 1)
-    known = "proven" if row["proven"] else f"{gap:.1f}% above what no plan beats"
-    return f" ({known}: {row['bound']:g})"
+    return f"; no plan can take less than {row['bound']:g} (+{gap:.1f}%)"

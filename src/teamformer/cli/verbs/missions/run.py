@@ -51,7 +51,7 @@ def chosen_method(name: str | None, mission: Mission, time_limit: float) -> Meth
         name = default_for(mission)
         if name != DEFAULT:
             size = f"{len(mission.robots)} robots and {len(mission.tasks)} tasks"
-            say(f"{size} are too many to share a plan soon: {name} instead; or --method {DEFAULT}")
+            say(f"{size} are too many for the method plan: {name} instead; or --method {DEFAULT}")
     method = load_method(name, time_limit)
     refuse_too_large(mission, method)
     return method
@@ -157,7 +157,7 @@ def plan_line(plan: CentralPlan) -> str:
 def _improvements(plan: CentralPlan) -> str:
     """Return what the planner found, and when."""
     found = ", ".join(f"{steps} ({seconds:.2f} s)" for seconds, steps in plan.curve) or "none"
-    first = "; a first plan, which a longer --time-limit improves" if plan.is_first else ""
+    first = "; a longer --time-limit finds a better plan" if plan.is_first else ""
     return f"plans found: {found}{first}"
 
 

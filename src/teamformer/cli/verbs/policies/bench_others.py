@@ -30,7 +30,7 @@ from teamformer.bench.peers.names import LIBRARIES, PEERS
 from teamformer.bench.peers.peer_plan import OutOfReachError
 from teamformer.cli.terminal.console import Counting, prepare_folder, say, wide
 from teamformer.mission.checks.links import is_linked
-from teamformer.planning.continuous.rules import LINKED_PLANNERS, PLANNERS, warm_up
+from teamformer.planning.continuous.rules import KNOW_COSTS, PLANNERS, warm_up
 
 ROWS, REPORT = "rows.jsonl", "report.md"
 
@@ -76,7 +76,7 @@ def bench_others(
             require("peers", LIBRARIES[method])
     instances, reported = asked.instances(), asked.reported()
     if not is_asked and any(is_linked(instance.mission) for instance in instances):
-        methods = tuple(LINKED_PLANNERS)
+        methods = KNOW_COSTS
     if folder is not None:
         prepare_folder(folder)
     known = [] if folder is None else _rows_in(folder / ROWS)

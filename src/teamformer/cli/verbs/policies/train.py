@@ -94,7 +94,7 @@ def _begun(options: TrainOptions) -> tuple[TrainSettings, Path]:
     folder = Path(options.settings or "")
     for name, value in {"--out": options.folder, "--seed": options.seed}.items():
         if value is not None:
-            what = f"the training in {folder} goes on as it was begun"
+            what = f"the training in {folder} continues with its own settings"
             raise TeamformerError(what, f"leave {name} out")
     about = read_about(folder / "last")
     try:
@@ -108,7 +108,7 @@ def _prepare(folder: Path) -> None:
     """Make the folder; refuse one that holds what no training has left there."""
     others = {path.name for path in folder.iterdir()} - OURS if folder.is_dir() else set()
     if others:
-        what = f"{folder}: holds what is no training's, {sorted(others)[0]} for example"
+        what = f"{folder}: holds files that are not of a training, {sorted(others)[0]} for example"
         raise TeamformerError(what, "name another folder with --out")
     prepare_folder(folder)
 

@@ -52,7 +52,7 @@ def _exporter_of(path: Path) -> Brought:
     found = (find_brought("exporter", ending) for ending in endings)
     exporter = next((one for one in found if one is not None), None)
     if exporter is None:
-        raise TeamformerError(f"{path}: what is to be in this file?", _hint())
+        raise TeamformerError(f"{path}: the ending says no format", _hint())
     if exporter.name in MISSIONS:
         refuse_existing(path)
     exporter.load()

@@ -22,7 +22,7 @@ def view(files: Sequence[Path]) -> int:
     records = list(files)
     page = records.pop() if records[-1].suffix.lower() in PAGES else None
     if not records:
-        raise TeamformerError(f"{page}: the page of which record?", "name a record.json before it")
+        raise TeamformerError(f"{page}: a page is made of a record", "name a record.json before it")
     page = page or records[0].with_suffix(".html")
     trees = [record_to_tree(read_record(record)) for record in records]
     prepare_file(page)

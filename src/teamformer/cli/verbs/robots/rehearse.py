@@ -117,14 +117,14 @@ def _show(row: dict[str, Any], bad: list[Any], options: RehearseOptions) -> None
             out.print(f"  {message}", markup=False)
     out.print(
         f"{row['schedules']} schedules, seed {options.seed}: {row['ended']} ended, "
-        f"{row['infeasible']} could not (robots lost that tasks need), {row['blocked']} blocked; "
-        f"{len(row['violations'])} promises broken",
+        f"{row['infeasible']} could not (they lost robots that tasks need), "
+        f"{row['blocked']} blocked; {len(row['violations'])} promises broken",
         style="red" if bad else "green",
     )
     mean = row["makespan_mean"]
     out.print(
         f"makespan {'none' if mean is None else f'{mean:.1f} s'} on average, undisturbed "
-        f"{row['undisturbed']:.1f} s; {row['plans_mean']:.1f} plans a mission made anew"
+        f"{row['undisturbed']:.1f} s; {row['plans_mean']:.1f} new plans a mission"
     )
     out.print(
         f"each robot sent {row['messages_per_robot_second']:.1f} messages, "

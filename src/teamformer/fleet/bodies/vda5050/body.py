@@ -147,7 +147,7 @@ class Vda5050Body:
         """Tell that the vehicle has failed, and what it says of that."""
         result, rest = self._state.result_of(action), self._tries.rest
         is_over = self._tries.fail(what, time.monotonic())
-        then = f"it is unfit for {rest:g} s" if is_over else "it is told again"
+        then = f"it is unfit for {rest:g} s" if is_over else "it gets the order again"
         said = f" and says '{result}'" if result else ""
         self._say(f"the vehicle has failed to {what}{said}; {then}")
 

@@ -103,8 +103,8 @@ export class EditorApp extends App {
   }
 
   noticeOfAnother() {
-    if (this.isBehind) return ["The drawing is another now than before the connection was lost. Undo goes back to what was here."];
-    if (this.id !== this.told) return ["Another page has drawn meanwhile, and this is its drawing. Undo goes back to yours."];
+    if (this.isBehind) return ["The drawing was changed while the connection was lost. Undo goes back to yours."];
+    if (this.id !== this.told) return ["Another page has changed the drawing. Undo goes back to yours."];
     return ["Another page is drawing too.", "plain"];
   }
 

@@ -54,7 +54,7 @@ export class EditorPanel {
   }
 
   run() {
-    notifyWork("Making it ready …");
+    notifyWork("Getting the mission ready …");
     this.app.askWithDrawing({ do: "run" });
   }
 

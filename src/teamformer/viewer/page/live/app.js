@@ -79,7 +79,7 @@ export class LiveApp extends App {
     this.state.alerts = []; // the banner is told anew
     this.panel?.forget();
     if (text) notify(text, "plain");
-    if (isOther) notify(`This is another mission than before; the server was started anew. ${HOW_TO_RESUME}`);
+    if (isOther) notify(`The server was restarted with another mission. ${HOW_TO_RESUME}`);
   }
 
   knows({ task = 0 }) {
@@ -230,7 +230,7 @@ export class LiveApp extends App {
     const isLeaving = this.history.leaving.has(robot);
     const { back = [] } = record.mission.robots[robot]; // a step, or a list if several
     if (isLeaving || (isGone && [back].flat().includes(last + 1))) {
-      const what = isLeaving ? "counts for nothing" : "is there again";
+      const what = isLeaving ? "is out of the mission" : "is there again";
       return [element("p", { class: "muted" }, `${name} ${what} from the next step on.`)];
     }
     const [words, incident] = isGone ? [`Bring ${name} back`, { back: name }] : [`Lose ${name}`, { lost: name }];
@@ -307,7 +307,7 @@ export class LiveApp extends App {
 
 // What the server may take long for, by what is asked.
 const WORK = {
-  happen: "It is being told",
+  happen: "Telling the robots",
   undo: "Going back",
   restart: "Beginning anew",
   edit: "Going back to the drawing",

@@ -82,13 +82,13 @@ export class MissionPanel {
   askToRestart() {
     const go = () => this.app.ask({ do: "restart" });
     if (this.hasNothingToLose()) return go();
-    this.doubt("What was done and what happened since it was saved last is gone.", "Restart", go);
+    this.doubt("What happened since the last save is lost.", "Restart", go);
   }
 
   askToEdit() {
     const go = () => this.app.ask({ do: "edit" });
     if (this.hasNothingToLose()) return go();
-    this.doubt("This mission ends; what was done since it was saved last is gone.", "Back to the drawing", go);
+    this.doubt("This mission ends, and what happened since the last save is lost.", "Back to the drawing", go);
   }
 
   // What is asked, or else the form, goes away; with neither, the selection does.
@@ -249,7 +249,7 @@ export class MissionPanel {
       element(
         "div",
         { class: "pair" },
-        row("Name", element("input", { type: "text", name: "title", maxlength: 200, placeholder: "chosen for you" })),
+        row("Name", element("input", { type: "text", name: "title", maxlength: 200, placeholder: "a free name" })),
         row("Duration, steps", element("input", { type: "number", name: "duration", min: 0, step: 1, value: 0 })),
       ),
       element(
@@ -331,7 +331,7 @@ export function describeOutcome(/** @type {World} */ world, /** @type {Message} 
     return `all done ${when}, in ${Math.round(0.8 * done)} of ${futures} futures${part}`;
   }
   if (status === "completed") return `all done ${describeAt(world, steps)}`;
-  if (status === "failed") return "nobody knows, for the method failed when it was played ahead";
-  if (status === "infeasible") return `given up ${describeAt(world, steps)}, for something can never be done`;
+  if (status === "failed") return "not known: the method failed when it was played ahead";
+  if (status === "infeasible") return `given up ${describeAt(world, steps)}, because a task can never be done`;
   return `not done within ${describeSpan(world, steps)}`;
 }

@@ -63,7 +63,7 @@ function readRecord(text) {
   try {
     record = JSON.parse(text);
   } catch {
-    throw new Error("it is no JSON; drop a record.json that `teamformer run --out` wrote");
+    throw new Error("it is not JSON; drop a record.json that `teamformer run --out` wrote");
   }
   if (record?.teamformer_replay !== undefined) {
     throw new Error("it is a record of an earlier teamformer; run the mission again");

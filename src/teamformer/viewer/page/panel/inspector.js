@@ -51,7 +51,7 @@ function overview(/** @type {App} */ app) {
     "Click a team or a task, on the map or in the lists, to see what it does and waits for.";
   return [
     element("h2", {}, `${plural(teams.length, "team")} ${describeAt(app.history.mission.world, scene.step)}`),
-    lead(parts.join(", ") || "Nobody is left"),
+    lead(parts.join(", ") || "No robot is left"),
     element("p", { class: "muted" }, hint),
   ];
 }

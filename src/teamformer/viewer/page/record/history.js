@@ -3,7 +3,7 @@
 import { rememberLast } from "./keeping.js";
 import { readMission, shareSites } from "./mission.js";
 import { inSquares, stepInSquares } from "./plane.js";
-import { NOBODY, applyStep, copyState, formTeams, loseRobot, placeOf, placeTeams, robotsOfTeam, startState } from "./state.js";
+import { NOBODY, applyStep, copyState, fillHeadings, formTeams, loseRobot, placeOf, placeTeams, robotsOfTeam, startState } from "./state.js";
 import { CARRYING, LOADING, SERVING, UNLOADING, hearTold, readTold } from "./told.js";
 
 const KEYFRAME_EVERY = 50;
@@ -12,6 +12,7 @@ const STATES_KEPT = 40;
 // Read a record once; then `at(step)` gives the state after that many steps. Memory stays bounded:
 // a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
 export function frames(recorded) {
+  fillHeadings(recorded.steps);
   const record = inSquares(recorded);
   const mission = readMission(record.mission, record.truth, record.foresight);
   /** @type {any} */ const history = {
@@ -110,6 +111,7 @@ function recordStep(/** @type {TrialHistory} */ history, /** @type {State} */ st
 function recordServices(/** @type {TrialHistory} */ history, /** @type {State} */ state, /** @type {StepTree} */ change, step) {
   const { mission, moves, events, told } = history;
   const began = told.rows.filter(({ from }) => from === step);
+  for (const service of began) if (service.slot !== null) service.began = robotsOfTeam(state, service.slot);
   const isUp = ({ doing }) => doing === CARRYING || doing === UNLOADING;
   for (const service of told.rows.filter((row) => row.to === step && isUp(row))) {
     const { task } = service;

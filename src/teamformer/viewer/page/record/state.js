@@ -18,6 +18,18 @@ export function startState(/** @type {RecordTree} */ record, /** @type {Mission}
   return state;
 }
 
+// Rows of teams that do not say what the team heads for, as it is what its slot's row said before, say so
+// from now on.
+export function fillHeadings(/** @type {StepTree[]} */ steps) {
+  /** @type {(number | null)[]} */ const headings = [];
+  for (const { teams = [] } of steps) {
+    for (const row of teams) {
+      if (row.length < 4) row.push(headings[row[0]] ?? null);
+      headings[row[0]] = row[3];
+    }
+  }
+}
+
 export function copyState(/** @type {State} */ state) {
   return {
     team: state.team.slice(),

@@ -10,10 +10,10 @@ const AT_WORK = [SERVING, LOADING, CARRYING, UNLOADING];
 // What nobody has told is empty.
 export function readTold(/** @type {RecordTree} */ { told = {} }, /** @type {Mission} */ { robots, tasks }) {
   /** @type {Told} */
-  const read = { rows: [], services: tasks.map(() => []), phases: robots.map(() => []), chapters: robots.map(() => []), texts: [], path: [], runs: new Map() };
-  const { services, phases, reasons, path } = told ?? {};
-  const byRobot = (rows) => listIn(rows).flatMap((own, robot) => listIn(own).map((row) => [robot, row]));
-  hearTold(read, { services: [...listIn(services).entries()], phases: byRobot(phases), reasons: { texts: reasons?.texts, robots: byRobot(reasons?.robots) }, path });
+  const read = { rows: [], services: tasks.map(() => []), phases: robots.map(() => []), texts: [], path: [], runs: new Map() };
+  const { services, phases, texts, path } = told ?? {};
+  const byRobot = listIn(phases).flatMap((own, robot) => listIn(own).map((row) => [robot, row]));
+  hearTold(read, { services: [...listIn(services).entries()], phases: byRobot, texts, path });
   return read;
 }
 
@@ -22,19 +22,23 @@ function listIn(value) {
   return Array.isArray(value) ? value : [];
 }
 
-// What is told of one more step: services by their number, phases and chapters by robot.
-export function hearTold(/** @type {Told} */ told, /** @type {any} */ { services, phases, reasons, path }) {
+// What is told of one more step: services by their number, phases by robot.
+export function hearTold(/** @type {Told} */ told, /** @type {any} */ { services, phases, texts, path }) {
   for (const [number, row] of listIn(services)) {
     const [task, doing, from, to, began, ended] = listIn(row);
-    const service = { task, doing, from, to: to ?? Infinity, began: listIn(began), ended: listIn(ended) };
     const known = told.rows[number];
-    told.rows[number] = Object.assign(known ?? {}, service);
+    const service = { task, doing: PHASES[doing], from, to: to ?? Infinity, ended: listIn(ended) };
+    told.rows[number] = Object.assign(known ?? whoBegan(began), service);
     if (!known) told.services[task]?.push(told.rows[number]);
   }
   for (const [robot, row] of listIn(phases)) told.phases[robot]?.push(listIn(row));
-  for (const [robot, row] of listIn(reasons?.robots)) told.chapters[robot]?.push(listIn(row));
-  for (const text of listIn(reasons?.texts)) told.texts.push(text);
-  for (const [from, to, doing, robot, task] of listIn(path).map(listIn)) told.path.push({ from, to, doing, robot: robot ?? NOBODY, task: task ?? NOBODY });
+  for (const text of listIn(texts)) told.texts.push(text);
+  for (const [from, to, doing, robot, task] of listIn(path).map(listIn)) told.path.push({ from, to, doing: PHASES[doing] ?? doing, robot: robot ?? NOBODY, task: task ?? NOBODY });
+}
+
+// Robots by their numbers, or a team by its slot: who is in it is known once its step is read.
+function whoBegan(began) {
+  return Array.isArray(began) ? { began, slot: null } : { began: [], slot: began };
 }
 
 // Rows of a robot from one step to another, each `{from, to, row}`. Where a robot's story is another's,
@@ -72,8 +76,8 @@ export function runAfter(/** @type {TrialHistory} */ history, robot, step) {
 // The reasons for what a robot does after a step, as a sentence without its end: those for what it does
 // next or, where that goes without saying, for what it did.
 export function reasonFor(/** @type {TrialHistory} */ { told, last }, robot, step) {
-  const parts = partsOf(told.chapters, robot, Math.max(0, step - 1), Math.min(step + 1, last));
-  const reasons = parts.map(({ row }) => row[2].map((text) => told.texts[text]).join("; "));
+  const parts = partsOf(told.phases, robot, Math.max(0, step - 1), Math.min(step + 1, last));
+  const reasons = parts.map(({ row }) => row.slice(3).map((text) => told.texts[text]).join("; "));
   return reasons.findLast((reason) => reason) ?? "";
 }
 

@@ -162,7 +162,7 @@ export function describeStanding(/** @type {TrialHistory} */ history, task, /** 
     case "hidden":
       return `appears after ${describeMoment(mission.world, appears)}`;
     case "done":
-      if (!history.doers[task].length) return `done by ${describeMoment(mission.world, history.doneAt[task])}, nobody heard by whom`;
+      if (!history.doers[task].length) return `done by ${describeMoment(mission.world, history.doneAt[task])}, not known by whom`;
       return `done ${describeWhen(mission.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "cancelled":
       return `called off ${describeWhen(mission.world, cancelled)}`;
@@ -220,7 +220,7 @@ function eventText(/** @type {TrialHistory} */ history, /** @type {HistoryEvent}
     case "left":
       return `${task} is set down at ${describePlace(mission.world, event.at)}`;
     case "done":
-      return team ? `${task} done by ${team}` : `${task} done by then, nobody heard by whom`;
+      return team ? `${task} done by ${team}` : `${task} done by then, not known by whom`;
     default:
       return describeEnd(history);
   }
@@ -242,7 +242,7 @@ function describeEnd(/** @type {TrialHistory} */ { end, mission }) {
   return {
     completed: `completed, makespan ${makespan}`,
     "step limit": "stopped at the step limit",
-    infeasible: `stopped, for ${blocked} can never be done`,
+    infeasible: `stopped: ${blocked} can never be done`,
     interrupted: "interrupted",
   }[end.status];
 }

@@ -134,7 +134,7 @@ export function describeBar(/** @type {Gantt} */ gantt, robot, step) {
   const done = (gantt.deeds?.[robot] ?? []).filter((deed) => deed.step > run.from && deed.step <= run.to);
   const deeds = done.map(({ task, step: at }) => `${taskName(mission, task)} done ${describeWhen(mission.world, at)}`);
   const name = robotName(mission, robot);
-  if (isOnPath(history, robot, step)) deeds.push("the end hangs on it");
+  if (isOnPath(history, robot, step)) deeds.push("on the critical path");
   return [`${name}: ${run.phase}${about}, ${from} to ${to}`, ...deeds].join("\n");
 }
 

@@ -274,7 +274,7 @@ export class Gantt {
     const diamond = element("span", { class: "diamond" });
     items.push(element("li", {}, diamond, "a task done"));
     const frame = element("span", { class: "frame" });
-    if (this.app.history.told.path.length) items.push(element("li", {}, frame, "what the end hangs on"));
+    if (this.app.history.told.path.length) items.push(element("li", {}, frame, "critical path"));
     const title = this.app.titleItem();
     this.legend.replaceChildren(...(title ? [title] : []), ...items);
   }

@@ -1,1 +1,0 @@
-"""Plans as graphs of arcs between tasks: the search for missions of any size."""

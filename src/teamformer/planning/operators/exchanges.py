@@ -1,0 +1,114 @@
+"""Two robots exchange all that they do from a place on, be they of one kind or of two."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from teamformer.base.array_types import Array
+from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.arc_problem import ArcProblem
+from teamformer.planning.graph.graph import Graph
+from teamformer.planning.graph.judging import KIND, ArcChange, record
+from teamformer.planning.graph.ledger import Ledger, lead, way_out
+from teamformer.planning.operators.draws import draw_near
+from teamformer.planning.operators.group_moves import has_links_apart
+from teamformer.planning.problem.links import TRAVEL
+from teamformer.world.rules.chance import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.operators.room import Room
+
+
+@kernel
+def exchange_rests(
+    problem: ArcProblem,
+    graph: Graph,
+    trial: ArcChange,
+    ledger: Ledger,
+    room: Room,
+    random: Array,
+    task: int,
+    leg: int,
+    limit: int,
+) -> bool:
+    """Lead an arc from a task to one near it, or from there; say if the robots can all that.
+
+    The rest of the one robot's way is then the other's. Robots of different speeds do not exchange.
+    """
+    nodes, seats = graph.nodes, graph.seats
+    other = draw_near(problem, random, task)
+    if nodes[other].key == nodes[task].key:
+        return False
+    mine = nodes[task].first + draw_below(random, nodes[task].taken)
+    theirs = nodes[other].first + draw_below(random, nodes[other].taken)
+    is_before = nodes[task].key < nodes[other].key
+    tail, head = (mine, theirs) if is_before else (theirs, mine)
+    end, begin = seats[tail].next, seats[head].prev
+    if end == head or nodes[seats[begin].node].key >= nodes[seats[end].node].key:
+        return False
+    one, two, home_of_one, home_of_two = seats[tail].kind, seats[begin].kind, end, end
+    if one != two:
+        if problem.kinds[one].pace != problem.kinds[two].pace:
+            return False
+        if not _can_do(problem, graph, head, one, two) or not _can_do(
+            problem, graph, end, two, one
+        ):
+            return False
+        last_of_one, last_of_two = _last(problem, graph, tail), _last(problem, graph, head)
+        home_of_one, home_of_two = seats[last_of_one].next, seats[last_of_two].next
+    lead(problem, graph, trial, ledger, tail, head)
+    lead(problem, graph, trial, ledger, begin, end)
+    if one != two:
+        _change_kinds(problem, graph, trial, ledger, head, one)
+        _change_kinds(problem, graph, trial, ledger, end, two)
+        last_of_one, last_of_two = _last(problem, graph, tail), _last(problem, graph, begin)
+        lead(problem, graph, trial, ledger, last_of_one, home_of_one)
+        lead(problem, graph, trial, ledger, last_of_two, home_of_two)
+    if problem.links.members.shape[1] == 2:  # nothing is linked
+        return True
+    is_apart = has_links_apart(problem, graph, room.candidates, tail)
+    return is_apart and has_links_apart(problem, graph, room.candidates, begin)
+
+
+@kernel
+def _can_do(problem: ArcProblem, graph: Graph, seat: int, kind: int, instead: int) -> bool:
+    """Say whether a robot of a kind can do all from a seat on, instead of one of another kind."""
+    tasks = len(problem.near)
+    mine, theirs = problem.kinds[kind].type, problem.kinds[instead].type
+    if mine == theirs:
+        return True
+    while graph.seats[seat].node < tasks:
+        node = graph.nodes[graph.seats[seat].node]
+        for cap in range(problem.needs.shape[1]):
+            has = problem.counts[mine, cap] - problem.counts[theirs, cap]
+            lacking = problem.needs[node.need, cap]
+            if lacking > 0 and has < 0:
+                for other in range(node.first, node.first + node.taken):
+                    has += problem.counts[problem.kinds[graph.seats[other].kind].type, cap]
+                if has < lacking:
+                    return False
+        seat = graph.seats[seat].next
+    return True
+
+
+@kernel
+def _last(problem: ArcProblem, graph: Graph, seat: int) -> int:
+    """Return the last seat of a robot's way before it goes home."""
+    places = problem.ways.shape[1]
+    while graph.seats[graph.seats[seat].next].node < places:
+        seat = graph.seats[seat].next
+    return seat
+
+
+@kernel
+def _change_kinds(
+    problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, seat: int, kind: int
+) -> None:
+    """Let all seats from one on be taken by a robot of another kind, but for the home."""
+    tasks = len(problem.near)
+    while graph.seats[seat].node < tasks:
+        ledger.then[TRAVEL] -= way_out(problem, graph, seat)
+        record(trial, KIND, seat, graph.seats[seat].kind)
+        graph.seats[seat].kind = kind
+        ledger.then[TRAVEL] += way_out(problem, graph, seat)
+        seat = graph.seats[seat].next

@@ -1,0 +1,201 @@
+"""A search for plans as graphs of arcs: where it stands, the best plan since it began, its heat."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from teamformer.planning.graph.arc_problem import StepRules, pose_arcs
+from teamformer.planning.graph.graph import COST, empty_graph, lay, plan_of
+from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledger, room_for_change
+from teamformer.planning.operators.room import empty_room
+from teamformer.planning.operators.table import shares_of
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats
+from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.planning.problem.links import have_weights
+from teamformer.planning.race import Race, search_by_clock
+from teamformer.planning.search.annealing import anneal, copy_graph
+from teamformer.planning.search.group_start import construct
+from teamformer.planning.search.start import first_plan
+from teamformer.world.rules.chance import SLACKS
+
+HOT, COLD = 20, 800
+"""An annealing begins and ends at what a task takes a robot on average, divided by these."""
+
+FEW_TASKS, HOT_IF_FEW, COLD_IF_FEW = 30, 8, 80
+"""With fewer tasks than the first of these it is divided by the others: one moved task changes more
+of a small plan, so that more has to get worse before it gets better."""
+
+ROUNDS_EACH, FEW_ANNEALINGS = 9_000, 2
+"""The shared plan of few tasks takes so many rounds for each task, so many times."""
+
+HOT_IF_WEIGHED, COOLER, COOLINGS = 2, 0.96, 100
+"""If plans have a cost an annealing begins at what a visit costs on average, times the first of
+these, and is cooled down by the second so many times, to a sixtieth."""
+
+QUENCHED = 40
+"""Rounds for each task without heat, before the first annealing: what a plan costs then says how
+hot it begins."""
+
+WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
+"""The shared plan takes so many rounds for each task then, and so many at most: about a second."""
+
+TRIES = 100
+"""How many first plans are begun before nobody is said to be able: linked tasks take robots from
+one another."""
+
+
+def has_few_tasks(tasks: int) -> bool:
+    """Say whether a problem of so many tasks is so small that it is searched hotter."""
+    return tasks < FEW_TASKS
+
+
+def rounds_of_a_second(tasks: int) -> int:
+    """Return how many rounds take a second of one core, about."""
+    return 440_000_000 // (350 + tasks)
+
+
+class ArcSearch:
+    """A search: the graph where it stands, the best one since it began, and room to work in."""
+
+    def __init__(
+        self, problem: CoalitionProblem, seed: int, steps: StepRules | None = None
+    ) -> None:
+        self.problem = problem
+        self.arcs = pose_arcs(problem, steps)
+        self.graph, self._best = empty_graph(problem, steps), empty_graph(problem, steps)
+        self._is_weighed = have_weights(problem.links)
+        self._ledger, self._trial = empty_ledger(self.arcs), room_for_change(self.arcs, self.graph)
+        self._room = empty_room(self.arcs, len(self.graph.seats))
+        self._shares, self._draws = shares_of(problem, steps), Random(seed)
+        self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)
+
+    def begin_anew(self) -> bool:
+        """Make a first plan; say whether every task has an able coalition."""
+        if self._is_weighed:
+            for number in range(TRIES):
+                plan = construct(self.problem, self._draws if number else None)
+                if plan is not None and self.begin_at(plan):
+                    return True
+            return False
+        if (self.problem.counts.sum(axis=0) < self.problem.needs).any():
+            return False
+        return self.begin_at(first_plan(self.problem, self.arcs, self.graph))
+
+    def begin_at(self, plan: CoalitionPlan) -> bool:
+        """Stand at a plan; say whether nobody waits in it for ever.
+
+        Who can be spared is left out where there are not enough seats.
+        """
+        seated = with_seats(self.problem, plan, int(self.arcs.most[0]))
+        lay(self.arcs, self.graph, seated, np.zeros(len(self.problem.counts), np.int64))
+        if not self._open():
+            return False
+        copy_graph(self.graph, self._best)
+        for costs in (self._ledger.cost, self._ledger.lead):
+            costs[BEST] = costs[NOW]
+        return True
+
+    def begin_at_best(self) -> None:
+        """Go back to the best plan."""
+        copy_graph(self._best, self.graph)
+        self._open()
+
+    def _open(self) -> bool:
+        """Work out what the plan costs that the graph holds; say if its times come to an end."""
+        return bool(open_ledger(self.arcs, self.graph, self._trial, self._ledger))
+
+    @property
+    def heats(self) -> tuple[float, float]:
+        """Return where an annealing begins and ends."""
+        if self._is_weighed:
+            visits = int(self.graph.nodes.taken.sum())
+            hot = HOT_IF_WEIGHED * float(self._ledger.lead[NOW]) / visits
+            return hot, hot * COOLER**COOLINGS
+        is_few = has_few_tasks(len(self.problem.needs))
+        hottest, coldest = (HOT_IF_FEW, COLD_IF_FEW) if is_few else (HOT, COLD)
+        return self.leg // hottest, self.leg // coldest
+
+    @property
+    def leg(self) -> int:
+        """Return the ticks that a task takes a robot on average, with the way there.
+
+        If plans have a cost, it is the ticks of a task, with half of the way to a near one.
+        """
+        if self._is_weighed:
+            near = self.arcs.near
+            ways = np.take_along_axis(self.arcs.ways[0][: len(near)], near, axis=1)
+            way = float(ways.mean()) if ways.size else 0.0
+            return max(1, int(self.problem.duration.mean() + way / 2))
+        visits = int(self.graph.nodes.taken.sum())
+        return max(1, int(self.graph.total[COST]) * len(self.problem.counts) // visits)
+
+    def anneal(self, hot: float, cold: float, begin: int, end: int, rounds: int) -> None:
+        """Make the rounds from `begin` to `end` of so many, from `hot` to `cold`."""
+        parts = (self.graph, self._best, self._trial, self._ledger, self._room, self._shares)
+        heats = (self.leg, float(hot), float(cold))
+        anneal(self.arcs, *parts, self.random, SLACKS, *heats, begin, end, rounds)
+
+    def anneal_shared(self) -> None:
+        """Make the rounds of the plan that every robot computes for itself, from a first plan."""
+        tasks = len(self.problem.needs)
+        if self._is_weighed:
+            self.quench()
+            heat, _ = self.heats
+            rounds = min(MOST_WEIGHED_ROUNDS, WEIGHED_ROUNDS_EACH * tasks) // COOLINGS
+            for _ in range(COOLINGS):
+                self.anneal(heat, heat, 0, rounds, rounds)
+                heat *= COOLER
+            return
+        few = [ROUNDS_EACH * tasks] * FEW_ANNEALINGS
+        for rounds in few if has_few_tasks(tasks) else [rounds_of_a_second(tasks)]:
+            self.anneal(*self.heats, 0, rounds, rounds)
+            self.begin_at_best()
+
+    def quench(self) -> None:
+        """Take whatever is better, without heat, for some rounds."""
+        rounds = QUENCHED * len(self.problem.needs)
+        self.anneal(0, 0, 0, rounds, rounds)
+
+    def anneal_until(
+        self,
+        deadline: float,
+        race: Race[Any],
+        offer: Callable[[], None],
+        heats: tuple[float, float],
+        rounds: float = math.inf,
+    ) -> None:
+        """Anneal from one heat to another until `time.perf_counter` shows the deadline.
+
+        The end of the race or so many rounds end it sooner. Each better plan is offered.
+        """
+
+        def anneal_at(passed: float, rounds: int) -> None:
+            heat = self._heat_at(passed, heats)
+            self.anneal(heat, heat, 0, rounds, rounds)
+
+        search_by_clock(anneal_at, lambda: self.rank, deadline, race, offer, rounds)
+
+    def _heat_at(self, passed: float, heats: tuple[float, float]) -> float:
+        """Return the heat when a share of an annealing has passed.
+
+        It falls by as much each time or, if plans have a cost, by as large a part.
+        """
+        hot, cold = heats
+        if self._is_weighed:
+            return hot * COOLER ** (COOLINGS * passed)
+        return hot + int((cold - hot) * passed)
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Return what the best plan is compared by: what it is judged by, then what leads on."""
+        return float(self._ledger.cost[BEST]), float(self._ledger.lead[BEST])
+
+    @property
+    def best(self) -> CoalitionPlan:
+        """Return the best plan."""
+        return plan_of(self.problem, self.arcs, self._best)

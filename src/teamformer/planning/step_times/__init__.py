@@ -1,0 +1,1 @@
+"""When everything in a plan in steps really happens: rule by rule, as it is played."""

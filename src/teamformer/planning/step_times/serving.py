@@ -1,0 +1,67 @@
+"""A team does its task, carries its load, and does all else that it can do where it is."""
+
+from __future__ import annotations
+
+from teamformer.base.kernels.jit import kernel
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
+from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.planning.step_times.crossings import Crossings
+from teamformer.planning.step_times.groups import (
+    Groups,
+    can_do,
+    do_on_the_way,
+    is_crew,
+    note_too_early,
+    opens,
+)
+
+
+@kernel
+def serve(
+    problem: Relaxed,
+    crossings: Crossings,
+    plan: CoalitionPlan,
+    groups: Groups,
+    task: int,
+    start: int,
+    until: int,
+    pace: int,
+) -> None:
+    """Have a team do its task from a step on; it is free when it has done all, on the way too.
+
+    A load goes at the pace of the slowest; `until` is when what was done on the way is over.
+    """
+    groups.start[task] = start
+    groups.end[task] = start + problem.duration[task]
+    if problem.carry[task] > 0:
+        groups.end[task] += problem.steps[pace, problem.carry[task]] - problem.quickest[task]
+    groups.free[task] = max(until, groups.end[task])
+    groups.is_done[task] = True
+    groups.size[task] = plan.size[task]
+    for seat in range(plan.size[task]):
+        groups.of[plan.coalition[task, seat]] = task
+    if len(crossings.task) > 0:
+        _do_what_is_here(problem, crossings, plan, groups, task)
+
+
+@kernel
+def _do_what_is_here(
+    problem: Relaxed, crossings: Crossings, plan: CoalitionPlan, groups: Groups, task: int
+) -> None:
+    """Let the team that does a task do all else that it can do there, at the same time."""
+    start = groups.start[task]
+    way = task * len(plan.order) + task
+    for index in range(crossings.first[way], crossings.first[way + 1]):
+        other = crossings.task[index]
+        is_late = groups.is_done[other] and groups.start[other] <= start
+        if is_late or start < opens(problem, groups, other):
+            continue
+        if not can_do(problem, plan, groups, task, task, other):
+            continue
+        if groups.is_done[other]:
+            note_too_early(groups, task, task, other, start)
+            continue
+        groups.passes[0] += not is_crew(plan, groups, task, task, other)
+        end = start + problem.duration[other]
+        do_on_the_way(groups, task, task, other, start, end)
+        groups.free[task] = max(groups.free[task], end)

@@ -1,0 +1,89 @@
+"""When everything in a plan is done if it is played step by step, forming counted.
+
+Robots that have done a task together are a group and stay one as long as they go the same way. A
+group whose robots part pays one forming for each further way, the way of the earlier task first;
+who has nothing to do on it, or nothing at all, stays behind. Groups that meet at a task pair up
+there, one joining a step, until they are one team. A group that comes past a task that it can do
+does it, and so does a team that can do more where it stands. So any order with any able
+coalitions is a plan that cannot block.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
+from teamformer.planning.problem.prices import SHARES, SMOOTH
+from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.planning.step_times.crossings import Crossings
+from teamformer.planning.step_times.groups import Groups, gather_at_start
+from teamformer.planning.step_times.meet import meet
+from teamformer.world.rules.constants import NOBODY
+
+STEP = 200
+"""What a step of makespan costs, for each task."""
+STEP_OF_END = 30
+"""What a step of the end of any task costs a search: it leads out of plateaus."""
+STEP_WALKED = 1
+"""What a step walked by a robot costs a search, so that nobody trails along without use."""
+LATE = 10_000
+"""Steps of makespan that a robot lost before its task's end is worth."""
+
+
+@entry
+def time_plan(
+    problem: Relaxed, crossings: Crossings, plan: CoalitionPlan, groups: Groups
+) -> tuple[Any, Any]:
+    """Return what a plan costs, and the same with what leads a search; both are whole numbers.
+
+    That is the makespan or, where a mission has prices, what these make of it. Leaves in `groups`
+    each task's start and end, the task it waited for, and what was done on the way.
+    """
+    gather_at_start(problem, groups)
+    tasks, has_prices = len(plan.order), len(problem.prices.due) > 0
+    step = problem.prices.whole[0] if has_prices else np.int64(STEP * tasks)
+    makespan, total, walked = np.int64(0), np.int64(0), np.int64(0)
+    for position in range(tasks):
+        task = plan.order[position]
+        if not groups.is_done[task]:
+            walked += meet(problem, crossings, plan, groups, task)
+            makespan = max(makespan, groups.free[task])
+        total += groups.end[task]
+    cost, everything, smooth = step * makespan, np.int64(STEP * tasks), np.int64(STEP_OF_END)
+    if has_prices:
+        cost += price_of_ends(problem, groups)
+        everything, smooth = np.int64(SHARES * tasks), np.int64(SMOOTH)
+    if groups.losses[0]:
+        cost += LATE * everything * count_late(problem, plan, groups)
+    return cost, cost + smooth * total + STEP_WALKED * walked
+
+
+@kernel
+def price_of_ends(problem: Relaxed, groups: Groups) -> int:
+    """Return what it costs when tasks end, and by how much they are late."""
+    prices, price, latest = problem.prices, np.int64(0), np.int64(0)
+    for task in range(len(prices.due)):
+        late = max(0, groups.end[task] - prices.due[task])
+        price += prices.ends[task] * groups.end[task] + prices.late[task] * late
+        latest = max(latest, late)
+    return price + prices.whole[1] * latest
+
+
+@kernel
+def count_late(problem: Relaxed, plan: CoalitionPlan, groups: Groups) -> int:
+    """Return how many robots are lost before the end of a task that they are planned for."""
+    late = 0
+    for task in range(len(plan.order)):
+        for seat in range(plan.size[task]):
+            late += groups.end[task] >= problem.lost[plan.coalition[task, seat]]
+    return late
+
+
+@kernel
+def is_settled(groups: Groups) -> bool:
+    """Say whether everything in the plan timed last is done by those who are planned for it."""
+    is_passed = groups.passes[0] > 0 or groups.too_early[0] != NOBODY
+    return not is_passed and groups.spare[0] == NOBODY

@@ -1,0 +1,93 @@
+"""A group walks to its next task, and does on its way what it can do there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from teamformer.base.kernels.jit import kernel
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
+from teamformer.planning.problem.relaxed_problem import Relaxed, way_number
+from teamformer.planning.step_times.crossings import Crossings
+from teamformer.planning.step_times.groups import (
+    Groups,
+    can_do,
+    do_on_the_way,
+    is_crew,
+    note_too_early,
+    opens,
+)
+from teamformer.world.rules.constants import NOBODY, ROUNDING
+
+
+@kernel
+def walk(
+    problem: Relaxed,
+    crossings: Crossings,
+    plan: CoalitionPlan,
+    groups: Groups,
+    group: int,
+    task: int,
+    leave: int,
+) -> Any:
+    """Let the part of a group that leaves walk to a task; return when it is there.
+
+    It does what it can do on the way. Leaves in `groups.until` when that is done too.
+    """
+    pace, cells, way = (
+        groups.pace[group],
+        way_number(problem, group, task),
+        group * len(plan.order) + task,
+    )
+    rank = pace  # of its speed
+    if len(problem.lengths) > 1:
+        speeds = len(problem.steps) // 2
+        if pace >= speeds:
+            rank -= speeds
+            way += len(plan.order) * len(groups.end)
+        cells = problem.lengths[int(pace >= speeds), cells]
+    since, passed = leave, 0  # it walks on from the cell after so many, since then
+    here, came, until = NOBODY, leave, leave  # the cell where it does something, and until when
+    if len(crossings.task) > 0:
+        for index in range(crossings.first[way], crossings.first[way + 1]):
+            other, away = crossings.task[index], crossings.cells[index]
+            if away != here:
+                came = since + _steps_of(problem, crossings, rank, away - passed)
+            is_late = groups.is_done[other] and groups.start[other] <= came
+            if is_late or came < opens(problem, groups, other):
+                continue
+            if away != cells and not _is_stop(crossings.speeds[rank], away - passed):
+                continue
+            if not can_do(problem, plan, groups, group, task, other):
+                continue
+            if groups.is_done[other]:
+                note_too_early(groups, group, task, other, came)
+                continue
+            do_on_the_way(groups, group, task, other, came, came + problem.duration[other])
+            is_planned = away == cells and is_crew(plan, groups, group, task, other)
+            groups.passes[0] += not is_planned
+            if problem.duration[other] > 0:
+                until = max(until, came + problem.duration[other])
+                since, passed, here = until, away, away
+    groups.until[group] = until
+    if here == cells:
+        return came
+    if passed == 0 and len(problem.lengths) > 1:
+        return since + problem.steps[pace, way_number(problem, group, task)]
+    return since + _steps_of(problem, crossings, rank, cells - passed)
+
+
+@kernel
+def _steps_of(problem: Relaxed, crossings: Crossings, rank: int, cells: int) -> int:
+    """Return the steps that some cells take, walked or flown, by the rank of the speed."""
+    if len(problem.lengths) == 1:
+        return problem.steps[rank, cells]
+    return int(np.ceil(cells / crossings.speeds[rank] - ROUNDING))
+
+
+@kernel
+def _is_stop(speed: float, cells: int) -> bool:
+    """Say whether a team that has left so many cells ago ends a step there."""
+    steps = np.ceil(cells / speed - 1e-9)
+    return np.floor(steps * speed + 1e-9) == cells

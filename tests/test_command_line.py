@@ -16,7 +16,7 @@ VERBS = (
     *("fleet start", "fleet add", "fleet cancel", "fleet agent", "fleet rehearse", "fleet watch"),
     *("robotarium fly", "robotarium deploy"),
 )
-MOST_FLAGS = 87
+MOST_FLAGS = 89
 
 
 def verbs_of(command: Any, name: str = "") -> Iterator[tuple[str, Any]]:

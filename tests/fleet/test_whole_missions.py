@@ -30,7 +30,7 @@ from teamformer.fleet.rehearsal.trace import (
     OFF,
     Event,
     Finished,
-    Learned,
+    Noticed,
     Said,
     Trace,
     Walked,
@@ -155,7 +155,7 @@ def test_a_service_is_broken_off_when_its_task_is_called_off(
     rehearsal, outcome, trace = rehearse(mission, faults)
     assert (outcome.status, outcome.tasks_done) == ("ended", 1)
     assert 0 not in rehearsal.world.done
-    heard = {e.robot: e.at for e in trace.events if isinstance(e, Learned) and e.what == OFF}
+    heard = {e.robot: e.at for e in trace.events if isinstance(e, Noticed) and e.what == OFF}
     assert set(heard) == {0, 1}
     assert all(8.0 <= at <= 8.0 + (4.0 if faults.loss else 0.3) for at in heard.values())
     record = record_of(rehearsal, outcome, trace.events, 0)
@@ -238,7 +238,7 @@ def test_the_checker_finds_who_begins_too_early() -> None:
 
 def test_the_checker_finds_who_serves_what_it_knows_is_off_and_who_walks_through_walls() -> None:
     stand = make([robot("a", 5)], [task("a", 5, duration=2)])
-    known: list[Event] = [Learned(3.0, 0, 0, OFF)]
+    known: list[Event] = [Noticed(3.0, 0, 0, OFF)]
     assert found(stand, served(3.0)) == ""
     assert "serves 't0' and knows that it is called off" in found(stand, known + served(5.0))
     way = Walked(0.0, 1, ((0, 0), (3, 0)), 0.0, 1.0)

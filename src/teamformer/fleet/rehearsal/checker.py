@@ -35,7 +35,7 @@ from teamformer.fleet.rehearsal.trace import (
     Broke,
     Event,
     Finished,
-    Learned,
+    Noticed,
     Said,
     Worked,
 )
@@ -116,7 +116,7 @@ class Checker:
                 self._finish(event)
             elif isinstance(event, Broke):
                 self._break(event)
-            elif isinstance(event, Learned) and event.what == OFF:
+            elif isinstance(event, Noticed) and event.what == OFF:
                 self._robots[event.robot].off[event.task] = event.at
             elif isinstance(event, Accepted):
                 self._accepted[event.task] = event.at

@@ -18,7 +18,7 @@ from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.services_seen import with_services
-from teamformer.fleet.rehearsal.trace import NEEDS, Event, Finished, Learned, Said, Sent
+from teamformer.fleet.rehearsal.trace import NEEDS, Event, Finished, Noticed, Said, Sent
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
@@ -188,7 +188,7 @@ class _Teller:
                     heard.add((event.sender, event.receiver, event.kind))
                 elif isinstance(event, Lifted):
                     lifts.append(event)
-                elif isinstance(event, Learned) and event.what == NEEDS:
+                elif isinstance(event, Noticed) and event.what == NEEDS:
                     shown.add(event.task)
             row = self._row(step, [r for r, at in lost.items() if at == step], done, lifts)
             new, self._seen = tuple(sorted(shown - self._seen)), self._seen | shown

@@ -51,7 +51,7 @@ class Accepted(NamedTuple):
     holders: tuple[int, ...]
 
 
-class Learned(NamedTuple):
+class Noticed(NamedTuple):
     """A robot has come to know that a task is called off, or what it really needs."""
 
     at: float
@@ -73,7 +73,7 @@ class Sent(NamedTuple):
     kind: str
 
 
-Event = Said | Worked | Walked | Finished | Lifted | Broke | Accepted | Learned | Sent
+Event = Said | Worked | Walked | Finished | Lifted | Broke | Accepted | Noticed | Sent
 
 
 class Trace:
@@ -88,7 +88,7 @@ class Trace:
         """Write down of which tasks a robot has come to know that they are off, or their needs."""
         knows = {(key, OFF) for key in called_off} | {(key, NEEDS) for key in needs}
         new = sorted(knows - self._knows.get(robot, set()))
-        self.events += [Learned(now, robot, *each) for each in new]
+        self.events += [Noticed(now, robot, *each) for each in new]
         self._knows[robot] = knows
 
     def forget(self, robot: int) -> None:

@@ -126,11 +126,9 @@ class FleetMission:
         return self._air if self.source.robots[robot].flies else self.ways
 
     def can_be_at(self, robot: int, place: Place) -> bool:
-        """Say whether a robot can have got to a place."""
+        """Say whether a robot can be at a place: over obstacles only if it flies."""
         world = self.source.world
-        if self.source.robots[robot].flies:
-            return world.is_inside(place)
-        return world.is_free(place) and world.region(place) == self.regions[robot]
+        return world.is_inside(place) if self.source.robots[robot].flies else world.is_free(place)
 
     def may_begin(self, key: int, over: Collection[int], age: float) -> bool:
         """Say whether a task may begin: those before it are over, and its window is open."""

@@ -60,7 +60,7 @@ class CoordinatedPlanner:
             if task.key >= own or _is_moved(mission, task) or task.key in situation.seen
         ]
         over = frozenset().union(*mission.before.values()) & situation.over
-        are_sane = all(mission.can_be_at(robot, situation.places[robot]) for robot in robots)
+        are_sane = all(_can_get_to(mission, robot, situation.places[robot]) for robot in robots)
         source = self._as_it_is(mission, news, over) if are_sane else None
         if source is None:
             return _one_after_another(mission, situation, robots)
@@ -124,6 +124,13 @@ def _is_moved(mission: FleetMission, task: TaskFact) -> bool:
     """Say whether a mission's task has a load that lies elsewhere than at the beginning."""
     first = mission.tasks[task.key]
     return (task.x, task.y) != (first.x, first.y)
+
+
+def _can_get_to(mission: FleetMission, robot: int, place: Place) -> bool:
+    """Say whether a robot can have got to where it says that it is."""
+    is_there = mission.can_be_at(robot, place)
+    flies = mission.source.robots[robot].flies
+    return is_there and (flies or mission.region(place) == mission.regions[robot])
 
 
 def _old_plan(situation: FleetSituation, number_of: Mapping[int, int]) -> Plan | None:

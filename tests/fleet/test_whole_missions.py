@@ -36,6 +36,7 @@ from teamformer.fleet.rehearsal.trace import (
     Walked,
     Worked,
 )
+from teamformer.mission.checks.rules import rules_of_fleets
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.world.rules.constants import NOBODY
@@ -244,3 +245,46 @@ def test_the_checker_finds_who_serves_what_it_knows_is_off_and_who_walks_through
     way = Walked(0.0, 1, ((0, 0), (3, 0)), 0.0, 1.0)
     assert "walks through [(3, 0)]" in found(flown(), [way])
     assert found(flown(), [way._replace(robot=0)]) == ""
+
+
+def somewhere() -> Mission:
+    """Return a robot at 0 and a task within three cells of 5, that is seen from the next cell."""
+    return changed(make([robot("a", 0)], [task("a", 5, duration=2)]), 0, within=3.0)
+
+
+def test_a_task_is_looked_for_from_place_to_place() -> None:
+    """From 5 one sees 4 and 6, from 3 one sees 2, from 7 one sees 8."""
+    fleet = FleetMission(somewhere())
+    assert fleet.hidden == {0: ((5, 0), (3, 0), (7, 0))}
+    places = [fleet.truth(seed).tasks[0].at[0] for seed in range(60)]
+    for at, walks in ((5, 5), (6, 6), (8, 5 + 2 + 4 + 1)):
+        seed = places.index(at)
+        rehearsal, outcome, trace = rehearse(somewhere(), Faults(seed=seed))
+        assert outcome.makespan == pytest.approx(walks + 2, abs=0.2)
+        record = record_of(rehearsal, outcome, trace.events, seed)
+        assert [step.found for step in record.steps if step.found] == [(0,)]
+        assert record.true_mission.tasks[0].at == (at, 0)
+    keep(somewhere(), 20)
+
+
+def test_where_a_task_was_found_is_told_and_holds() -> None:
+    mission = make([robot("a", 0), robot("b", 19)], [task("ab", 5, duration=2)])
+    mission = changed(mission, 0, within=3.0)
+    agent, other = agents_of(FleetMission(mission))
+    assert agent.knowledge.rule_out(0)
+    assert agent.knowledge.place_of(0) == (3, 0)
+    assert agent.knowledge.find(0, (8, 0))
+    assert not agent.knowledge.rule_out(0)
+    other.knowledge.merge(agent.knowledge.note(), 1.0)
+    assert other.knowledge.place_of(0) == (8, 0)
+    assert other.knowledge.digest == agent.knowledge.digest
+    keep(mission, 20)
+
+
+def test_what_fleets_refuse_is_told_with_what_to_do() -> None:
+    both = changed(somewhere(), 0, to=(9, 0))
+    [problem] = rules_of_fleets(both)
+    assert problem.where == ("tasks", 0, "within")
+    assert problem.message.startswith("task 't0' has a load within a region, which fleets of proc")
+    assert "drop within, or use `run`" in problem.message
+    assert list(rules_of_fleets(somewhere())) == []

@@ -72,9 +72,9 @@ def missions(
     """Return a mission in steps.
 
     `is_sure` leaves out what nobody knows beforehand. One that `is_for_fleets` has nothing that
-    fleets of processes refuse: of what is not known, only durations and needs. One that `is_tiny`
-    has two robots and tasks at most. Without `has_cancelled` nothing is called off: `central` plans
-    it.
+    fleets of processes refuse: of what is not known, nothing that befalls robots, and no loads. One
+    that `is_tiny` has two robots and tasks at most. Without `has_cancelled` nothing is called off:
+    `central` plans it.
     """
     most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
     is_sure = is_sure or pick(draw, (True, False, False))
@@ -93,10 +93,11 @@ def missions(
         if has_cancelled and not is_tiny and now_and_then(draw):
             task["cancelled"] = pick(draw, (5, 1, 3, 12, 30))
         if not is_sure:
-            _write_surprises_of_task(draw, world, fleet, task, has_places=not is_for_fleets)
+            _write_surprises_of_task(draw, world, fleet, task)
     flies = any(robot.get("moves") == "air" for robot in fleet.robots)
     if not is_tiny and not flies:  # `plain_search` plays no loads, and nobody flies with them
-        _write_loads(draw, world, tasks)
+        sure = [task for task in tasks if not is_for_fleets or "within" not in task]
+        _write_loads(draw, world, sure)
     _write_windows(draw, tasks, can_be_short=True)
     _write_precedence(draw, tasks, range(len(tasks)))
     _keep_windows_possible(tasks, step=1)
@@ -231,9 +232,7 @@ def _plain_tasks(draw: st.DrawFn, world: Drawn, fleet: Fleet, places: Sequence[P
     return {"at": at, "needs": _written(draw, needs)}
 
 
-def _write_surprises_of_task(
-    draw: st.DrawFn, world: Drawn, fleet: Fleet, task: Tree, has_places: bool
-) -> None:
+def _write_surprises_of_task(draw: st.DrawFn, world: Drawn, fleet: Fleet, task: Tree) -> None:
     """Say what is not known of a task; the worst of it can be met all the same."""
     part = world.part(task["at"])
     have, needs = fleet.brought[part], _thousandths(task["needs"])
@@ -242,7 +241,7 @@ def _write_surprises_of_task(
         task["duration"] = pick(draw, RANGES)
     if spare and now_and_then(draw, 3):
         task["may_need"] = {cap: pick(draw, CHANCES) for cap in some(draw, spare, 2)}
-    if has_places and now_and_then(draw):
+    if now_and_then(draw):
         task["within"] = pick(draw, (1, 0, 2.5, 4)) * world.unit
         beside = [p for p in world.blocked if _part_around(world, p, task["within"]) == part]
         if beside and now_and_then(draw, 2):

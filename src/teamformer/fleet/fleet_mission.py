@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -11,9 +12,10 @@ from teamformer.files.mission_files import mission_to_tree
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.ways import Ways
 from teamformer.mission.checks.windows import window_opens
-from teamformer.mission.model import Mission
+from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.capabilities import Counts, exact
 from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.precedence import tasks_before
 from teamformer.mission.truth import draw_truth, expected_mission
@@ -63,6 +65,8 @@ class FleetMission:
         keep(self, "tasks", self.facts_of(self.source))
         unsure = (key for key, task in enumerate(self.source.tasks) if task.may_need)
         keep(self, "unsure", frozenset(unsure))
+        tours = ((k, places_to_look(self.source, task)) for k, task in enumerate(self.source.tasks))
+        keep(self, "hidden", {key: tour for key, tour in tours if tour})
         keep(self, "believed", self.source)
         if self.source.has_surprises:
             keep(self, "believed", expected_mission(self.source))
@@ -93,6 +97,7 @@ class FleetMission:
     sight: float = field(init=False)  # within which a robot sees a load
     ways: Ways = field(init=False, repr=False, compare=False)  # on the ground
     unsure: frozenset[int] = field(init=False)  # tasks that may need more than is known
+    hidden: dict[int, tuple[Place, ...]] = field(init=False)  # where to look for tasks, in order
     believed: Mission = field(init=False, repr=False, compare=False)  # with what to expect
     off_at: dict[int, float] = field(init=False)  # when tasks are called off, which nobody foresees
     before: dict[int, frozenset[int]] = field(init=False)  # what tasks come after, where anything
@@ -193,7 +198,7 @@ class FleetMission:
     def _facts(self, mission: Mission) -> Iterable[TaskFact]:
         for key, task in enumerate(mission.tasks):
             needs = row_of(task.needs, self.source.capabilities)
-            x, y = task.at
+            x, y = believed_place(self.source.world, task)
             duration, appears = task.duration * self.step, task.appears * self.step
             to = None if task.to is None else (float(task.to[0]), float(task.to[1]))
             unload = task.unload * self.step
@@ -208,6 +213,15 @@ class FleetMission:
                 to=to,
                 unload=unload,
             )
+
+
+def places_to_look(mission: Mission, task: Task) -> tuple[Place, ...]:
+    """Return places from which all are seen that a task may be in, nearest first; often none."""
+    tour: list[Place] = []
+    for place in possible_places(mission.world, task.at, task.within) if task.within else ():
+        if not any(math.dist(place, seen) <= mission.finding_radius for seen in tour):
+            tour.append(place)
+    return tuple(tour)
 
 
 def row_of(counts: Counts, capabilities: tuple[str, ...]) -> Row:

@@ -130,7 +130,7 @@ def _can_get_to(mission: FleetMission, robot: int, place: Place) -> bool:
     """Say whether a robot can have got to where it says that it is."""
     is_there = mission.can_be_at(robot, place)
     flies = mission.source.robots[robot].flies
-    return is_there and (flies or mission.region(place) == mission.regions[robot])
+    return is_there and (flies or mission.source.world.region(place) == mission.regions[robot])
 
 
 def _old_plan(situation: FleetSituation, number_of: Mapping[int, int]) -> Plan | None:

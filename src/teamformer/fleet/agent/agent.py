@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
-from teamformer.fleet.agent.loads import note_load
+from teamformer.fleet.agent.loads import note_load, note_place
 from teamformer.fleet.agent.membership import HEARS_ALL, Membership, neighbours
 from teamformer.fleet.agent.planning import FleetPlan, PlanKeeper
 from teamformer.fleet.agent.service import Service
@@ -222,21 +222,20 @@ class Agent:
         self.service.has_served = self._has_served
         if report.leg != self.command.leg or self.command.task not in self.knowledge.tasks:
             return
-        if report.needs is not None:
-            seen = NeedsFact(self.command.task, report.needs)
-            if self.knowledge.take_needs(seen):
-                notices.append(Notice(EVERYBODY, self.knowledge.note()))
+        task, knowledge = self.command.task, self.knowledge
+        is_news = report.needs is not None and knowledge.take_needs(NeedsFact(task, report.needs))
         is_done = report.is_done or self.service.is_over(now)
-        if is_done and self.service.is_at_work_on(self.command.task):
-            robots = self.service.at_work(now)
-            self.knowledge.note_deed(DeedFact(self.command.task, self.age(now), robots))
-        if is_done and self.knowledge.mark_done(self.command.task, now):
+        if is_done and self.service.is_at_work_on(task):
+            knowledge.note_deed(DeedFact(task, self.age(now), self.service.at_work(now)))
+        if is_done and knowledge.mark_done(task, now):
             self.voice.hurry()
-        elif self._has_load(self.command.task):
-            is_held = report.is_busy or self.service.is_in_hands(self.command.task, now)
-            is_sought = not is_held and self._is_at(self.command.task)
-            if note_load(self.knowledge, self.command.task, report, is_sought):
-                notices.append(Notice(EVERYBODY, self.knowledge.note()))
+        elif task in self.mission.hidden:
+            is_news |= note_place(knowledge, task, report, self._is_at(task))
+        elif self._has_load(task):
+            is_held = report.is_busy or self.service.is_in_hands(task, now)
+            is_news |= note_load(knowledge, task, report, not is_held and self._is_at(task))
+        if is_news:
+            notices.append(Notice(EVERYBODY, knowledge.note()))
 
     def _look(self, now: float) -> None:
         """Look who is lost, and whether this robot gets on."""
@@ -290,7 +289,8 @@ class Agent:
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
         is_there = is_for_it and (self._is_bound or self._is_at(service.goal))
         is_there = is_there and not report.is_unfit
-        if is_there and self._has_load(service.goal):
+        is_elsewhere = self._has_load(service.goal) or service.goal in self.mission.hidden
+        if is_there and is_elsewhere:
             is_on_its_way = self.command.place not in (None, self.knowledge.place_of(service.goal))
             is_there = not (is_on_its_way or report.is_gone or self.membership.is_stuck)
         chosen = None if leading is None else leading.decide(now, self._place, notices)

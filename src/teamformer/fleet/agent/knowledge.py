@@ -67,7 +67,7 @@ class Knowledge:
         self.called_off: set[int] = set()
         self.over: set[int] = set()  # what is done or called off
         self.seen: dict[int, NeedsFact] = {}  # what uncertain tasks really need
-        self.loads: dict[int, LoadFact] = {}  # those that are not where their tasks are
+        self.loads: dict[int, LoadFact] = {}  # and hidden tasks: those that are elsewhere
         self.deeds = {deed.key: deed for deed in remembered.deeds}  # what this robot has done
         self.digest = 0
         self.changes = 0  # grows with every fact
@@ -188,11 +188,31 @@ class Knowledge:
         x, y = float(place[0]), float(place[1])
         return self.take_load(LoadFact(key, min(version + 1, MOST_MOVES), x, y))
 
+    def find(self, key: int, place: Place) -> bool:
+        """Note where a task is whose place was not known; say whether that is news."""
+        known = self.loads.get(key)
+        if known is not None and known.version == MOST_MOVES:
+            return False
+        return self.take_load(LoadFact(key, MOST_MOVES, float(place[0]), float(place[1])))
+
+    def rule_out(self, key: int) -> bool:
+        """Note that a task is not where it was believed; the next place to look holds then."""
+        known, tour = self.loads.get(key), self.mission.hidden[key]
+        version = 1 if known is None else known.version + 1
+        if version >= MOST_MOVES:
+            return False
+        x, y = tour[version % len(tour)]
+        return self.take_load(LoadFact(key, version, float(x), float(y)))
+
     def take_load(self, load: LoadFact) -> bool:
-        """Take in where a load lies, if it is newer than what is known; say whether it is."""
+        """Take in where a load or a hidden task is, if that is newer than what is known.
+
+        Say whether it is.
+        """
         task, known = self.tasks.get(load.key), self.loads.get(load.key)
         place = (load.x, load.y)
-        is_sound = task is not None and task.to is not None and self.mission.is_site(*place)
+        can_move = task is not None and (task.to is not None or load.key in self.mission.hidden)
+        is_sound = can_move and self.mission.is_site(*place)
         if not is_sound or self.mission.region(place) != self.mission.region(self._start_of(load)):
             self.refused += 1
             return False

@@ -32,7 +32,8 @@ class Report(NamedTuple):
 
     A body that serves a task with a load takes it up, carries it to where it is to be brought, and
     unloads it there; it sets it down where it is told to stop. Where it can see loads it also says
-    where that of the task lies, and whether none lies where it stands.
+    where that of the task lies, and whether none lies where it stands. It says the same of a task
+    whose place is not known, once it is near enough to see it.
     """
 
     x: float

@@ -207,6 +207,9 @@ class FleetWorld:
         report = Report(x, y, command.leg, is_done, is_busy, number)
         if is_here and task.key in self.mission.unsure:
             report = report._replace(needs=task.needs)
+        if task.key in self.mission.hidden:
+            is_seen = math.dist((x, y), at) <= self.mission.source.finding_radius
+            return report._replace(load=at if is_seen else None, is_gone=not is_here)
         if task.to is None:
             return report
         if body.carries == task.key:

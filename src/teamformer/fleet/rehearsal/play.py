@@ -165,6 +165,8 @@ class Rehearsal:
             self._saved[robot] = agent.remember(clock)
             known = agent.knowledge
             self.trace.note_knowledge(self.now, robot, known.called_off, known.seen.keys())
+            for key in self.mission.hidden.keys() & known.loads.keys():
+                self.trace.note_place(self.now, known.loads[key])
         if command is not before:
             self._note_work(robot, command)
             for other in self.world.command(robot, command):

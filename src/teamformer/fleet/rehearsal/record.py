@@ -18,7 +18,7 @@ from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.services_seen import with_services
-from teamformer.fleet.rehearsal.trace import NEEDS, Event, Finished, Noticed, Said, Sent
+from teamformer.fleet.rehearsal.trace import NEEDS, Believed, Event, Finished, Noticed, Said, Sent
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
@@ -50,22 +50,18 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     events = sorted(events, key=lambda event: event.at)
     tasks, number = _tasks_of(rehearsal)
     done = rehearsal.world.done.values()
-    by_key = {it.key: deed_of(number[it.key], tasks, it.robots) for it in done}
+    truth = _truth_of(rehearsal, tasks)
+    by_key = {it.key: deed_of(number[it.key], truth, it.robots) for it in done}
     deeds = deeds_by_step(events, by_key, mission.step)
     deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
     robots = _robots_of(rehearsal, deeds)
     source = replace(mission.source, tasks=tasks, robots=robots, teams=())
-    true_tasks = zip(tasks, rehearsal.truth.tasks, strict=False)
-    truth = replace(
-        source,
-        tasks=(
-            *(task.once_known(it.at, it.needs, it.duration) for task, it in true_tasks),
-            *tasks[len(rehearsal.truth.tasks) :],
-        ),
-    )
+    true_mission = replace(source, tasks=truth)
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: step for robot, step in ends if step is not None}
-    rows = with_services(truth, _Teller(source, mission.step, number).tell(events, deeds, lost))
+    rows = with_services(
+        true_mission, _Teller(source, mission.step, number).tell(events, deeds, lost)
+    )
     is_complete, steps = outcome.status == "ended", len(rows)
     return Record(
         mission=source,
@@ -74,7 +70,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
         orders=((0, tuple(k for k, task in enumerate(source.tasks) if task.appears == 0)),),
         start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(source.robots)),
         steps=tuple(rows),
-        truth=truth if source.has_surprises else None,
+        truth=true_mission if source.has_surprises else None,
         end=Ending(
             status=STATUSES[outcome.status],
             makespan=steps if is_complete else None,
@@ -86,6 +82,13 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
             blocked_tasks=outcome.blocked_tasks,
         ),
     )
+
+
+def _truth_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ...]:
+    """Return the tasks as they really were; operators' are as they said."""
+    own = zip(tasks, rehearsal.truth.tasks, strict=False)
+    known = (task.once_known(true.at, true.needs, true.duration) for task, true in own)
+    return (*known, *tasks[len(rehearsal.truth.tasks) :])
 
 
 def deed_of(number: int, tasks: Sequence[Task], robots: tuple[int, ...]) -> Deed:
@@ -177,6 +180,7 @@ class _Teller:
         rows, position = [], 0
         for step, done in enumerate(deeds, start=1):
             heard, lifts, shown = set(), list[Lifted](), set[int]()
+            moved, found = dict[int, TaskAt](), list[int]()
             while position < len(events) and events[position].at <= step * self._step + SLACK:
                 event = events[position]
                 position += 1
@@ -188,11 +192,22 @@ class _Teller:
                     heard.add((event.sender, event.receiver, event.kind))
                 elif isinstance(event, Lifted):
                     lifts.append(event)
+                elif isinstance(event, Believed):
+                    moved[event.task] = TaskAt(event.task, *self._as_place(*event.place))
+                    found += [event.task] if event.is_found else []
                 elif isinstance(event, Noticed) and event.what == NEEDS:
                     shown.add(event.task)
             row = self._row(step, [r for r, at in lost.items() if at == step], done, lifts)
             new, self._seen = tuple(sorted(shown - self._seen)), self._seen | shown
-            rows.append(replace(row, heard=tuple(sorted(heard)), shown=new))
+            rows.append(
+                replace(
+                    row,
+                    heard=tuple(sorted(heard)),
+                    shown=new,
+                    found=tuple(found),
+                    moved=tuple(moved.values()),
+                )
+            )
         return rows
 
     def _loads(

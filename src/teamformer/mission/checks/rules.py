@@ -113,6 +113,12 @@ def rules_of_fleets(mission: Mission) -> Iterator[Problem]:
     What may happen to robots is theirs: rehearsals draw it.
     """
     yield from _rules_of_real_robots(mission, FLEETS)
+    both = [
+        (("tasks", number, "within"), f"task '{task.name}' has a load within a region")
+        for number, task in enumerate(mission.tasks)
+        if task.within and task.to is not None
+    ]
+    yield from told_once(mission, both, _remedy(mission, FLEETS))
 
 
 def rules_of_robotarium(mission: Mission) -> Iterator[Problem]:

@@ -18,7 +18,7 @@ from teamformer.mission.keys.kinds import (
     Whole,
     Window,
 )
-from teamformer.mission.keys.robot_keys import NOT_KNOWN, SURPRISES
+from teamformer.mission.keys.robot_keys import NOT_KNOWN
 
 SMALLEST_WEIGHT, LARGEST_WEIGHT = 1e-3, 1e6
 """Of the weights of a cost and of tasks: they are told apart however far apart they are."""
@@ -132,7 +132,7 @@ TASK_KEYS = (
         default=0.0,
         without="0: it is at `at`",
         label="Within (cells or m)",
-        unknown=Unknown(SURPRISES, "has an uncertain place", is_surprise=True),
+        unknown=Unknown((CONTINUOUS, ROBOTARIUM), "has an uncertain place", is_surprise=True),
     ),
     Key(
         "weight",

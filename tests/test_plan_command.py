@@ -99,14 +99,23 @@ def test_the_page_shows_every_robot_and_task(imported: Path, tmp_path: Path) -> 
     assert "http" not in page.replace("http-equiv", "")
 
 
-def test_run_refuses_what_is_only_planned(
+def test_a_mission_in_continuous_time_is_run_as_it_is_planned(
     imported: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for verb in (("run",), ("compare",), ("robotarium", "fly")):
-        assert teamformer(*verb, str(imported)) == 2
-        said = capsys.readouterr().err
-        assert "missions in continuous time are not played in steps" in said
-        assert f"{imported}:" in said
+    row = plan(imported, capsys, "--method", "plan")
+    assert teamformer("run", str(imported), "--json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert round(told["makespan"], 6) == row["makespan"]
+    assert told["critical_path"][-1]["to"] == row["makespan"]
+
+
+def test_real_robots_refuse_continuous_time(
+    imported: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert teamformer("robotarium", "fly", str(imported)) == 2
+    said = capsys.readouterr().err
+    assert "missions in continuous time are not played in steps" in said
+    assert f"{imported}:" in said
 
 
 def test_missions_in_steps_are_planned_too(capsys: pytest.CaptureFixture[str]) -> None:

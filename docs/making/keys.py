@@ -1,6 +1,7 @@
-"""Writes what the tables of keys say into the pages on the mission file, and the JSON Schema.
+"""Writes what the tables of keys and of kinds of events say into the reference, and the schemas.
 
-`python docs/making/keys.py` after a change of `src/teamformer/mission/keys`.
+`python docs/making/keys.py` after a change of `src/teamformer/mission/keys`, of the kinds in
+`world/continuous/events.py`, or of `live/serving`.
 """
 
 from __future__ import annotations
@@ -16,9 +17,14 @@ from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
+from teamformer.world.continuous.events import KINDS
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "docs/reference/mission.md", *sorted(ROOT.glob("docs/reference/mission/*.md"))]
+REFERENCE = ROOT / "docs" / "reference"
+PAGES = [
+    *(REFERENCE / name for name in ("mission.md", "record.md")),
+    *sorted(REFERENCE.glob("mission/*.md")),
+]
 SCHEMA = ROOT / "mission.schema.json"
 OPENAPI = ROOT / "live.openapi.json"
 
@@ -45,8 +51,16 @@ def tables() -> dict[str, list[str]]:
         "robots": [*head, *rows(ROBOT_KEYS)],
         "tasks": [*head, *rows(TASK_KEYS)],
         "planes": [*head, *rows(PLANE_KEYS, "world.")],
+        "events": ["| kind | its fields | says |", "|---|---|---|", *kinds_of_events()],
         "cost": ["| key | what it measures |", "|---|---|", *cost],
     }
+
+
+def kinds_of_events() -> Iterator[str]:
+    """Yield a row for each kind of event in a record in continuous time."""
+    for name, kind in KINDS.items():
+        fields = (f"`{it}`" + ("?" if it in kind.may_lack else "") for it in kind.fields)
+        yield f"| `{name}` | {', '.join(fields)} | {kind.says} |"
 
 
 def page(text: str) -> str:

@@ -72,7 +72,7 @@ class Site:
         step = Step(done=tuple((task, 0) for task in numbers), shown=tuple(numbers))
         end = Ending("completed", 1, 1, len(moved), 0, 0, 0)
         truth = draw_truth(self.as_it_is(past), number)
-        return Record(past, "none", number, (), (), (step,), end, truth=truth)
+        return Record(past, "none", number, (), (), (step,), end=end, truth=truth)
 
 
 def _open(task: Task, rng: np.random.Generator) -> Task:

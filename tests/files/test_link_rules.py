@@ -126,7 +126,7 @@ def test_files_are_refused_by_line(starts: str, cost: str, told: str, tmp_path: 
 
 def test_missions_in_steps_have_neither() -> None:
     told = [problem.message for problem in rules_not_played(replace(MISSION, time="steps"))]
-    remedy = "write time: continuous and plan it with `teamformer plan`"
+    remedy = "write time: continuous"
     assert told == [
         "in steps a cost may weigh makespan, tardiness, max_tardiness, completion; drop travel, or "
         + remedy,

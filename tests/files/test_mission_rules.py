@@ -12,12 +12,12 @@ from teamformer.base.errors import MissionError
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.mission.checks.rules import (
+    rules_not_planned,
     rules_not_played,
+    rules_not_run,
     rules_of_fleets,
     rules_of_robotarium,
 )
-from teamformer.mission.keys.key import CONTINUOUS
-from teamformer.mission.keys.unknown import find_unknown
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.world.env import TeamFormation
@@ -122,9 +122,31 @@ def test_missions_are_played_for_a_million_steps_at_most(
     assert [problem.where for problem in rules_not_played(chain)][: len(told)] == told
 
 
-def test_losses_and_unreachable_ends_are_refused() -> None:
-    with pytest.raises(MissionError, match="robot 'r' is lost, which only missions in steps know"):
-        replace(MISSION, robots=(replace(ROBOT, absences=(Absence(3),)), MISSION.robots[1]))
+def test_losses_are_run_and_not_planned_in_advance() -> None:
+    lost = (replace(ROBOT, absences=(Absence(2.5, 4.25),)), MISSION.robots[1])
+    mission = replace(MISSION, robots=lost)
+    assert list(rules_not_run(mission)) == []
+    told = "robot 'r' is lost, which a plan made in advance does not count with; drop lost, or use"
+    [problem] = rules_not_planned(mission)
+    assert problem.message.startswith(told)
+
+
+@pytest.mark.parametrize(
+    ("absences", "told"),
+    [
+        ((Absence(0),), "robot 'r' is lost at 0; use a time after 0, up to 1e9"),
+        ((Absence(2, 2),), "robot 'r' is lost at 2 and back at 2; it must be back later"),
+        ((Absence(2), Absence(3)), "robot 'r' is lost at 3, but has not come back before"),
+        ((Absence(2, 4), Absence(3)), "robot 'r' is lost at 3; use a time after 4, up to 1e9"),
+    ],
+)
+def test_times_of_losses_are_in_order(absences: tuple[Absence, ...], told: str) -> None:
+    with pytest.raises(MissionError) as refused:
+        replace(MISSION, robots=(replace(ROBOT, absences=absences), MISSION.robots[1]))
+    assert str(refused.value).startswith(told)
+
+
+def test_unreachable_ends_are_refused() -> None:
     island = Grid(3, 1, ("..@",))
     with pytest.raises(MissionError, match="inside an obstacle"):
         replace(MISSION, world=island, ends=(2, 0), tasks=(Task("x", (1, 0), {"a": 1}),))
@@ -151,10 +173,6 @@ def test_tasks_that_appear_at_random_are_for_who_need_not_be_sure() -> None:
     assert list(rules_not_played(mission)) == []
 
 
-def test_continuous_time_refuses_what_is_not_sure() -> None:
-    mission = world_of("4N4T-C4-mixed", 0)
-    with pytest.raises(MissionError) as refused:
-        replace(mission, time="continuous")
-    told = str(refused.value).splitlines()
-    assert len(told) == len({where[-1] for where, _ in find_unknown(mission, CONTINUOUS, True)})
-    assert all("only missions in steps know" in line for line in told)
+def test_continuous_time_takes_what_is_not_sure() -> None:
+    mission = replace(world_of("4N4T-C4-mixed", 0), time="continuous")
+    assert list(rules_not_run(mission)) == []

@@ -7,14 +7,16 @@ from typing import Any
 from hypothesis import strategies as st
 
 from drawing import pick
+from event_forgeries import forgeries as event_forgeries
 from forgeries import FORGERIES, edited_records, forgeries
 from methods import METHODS, play
-from missions import SEEDS, missions
+from missions import SEEDS, continuous_missions, missions
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import mission_from_tree
 from teamformer.record.files.reading import record_from_tree
 from teamformer.record.files.writing import record_to_tree
 from teamformer.record.referee import judge
+from test_forged_events import AT_THE_END
 from test_forged_fields import FORGERIES as FIELDS
 from watching import fuzzed, noted
 
@@ -78,3 +80,20 @@ def test_any_record_is_judged_or_refused(
     noted["forged"] = forged = data.draw(edited_records(record_of(mission, method, seed)))
     findings = findings_in(forged)
     assert all(line.isprintable() for line in findings), findings
+
+
+@fuzzed(
+    25,
+    "run FILE --method plan --seed {seed} --out O; then forge O/record.json as below",
+    mission=continuous_missions(),
+    seed=SEEDS,
+    data=st.data(),
+)
+def test_forged_events_are_found(mission: Any, seed: int, data: st.DataObject) -> None:
+    """Honest records in continuous time are legal, and whatever is forged of them is found."""
+    record = record_of(mission, "plan", seed)
+    assert findings_in(record) == []
+    told = [(name, forged) for name, forged in event_forgeries(record) if name not in AT_THE_END]
+    if told:
+        noted["forged"], forged = data.draw(st.sampled_from(told))
+        assert findings_in(forged), f"{noted['forged']} is not found"

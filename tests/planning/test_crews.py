@@ -230,7 +230,7 @@ def test_ways_that_are_worked_out_give_the_plans_that_a_table_gives() -> None:
         world = generate(Spec(12, 40, 4, world=Grid(20, 20)), rng)
         known = Known(
             mission=world,
-            step=0,
+            now=0,
             open_tasks=tuple(range(40)),
             places=tuple(robot.at for robot in world.robots),
             teams=world.starting_teams,

@@ -29,7 +29,7 @@ def begin(
     """Return what everybody knows of a mission at its start."""
     return Known(
         mission=expected_mission(mission),
-        step=0,
+        now=0,
         open_tasks=tuple(range(len(mission.tasks))),
         places=tuple(robot.at for robot in mission.robots),
         teams=mission.starting_teams,

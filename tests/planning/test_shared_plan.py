@@ -37,7 +37,7 @@ def start_of(mission: Mission) -> Known:
     """Return what everybody knows before the first step."""
     return Known(
         mission=mission,
-        step=0,
+        now=0,
         open_tasks=tuple(k for k, task in enumerate(mission.tasks) if task.appears == 0),
         places=tuple(robot.at for robot in mission.robots),
         teams=mission.starting_teams,
@@ -101,7 +101,7 @@ def test_nobody_waits_for_robots_that_a_task_can_do_without() -> None:
 
 def test_robots_are_free_when_their_service_ends() -> None:
     mission = corridor([0, 9], [task(3, 1)])
-    known = replace(start_of(mission), step=10, free_at=(14, 10))
+    known = replace(start_of(mission), now=10, free_at=(14, 10))
     assert plan_mission(known) == Plan((0,), ((1,),), (16,), made_from="crews")
 
 

@@ -85,7 +85,7 @@ def test_arcs_in_steps_have_the_times_of_the_plan(crew: tuple[int, ...]) -> None
     mission = replace(mission, tasks=(crate,))
     known = Known(
         mission=mission,
-        step=0,
+        now=0,
         open_tasks=(0,),
         places=((0, 0), (10, 0)),
         teams=mission.starting_teams,

@@ -59,7 +59,7 @@ def two_lifters() -> Record:
     )
     end = Ending("interrupted", None, 6, 1, 1, 0, 0)
     start = ((0, (0,), 0, 0), (1, (1,), 3, 0))
-    return Record(mission, "by hand", 0, ((0, (0,)),), start, steps, end)
+    return Record(mission, "by hand", 0, ((0, (0,)),), start, steps, end=end)
 
 
 def test_every_step_of_every_robot_has_its_phase() -> None:

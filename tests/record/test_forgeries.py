@@ -98,7 +98,9 @@ def record_of(
     if orders is None:
         orders = ((0, tuple(k for k, task in enumerate(mission.tasks) if not task.appears)),)
     end_of = replace(ending, **end)
-    return Record(mission, "by hand", 0, orders, tuple(places), steps, end_of, decisions=decisions)
+    return Record(
+        mission, "by hand", 0, orders, tuple(places), steps, end=end_of, decisions=decisions
+    )
 
 
 def messages(record: Record) -> list[str]:
@@ -216,6 +218,10 @@ def test_what_the_rules_make_of_decisions_is_legal(record: Record) -> None:
         (
             record_of(ALONE, SETS_OUT, ARRIVES, orders=((0, (0,)), (7, (0,)))),
             "orders has a row of step 7, but only 2 were made",
+        ),
+        (
+            record_of(ALONE, SETS_OUT, decisions=((0, (Wants(0, (1,)),)),)),
+            "decisions has a row of step 0, and the first step is 1",
         ),
         (
             record_of(ALONE, SETS_OUT, orders=((0, (0,)), (1, (0,)))),

@@ -23,9 +23,9 @@ from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.telling.latest import LatestTold
 from teamformer.record.telling.teller import Teller
-from teamformer.record.telling.told import ToldService
-from teamformer.record.telling.trees import news_to_tree
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.told_record import ToldService
+from teamformer.record.told.trees import news_to_tree
 from teamformer.trials.trial import run_trial
 from teamformer.world.rules.constants import NOBODY
 
@@ -160,7 +160,7 @@ def test_what_is_told_must_be_what_the_steps_tell() -> None:
         "what is told of phases is not what happened"
     ]
     del tree["told"]
-    assert told_of(record_from_tree(tree, "r.json")).steps == len(tree["steps"])
+    assert told_of(record_from_tree(tree, "r.json")).length == len(tree["steps"])
 
 
 def test_nobody_is_about_a_task_while_lost() -> None:

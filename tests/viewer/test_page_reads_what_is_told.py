@@ -22,8 +22,8 @@ from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record
 from teamformer.record.teams import Teams
 from teamformer.record.telling.latest import LatestTold
-from teamformer.record.telling.trees import news_to_tree
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.trees import news_to_tree
 from teamformer.trials.trial import run_trial
 from teamformer.viewer.modules import joined
 from teamformer.world.rules.constants import NOBODY

@@ -13,8 +13,8 @@ from collections import Counter, deque
 from typing import Any
 
 from teamformer.record.files.reading import record_from_tree
-from teamformer.record.telling.trees import told_to_tree
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.trees import told_to_tree
 
 Tree = dict[str, Any]
 Cell = tuple[int, int]

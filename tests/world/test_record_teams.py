@@ -20,7 +20,7 @@ def record_of(*steps: Step) -> Record:
     """A record of four robots that lift and a box; only its teams mean anything."""
     mission = make([robot("a", 0), robot("a", 2), robot("a", 0), robot("a", 0)], [task("a", 2)])
     end = Ending("interrupted", None, len(steps), 0, 0, 0, 0)
-    return Record(mission, "by hand", 0, ((0, (0,)),), START, steps, end)
+    return Record(mission, "by hand", 0, ((0, (0,)),), START, steps, end=end)
 
 
 def after(*steps: Step) -> Teams:

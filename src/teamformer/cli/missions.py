@@ -59,9 +59,10 @@ def run(
 
 @app.command()
 def compare(
+    context: typer.Context,
     mission: MissionPath,
     methods: Annotated[
-        str, typer.Option(help="names, separated by commas")
+        str, typer.Option(help="names, separated by commas; in continuous time plan and central")
     ] = "heuristic,join-all,teamformer,crews,plan,central",
     seeds: Annotated[
         int, typer.Option(min=1, help="trials of each method, with seeds 0, 1, ...")
@@ -76,7 +77,8 @@ def compare(
     from teamformer.cli.verbs.missions.compare import compare as command
 
     names = [name.strip() for name in methods.split(",")]
-    raise typer.Exit(command(mission, names, seeds, time_limit, out, as_json))
+    is_chosen = is_given(context, "methods")
+    raise typer.Exit(command(mission, names, seeds, time_limit, out, as_json, is_chosen))
 
 
 @app.command()

@@ -70,12 +70,12 @@ def schema_of(kind: kinds.Kind) -> Schema:
         case kinds.Number() | kinds.Whole():
             return _of_number(kind)
         case kinds.Time():
-            return TIME
+            return _of_number(kinds.Number(0, is_above=kind.is_above))
         case kinds.Moments():
-            step = _of_number(kinds.Whole(kind.least, kind.most))
+            step = _of_number(kinds.Number(0, kind.most, is_above=True))
             return {"anyOf": [step, {"type": "array", "items": step}]}
         case kinds.Range():
-            return _pair(_of_number(kinds.Whole(kind.least)))
+            return _pair(TIME)
         case kinds.Window():
             return _pair(TIME)
         case kinds.StartLinks():

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.ways import Ways
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.capabilities import Counts, exact
@@ -19,6 +18,7 @@ from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.precedence import tasks_before
 from teamformer.mission.truth import draw_truth, expected_mission
+from teamformer.world.continuous.ways import Ways
 
 Row = tuple[float, ...]
 """How much there is of each capability, in the mission's order."""

@@ -74,7 +74,7 @@ class CoordinatedPlanner:
         old, step = _old_plan(situation, number_of), int(situation.age / mission.step)
         known = Known(
             mission=source,
-            step=step,
+            now=step,
             open_tasks=tuple(number_of[task.key] for task in situation.tasks),
             places=tuple(places),
             teams=tuple((robot,) for robot in robots),

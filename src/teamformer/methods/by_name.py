@@ -111,8 +111,11 @@ def _within(policy: Policy, time_limit: float | None, workers: int | None) -> Po
 
 
 def default_for(mission: Mission) -> str:
-    """Return the name of the method that suits a mission: `crews` if it is too large for `plan`."""
-    return STAND_IN if is_too_large(mission) else DEFAULT
+    """Return the name of the method that suits a mission: `crews` if it is too large for `plan`.
+
+    Crews plan in steps; in continuous time it is always `plan`.
+    """
+    return STAND_IN if mission.time == "steps" and is_too_large(mission) else DEFAULT
 
 
 def _make_player(name: str) -> Any:

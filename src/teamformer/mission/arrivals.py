@@ -9,10 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from teamformer.mission.model import Mission, Task
-from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import busiest_part
 from teamformer.mission.parts.plane import Plane
-from teamformer.mission.parts.reach import totals_by_region
+from teamformer.mission.parts.reach import can_reach, totals_by_region
+from teamformer.mission.parts.roads import Roads
 
 MILLIMETRES = 1000
 """In a metre: places on a plane are drawn to one of them, as random missions have them."""
@@ -42,7 +43,7 @@ def draw_arrivals(mission: Mission, rng: np.random.Generator) -> tuple[Task, ...
     return tuple(drawn)
 
 
-def once_appeared(mission: Mission, truth: Mission, steps: int) -> Mission:
+def once_appeared(mission: Mission, truth: Mission, steps: float) -> Mission:
     """Return a mission in which what has appeared by a truth is known, as tasks like others.
 
     More appear as they would have.
@@ -51,7 +52,7 @@ def once_appeared(mission: Mission, truth: Mission, steps: int) -> Mission:
         return mission
     arrived = truth.tasks[len(mission.tasks) :]
     known = tuple(replace(task, has_arrived=False) for task in arrived if task.appears <= steps)
-    arrivals = replace(mission.arrivals, since=max(mission.arrivals.since, steps))
+    arrivals = replace(mission.arrivals, since=max(mission.arrivals.since, int(steps)))
     return replace(mission, arrivals=arrivals, tasks=(*mission.tasks, *known))
 
 
@@ -93,8 +94,15 @@ def _draw_place(mission: Mission, part: int, rng: np.random.Generator) -> Place:
     if isinstance(world, Plane):
         x, y = (np.floor(rng.uniform(0, world.corner) * MILLIMETRES) / MILLIMETRES).tolist()
         return x, y
-    assert isinstance(world, Grid)
+    if isinstance(world, Roads):
+        return float(rng.choice(_places_for_all(mission, world))), 0
     while True:
         x, y = rng.integers(0, (world.width, world.height)).tolist()
         if world.is_free((x, y)) and world.region((x, y)) == part:
             return x, y
+
+
+def _places_for_all(mission: Mission, world: Roads) -> list[int]:
+    """Return the places that all robots get to; all places if there are none."""
+    every, robots = range(len(world.places)), mission.robots
+    return [n for n in every if all(can_reach(world, r, (n, 0)) for r in robots)] or [*every]

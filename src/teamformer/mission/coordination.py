@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
-from teamformer.mission.model import Mission
-from teamformer.mission.parts.capabilities import covers
+from teamformer.mission.checks.links import groups_of, linked_with
+from teamformer.mission.keys.mission_keys import TIMES
+from teamformer.mission.model import Mission, Robot
+from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
-from teamformer.mission.parts.reach import totals_by_region
+from teamformer.mission.parts.reach import totals_there
+from teamformer.mission.parts.roads import Roads
 from teamformer.mission.precedence import tasks_before
 
 NEWS = (
@@ -26,6 +30,9 @@ NEWS = (
 )
 """The kinds of news after which a coordinator may be asked for a plan."""
 
+IDLE = "idle"
+"""News in continuous time that nobody need heed: nobody has anything to do, and tasks are open."""
+
 TAKEN_OVER = "taken over"
 """The reason of a plan that the coordinator did not make, but an operator of a live mission."""
 
@@ -39,19 +46,29 @@ class Known:
 
     `mission` is the mission as it is believed to be: uncertain needs and places have their believed
     values, and the `after` of a task names only tasks that are not over. Places are in cells or
-    metres, times in steps.
+    metres, times in steps; in continuous time in the mission's unit, counted from its start.
+    There a robot on its way is free at the next place on it, every robot is a team of its own, and
+    the fields from `came_from` on are filled in.
     """
 
     mission: Mission
-    step: int  # the steps made so far
+    now: float  # the steps made so far, or the time
     open_tasks: tuple[int, ...]  # known, not done and not being served
     places: tuple[Place, ...]  # where each robot is once it is free; no meaning for lost robots
     teams: tuple[tuple[int, ...], ...]  # who is with whom; a robot in no team is lost
-    free_at: tuple[int, ...]  # when each robot is free: `step`, or the end of its service
-    under_way: tuple[tuple[int, int], ...] = ()  # tasks being served, and their expected ends
+    free_at: tuple[float, ...]  # when each robot is free: `now`, or the end of its service
+    under_way: tuple[tuple[int, float], ...] = ()  # tasks being served, and their expected ends
     unseen_needs: frozenset[int] = frozenset()  # tasks whose needs are not all known
     unseen_places: frozenset[int] = frozenset()  # tasks whose place is not known
     news: tuple[str, ...] = ("start",)  # what has happened since the latest plan, out of `NEWS`
+    came_from: tuple[Place, ...] = ()  # where each robot last did something: who forms with whom
+    started: Mapping[int, float] = field(default_factory=dict)  # tasks that have begun, and when
+    over: frozenset[int] = frozenset()  # tasks that are done or called off
+
+    @property
+    def step(self) -> int:
+        """Return how many steps, or whole units of time, have passed."""
+        return int(self.now)
 
     @cached_property
     def robots(self) -> tuple[int, ...]:
@@ -63,18 +80,58 @@ class Known:
         """Return the open tasks that the present robots can do; others wait for a lost robot.
 
         A task is not possible either if it comes after such a task, or after one that has not
-        appeared.
+        appeared. Tasks whose starts are linked are possible together or not at all: those that are
+        linked directly take different robots.
         """
-        world, tasks = self.mission.world, self.mission.tasks
-        have = totals_by_region(world, (self.mission.robots[robot] for robot in self.robots))
+        tasks = self.mission.tasks
+        have = totals_there(self.mission.world, [self._stands(robot) for robot in self.robots])
         under_way = {task for task, _ in self.under_way}
-        able = {
-            k for k in self.open_tasks if covers(have[world.region(tasks[k].at)], tasks[k].needs)
-        }
+        able = {k for k in self.open_tasks if covers(have(tasks[k].at), tasks[k].needs)}
         before = {task: set(others) for task, others in tasks_before(tasks).items()}
+        able -= self._lacking_for_links(able)
         while waiting := {task for task in able & before.keys() if before[task] - able - under_way}:
             able -= waiting
+            able -= self._lacking_for_links(able)
         return tuple(k for k in self.open_tasks if k in able)
+
+    def _stands(self, robot: int) -> Robot:
+        """Return a robot as one that starts where it is now; on roads not all ways lead back."""
+        there = self.mission.robots[robot]
+        is_road = isinstance(self.mission.world, Roads)
+        return replace(there, at=self.places[robot]) if is_road else there
+
+    def _lacking_for_links(self, able: set[int]) -> set[int]:
+        """Return tasks that the present robots can do, but not with all that they are linked with.
+
+        Those that have begun, and those that are over, are waited for no more.
+        """
+        tasks = self.mission.tasks
+        if not any(task.starts for task in tasks):
+            return set()
+        begun, lacking, linked = self.over | self.started.keys(), set[int](), linked_with(tasks)
+        can = [self.mission.robots[robot].can for robot in self.robots]
+        for group in groups_of(tasks):
+            left = [task for task in group if task not in begun]
+            pairs = ((a, b) for a in left for b in linked[a] if b in left)
+            needs = [total([tasks[a].needs, tasks[b].needs]) for a, b in pairs]
+            is_short = not all(covers(total(can), need) for need in needs)
+            if not able.issuperset(left) or is_short:
+                lacking |= able.intersection(left)
+        return lacking
+
+
+def known_at_start(mission: Mission) -> Known:
+    """Return what is known before anything has happened; tasks that will appear count as known."""
+    places = tuple(robot.at for robot in mission.robots)
+    return Known(
+        mission=mission,
+        now=0,
+        open_tasks=tuple(range(len(mission.tasks))),
+        places=places,
+        teams=mission.starting_teams,
+        free_at=(0,) * len(places),
+        came_from=places,
+    )
 
 
 @dataclass(frozen=True)
@@ -89,14 +146,14 @@ class Plan:
 
     order: tuple[int, ...] = ()  # open tasks
     coalitions: tuple[tuple[int, ...], ...] = ()  # the robots of each, in the same order
-    ends: tuple[int, ...] = ()  # the step in which each is done if nothing happens, or empty
+    ends: tuple[float, ...] = ()  # when each is done if nothing happens, or empty
     scouts: tuple[tuple[int, int], ...] = ()  # pairs of a robot and the task it looks at first
     why: tuple[str, ...] = ()  # the news after which the plan was made, or `TAKEN_OVER`
     made_from: str = ""  # what the search began with: crews, coalitions, arcs, old plan; or kept
 
     @property
-    def makespan(self) -> int:
-        """Return the step in which the last task is done if nothing happens."""
+    def makespan(self) -> float:
+        """Return when the last task is done if nothing happens."""
         return max(self.ends, default=0)
 
 
@@ -123,3 +180,12 @@ def heeded_by(coordinator: Coordinator) -> tuple[str, ...]:
     """Return the news after which a coordinator is asked."""
     heeds: tuple[str, ...] = getattr(coordinator, "heeds", UNFORESEEN)
     return heeds
+
+
+def times_of(coordinator: Coordinator) -> tuple[str, ...]:
+    """Return of which times missions are that a coordinator can plan: of all, if it does not say.
+
+    One whose plans count in steps says so in its attribute `times`.
+    """
+    times: tuple[str, ...] = getattr(coordinator, "times", TIMES)
+    return times

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -38,22 +39,25 @@ class Breakdown:
     """How a robot may break down: with probability `rate` in each step.
 
     After a random number of steps it is back where it stood. `repair` has the least and the most;
-    every whole number between them is equally likely. None means that it never comes back.
+    every whole number between them is equally likely. None means that it never comes back. In
+    continuous time `rate` is how often it breaks down in a unit of time, at any moment, and every
+    time between those of `repair` is equally likely.
     """
 
     rate: float
-    repair: tuple[int, int] | None = None
+    repair: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
 class Absence:
     """A robot is lost from step `lost` on; the first step of a trial is step 1.
 
-    From step `back` on it is there again, alone and where it was lost; None means never.
+    From step `back` on it is there again, alone and where it was lost; None means never. In
+    continuous time both are times.
     """
 
-    lost: int
-    back: int | None = None
+    lost: float
+    back: float | None = None
 
 
 @dataclass(frozen=True)
@@ -104,14 +108,14 @@ class Robot:
         return max(SLOWEST, self.speed * (1 - self.delays.chance)) if self.delays else self.speed
 
     @property
-    def lost_for_good(self) -> int | None:
+    def lost_for_good(self) -> float | None:
         """Return the step from which it is lost and never back; None if there is none."""
         last = self.absences[-1] if self.absences else None
         return last.lost if last is not None and last.back is None else None
 
-    def is_due(self, steps_made: int) -> bool:
-        """Say whether it will be back in a step after `steps_made`."""
-        return any(away.back is not None and away.back > steps_made for away in self.absences)
+    def is_due(self, now: float) -> bool:
+        """Say whether it will be back after a moment; in steps, after so many that are made."""
+        return any(away.back is not None and away.back > now for away in self.absences)
 
 
 @dataclass(frozen=True)
@@ -134,36 +138,38 @@ class Arrivals:
 class Task:
     """A task: where it is and which capabilities one team must bring there together.
 
-    `duration` is how many steps the team must stay. `appears` is how many steps have been made
-    when everybody learns of the task; 0 means that it is known from the start. In step `cancelled`
-    the task is called off if it is not done by then; nobody knows this before. The tasks named in
-    `after` must be over, done or called off, before this one begins. `between` is the earliest time
-    at which it may begin, and the time after which its end is late. In continuous time durations
-    may be fractions, and `starts` links tasks: `starts[other]` is the least and the most time that
-    this task starts after `other` starts; other robots do it.
+    `duration` is how many steps the team must stay. All spans and moments are in steps, whole
+    numbers; in continuous time they are in the mission's unit and may be fractions. `appears` is
+    how many steps have been made when everybody learns of the task; 0 means that it is known from
+    the start. In step `cancelled` the task is called off if it is not done by then; nobody knows
+    this before. The tasks named in `after` must be over, done or called off, before this one
+    begins. `between` is the earliest time at which it may begin, and the time after which its end
+    is late. In continuous time `starts` links tasks: `starts[other]` is the least and the most time
+    that this task starts after `other` starts; other robots do it.
 
     A task with `to` has a load. The team takes it up at `at`, which takes `duration` steps, carries
     it to `to`, and stays `unload` steps; then the task is done.
 
-    Some values may be uncertain. `lasts` has the least and the most steps that the task may take;
-    every whole number between them is equally likely, and `duration` is then their mean, rounded
-    up. `may_need` has the probabilities with which one more of a capability is needed. `within` is
-    how far from `at` the task may be, in cells or metres; with 0 it is at `at`. `has_arrived` marks
-    a task that comes from the mission's `Arrivals`.
+    Some values may be uncertain. `lasts` has the least and the most that the task may take; every
+    whole number of steps between them is equally likely, in continuous time every time. `duration`
+    is then their mean, rounded up if both are whole. `may_need` has the probabilities with which
+    one more of a capability is needed. `within` is how far from `at` the task may be, in cells or
+    metres; with 0 it is at `at`. `has_arrived` marks a task that comes from the mission's
+    `Arrivals`.
     """
 
     name: str
     at: Place
     needs: Counts
     duration: float = 0
-    appears: int = 0
-    cancelled: int | None = None
+    appears: float = 0
+    cancelled: float | None = None
     after: tuple[str, ...] = ()
     between: tuple[float, float] | None = None
     starts: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     to: Place | None = None
     unload: float = 0
-    lasts: tuple[int, int] | None = None
+    lasts: tuple[float, float] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
     weight: float = 1.0  # of its lateness and its end in the cost
@@ -191,9 +197,13 @@ class Task:
         return total([self.needs, {cap: 1 for cap, p in self.may_need.items() if p > 0}])
 
 
-def expected_steps(least: int, most: int) -> int:
-    """Return the mean of a number that is anything between two bounds, rounded up."""
-    return -(-(least + most) // 2)
+def expected_steps(least: float, most: float) -> float:
+    """Return the mean of a number that is anything between two bounds.
+
+    It is rounded up if both are whole, as they are in steps.
+    """
+    both = least + most
+    return -(-both // 2) if isinstance(both, int) else both / 2
 
 
 @dataclass(frozen=True)
@@ -241,8 +251,12 @@ class Mission:
 
     @property
     def seconds_a_step(self) -> float:
-        """Return how long a step takes: on a plane what it says, on a grid one second."""
-        return self.world.step if isinstance(self.world, Plane) else 1.0
+        """Return how long a step takes: on a plane what it says, on a grid one second.
+
+        A unit of continuous time counts as one second.
+        """
+        is_in_steps = self.time == "steps"
+        return self.world.step if is_in_steps and isinstance(self.world, Plane) else 1.0
 
     @property
     def starting_teams(self) -> tuple[tuple[int, ...], ...]:
@@ -272,6 +286,19 @@ class Mission:
     def out_of_units(self, counts: Mapping[str, int]) -> dict[str, float]:
         """Return counts that arrays hold as they are written; needs as they were rounded up."""
         return out_of_units(counts, self.units)
+
+
+def as_believed(mission: Mission, **changes: object) -> Mission:
+    """Return a mission with changes, without checks.
+
+    What is believed at a moment may be impossible: robots that are needed are lost, say.
+    """
+    changed = copy.copy(mission)
+    for name in ("units", "has_surprises"):
+        changed.__dict__.pop(name, None)  # worked out of what is changed
+    for name, value in changes.items():
+        object.__setattr__(changed, name, value)
+    return changed
 
 
 def default_step_limit(mission: Mission) -> int:

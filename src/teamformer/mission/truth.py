@@ -15,7 +15,7 @@ import numpy as np
 from teamformer.mission.arrivals import draw_arrivals
 from teamformer.mission.checks.rules import LEAST_CHANCE
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
-from teamformer.mission.model import Absence, Breakdown, Mission, Robot, Task, World
+from teamformer.mission.model import Absence, Breakdown, Mission, Robot, Task, as_believed
 from teamformer.mission.parts.capabilities import Counts, total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import believed_place, possible_places
@@ -32,27 +32,26 @@ def draw_truth(mission: Mission, seed: int) -> Mission:
     """Return the mission as it really is: the same one where nothing about it is uncertain."""
     if not mission.has_surprises:
         return mission
-    return replace(
-        mission,
-        arrivals=None,
-        tasks=(
-            *(
-                _true_task(task, mission.world, np.random.default_rng([OF_TASKS, seed, number]))
-                for number, task in enumerate(mission.tasks)
-            ),
-            *draw_arrivals(mission, np.random.default_rng([OF_ARRIVALS, seed])),
+    tasks = (
+        *(
+            _true_task(task, mission, np.random.default_rng([OF_TASKS, seed, number]))
+            for number, task in enumerate(mission.tasks)
         ),
-        robots=tuple(
-            _true_robot(robot, mission.step_limit, seed, number)
-            for number, robot in enumerate(mission.robots)
-        ),
+        *draw_arrivals(mission, np.random.default_rng([OF_ARRIVALS, seed])),
     )
+    robots = tuple(
+        _true_robot(robot, mission, seed, number) for number, robot in enumerate(mission.robots)
+    )
+    if mission.time == "continuous":  # linked tasks may turn out to need more than all robots have
+        return as_believed(mission, arrivals=None, tasks=tasks, robots=robots)
+    return replace(mission, arrivals=None, tasks=tasks, robots=robots)
 
 
-def _true_robot(robot: Robot, step_limit: int, seed: int, number: int) -> Robot:
+def _true_robot(robot: Robot, mission: Mission, seed: int, number: int) -> Robot:
     rng, other = (np.random.default_rng([what, seed, number]) for what in (OF_ROBOTS, OF_DELAYS))
     if robot.breaks is not None:
-        absences = draw_absences(robot.breaks, step_limit, rng)
+        draw = draw_absences if mission.time == "steps" else draw_absences_by_rate
+        absences = draw(robot.breaks, mission.step_limit, rng)
         robot = replace(robot, breaks=None, absences=absences)
     if robot.delays is not None and robot.delays.seed is None:
         seed_of_delays = int(other.integers(LARGEST_NUMBER))
@@ -60,10 +59,12 @@ def _true_robot(robot: Robot, step_limit: int, seed: int, number: int) -> Robot:
     return robot
 
 
-def _true_task(task: Task, world: World, rng: np.random.Generator) -> Task:
-    duration = task.duration
-    if task.lasts is not None:
-        duration = int(rng.integers(task.lasts[0], task.lasts[1] + 1))
+def _true_task(task: Task, mission: Mission, rng: np.random.Generator) -> Task:
+    duration, world = task.duration, mission.world
+    if task.lasts is not None and mission.time == "continuous":
+        duration = float(rng.uniform(*task.lasts))
+    elif task.lasts is not None:
+        duration = int(rng.integers(int(task.lasts[0]), int(task.lasts[1]) + 1))
     more = {cap: 1 for cap, probability in task.may_need.items() if rng.random() < probability}
     needs = total([task.needs, more]) if task.may_need else task.needs
     at = task.at
@@ -81,20 +82,40 @@ def draw_absences(
     As long as a trial may last.
     """
     absences: list[Absence] = []
-    back = None
+    back: float | None = None
     while breaks.rate > 0 and len(absences) < MOST_BREAKDOWNS:
         lost = sound_from + int(rng.geometric(breaks.rate))
         if lost > step_limit:
             break
         if breaks.repair is not None:
-            sound_from = back = lost + int(rng.integers(*breaks.repair, endpoint=True))
+            least, most = map(int, breaks.repair)
+            sound_from = back = lost + int(rng.integers(least, most, endpoint=True))
         absences.append(Absence(lost, back))
         if back is None:
             break
     return tuple(absences)
 
 
-def truth_until(mission: Mission, truth: Mission, steps: int) -> Mission:
+def draw_absences_by_rate(
+    breaks: Breakdown, until: float, rng: np.random.Generator, sound_from: float = 0.0
+) -> tuple[Absence, ...]:
+    """Return when a robot that is sound from a time on breaks down and is back, until a time.
+
+    That is in continuous time: between two breakdowns lies any time, by their rate.
+    """
+    absences: list[Absence] = []
+    while breaks.rate > 0 and len(absences) < MOST_BREAKDOWNS:
+        lost = sound_from + float(rng.exponential(1 / breaks.rate))
+        if lost > until:
+            break
+        if breaks.repair is None:
+            return (*absences, Absence(lost, None))
+        sound_from = lost + float(rng.uniform(*breaks.repair))
+        absences.append(Absence(lost, sound_from))
+    return tuple(absences)
+
+
+def truth_until(mission: Mission, truth: Mission, steps: float) -> Mission:
     """Return a truth without the breakdowns that come after so many steps."""
     robots = (
         replace(real, absences=tuple(away for away in real.absences if away.lost <= steps))

@@ -1,11 +1,17 @@
-"""The record of a trial: what it began with, what each step changed, how it ended."""
+"""The record of a trial: what it began with, what happened, how it ended.
+
+A mission in steps has `start`, `steps`, `orders` and what is planned and decided beside them; one
+in continuous time has `events` instead of all these.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from teamformer.mission.model import Mission
+from teamformer.world.continuous.events import Event
 
 VERSION = 3
 FLEET = "fleet"
@@ -81,16 +87,23 @@ class Step:
 
 @dataclass(frozen=True)
 class Ending:
-    """How a trial ended."""
+    """How a trial ended; in continuous time there are no steps, joins, splits and decisions.
+
+    `cost`, `late` and `broken_links` are told in continuous time; in steps `task_times` has them.
+    """
 
     status: str
-    makespan: int | None
-    steps: int
-    tasks_done: int
-    joins: int
-    splits: int
-    illegal_decisions: int
+    makespan: float | None  # in steps, or in the mission's unit of time
+    steps: int = 0
+    tasks_done: int = 0
+    joins: int = 0
+    splits: int = 0
+    illegal_decisions: int = 0
     blocked_tasks: tuple[str, ...] = ()
+    cost: float | None = None  # of a mission that has one, if it was completed
+    late: Mapping[str, float] = field(default_factory=dict)  # by how much, by the tasks' names
+    broken_links: tuple[tuple[str, str], ...] = ()
+    """Tasks whose gap to another's start was not kept: its name, and that of the other."""
 
 
 @dataclass(frozen=True)
@@ -100,11 +113,12 @@ class Record:
     mission: Mission
     method: str
     seed: int
-    orders: tuple[tuple[int, tuple[int, ...]], ...]  # steps made, open tasks in order
-    start: tuple[StartingTeam, ...]
-    steps: tuple[Step, ...]
-    end: Ending
-    lower_bound: int | None = None
+    orders: tuple[tuple[int, tuple[int, ...]], ...] = ()  # steps made, open tasks in order
+    start: tuple[StartingTeam, ...] = ()
+    steps: tuple[Step, ...] = ()
+    end: Ending = field(kw_only=True)
+    events: tuple[Event, ...] = ()  # of a mission in continuous time, in the order of time
+    lower_bound: float | None = None
     plans: tuple[tuple[int, SharedPlanMade], ...] = ()  # steps made, the shared plan from then on
     truth: Mission | None = None  # what an uncertain mission really was
     scouts: tuple[tuple[int, tuple[tuple[int, int], ...]], ...] = ()
@@ -119,6 +133,18 @@ class Record:
 
     memo: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
     """What has been worked out of the rest, which `telling` keeps here."""
+
+    @property
+    def is_continuous(self) -> bool:
+        """Say whether it is of a mission in continuous time, and tells events."""
+        return self.mission.time == "continuous"
+
+    @property
+    def length(self) -> float:
+        """Return how many steps were made, or at what time the last event happened."""
+        if self.is_continuous:
+            return self.events[-1].at if self.events else 0
+        return len(self.steps)
 
     @property
     def is_coordinated(self) -> bool:

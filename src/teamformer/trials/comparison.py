@@ -12,6 +12,10 @@ from teamformer.mission.model import Mission
 from teamformer.trials.rows import Bars, bars_of, result_row
 from teamformer.trials.trial import PlayedTrial
 
+IN_STEPS = ("heuristic", "join-all", "crews", "plan", "central")
+IN_CONTINUOUS_TIME = ("plan", "central")
+"""What a mission is compared by if nobody says more, by its time."""
+
 RunOne = Callable[[Mission, Method, int], PlayedTrial]
 """Runs a trial of a mission by a method with a seed."""
 

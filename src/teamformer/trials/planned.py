@@ -105,7 +105,7 @@ def plan_mission(
     if mission.time == "continuous":
         refuse_too_large(mission, load_method(SHARED))
         warm_up()
-        made = plan_continuous(pose_mission(mission), method, seconds, start)
+        made = plan_continuous(pose_mission(expected_mission(mission)), method, seconds, start)
         if made is None:
             return None
         return PlannedMission(

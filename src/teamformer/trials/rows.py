@@ -22,8 +22,8 @@ class Bars:
     `least` is the least of what plans of the mission are judged by: of the costs, say.
     """
 
-    best: int | None
-    bound: int | None
+    best: float | None
+    bound: float | None
     least: float | None
 
 
@@ -64,6 +64,7 @@ def result_row(trial: PlayedTrial, bars: Bars) -> dict[str, Any]:
         "illegal_decisions": end.illegal_decisions,
         "blocked_tasks": list(end.blocked_tasks),
         "late": lateness(record),
+        **({"broken_links": list(map(list, end.broken_links))} if record.is_continuous else {}),
         "planning_seconds": round(trial.planning_seconds, 6),
         "decision_seconds": round(trial.decision_seconds, 6),
         "simulating_seconds": round(trial.simulating_seconds, 6),
@@ -93,11 +94,14 @@ def percent_over(value: float | None, bar: float | None) -> float | None:
     return None if value is None or not bar else round(100 * (value / bar - 1), 2)
 
 
-def seconds_of(mission: Mission, steps: int | None) -> float | None:
-    """Return how long steps take on a plane; None on grids, whose steps have no length."""
+def seconds_of(mission: Mission, steps: float | None) -> float | None:
+    """Return how long steps take on a plane; None on grids, whose steps have no length.
+
+    Speeds on a plane are in metres a second, so there the unit of continuous time is a second.
+    """
     if steps is None or not isinstance(mission.world, Plane):
         return None
-    return round(steps * mission.world.step, 3)
+    return round(steps * (mission.world.step if mission.time == "steps" else 1.0), 3)
 
 
 def _plan_row(plan: CentralPlan | None) -> dict[str, Any]:

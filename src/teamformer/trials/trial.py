@@ -15,7 +15,9 @@ from teamformer.methods.seam.protocol import Planner
 from teamformer.mission.coordination import Coordinator
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
+from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.record import Record
+from teamformer.trials.continuous_trial import run_continuous
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.recorder import Recorder
 from teamformer.world.env import Decision, Tally, TeamFormation
@@ -72,6 +74,16 @@ def run_trial(
     method, begun, compiled = as_method(player), time.perf_counter(), compiling_seconds()
     refuse_too_large(mission, method)
     truth = draw_truth(mission, seed) if truth is None else truth
+    if mission.time == "continuous":
+        ran = run_continuous(mission, method, truth, on_step, keeps_interrupted)
+        return PlayedTrial(
+            ran.record(mission, truth, seed),
+            planning_seconds=ran.planning_seconds,
+            decision_seconds=0.0,
+            total_seconds=ran.total_seconds,
+            compiling_seconds=ran.compiling_seconds,
+            is_interrupted=ran.is_interrupted,
+        )
     play, is_interrupted = _Play(mission, method, truth), False
     try:
         play.begin(seed)
@@ -128,6 +140,14 @@ class _Play:
 def _recorded(env: TeamFormation) -> tuple[TeamFormation, Recorder]:
     """Return a stage, and who records what happens on it."""
     return env, Recorder(env)
+
+
+def bound_of(truth: Mission) -> int | None:
+    """Return a number of steps that no plan can be faster than; None in continuous time.
+
+    There `central` works out a bound, if the mission is such that one says anything.
+    """
+    return lower_bound(truth) if truth.time == "steps" else None
 
 
 def run_trials(

@@ -11,10 +11,14 @@ from urllib.parse import quote
 from teamformer.base.whole_files import write_whole
 from teamformer.viewer.html import script_page
 
-HEAD = (
-    *("Side by side", "Record", "Mission", "Method", "Seed", "Ended", "Steps", "Bound"),
-    *("Tasks done", "Late by", "Cost"),
+BEFORE, AFTER = (
+    ("Side by side", "Record", "Mission", "Method", "Seed", "Ended"),
+    ("Bound", "Tasks done", "Late by", "Cost"),
 )
+"""The heads of the columns before and after the length."""
+
+LENGTHS = {(False,): "Steps", (True,): "Time", (False, True): "Steps or time"}
+"""The head of the length, by whether records are in continuous time."""
 
 STYLE = """
 body{font:14px/1.4 system-ui,sans-serif;margin:24px;color:#1d2733;background:#fff}
@@ -47,8 +51,9 @@ class RecordRow:
     method: str = ""
     seed: int | None = None
     ended: str = ""
-    steps: int | None = None
-    bound: int | None = None
+    length: float | None = None  # in steps, or in the unit of continuous time
+    is_continuous: bool = False
+    bound: float | None = None
     done: str = ""  # of how many tasks
     late: float | None = None  # all tasks together
     cost: float | None = None
@@ -58,7 +63,9 @@ class RecordRow:
 def write_folder_page(folder: str, rows: Sequence[RecordRow], path: Path) -> None:
     """Write the page of a folder with this name; pages of records are found beside it."""
     count = "1 record" if len(rows) == 1 else f"{len(rows)} records"
-    heads = "".join(f'<th scope="col">{_head(name)}</th>' for name in HEAD)
+    read = {row.is_continuous for row in rows if not row.wrong} or {False}
+    names = (*BEFORE, LENGTHS[tuple(sorted(read))], *AFTER)
+    heads = "".join(f'<th scope="col">{_head(name)}</th>' for name in names)
     body = (
         f"<h1>{html.escape(folder)}</h1><p>{count}. Click a column to sort by it, a record to open "
         "it; tick several to see them side by side.</p>"
@@ -77,11 +84,12 @@ def _head(name: str) -> str:
 def _row(row: RecordRow) -> str:
     name = html.escape(row.file)
     if row.wrong:
-        rest = f'<td class="wrong" colspan="{len(HEAD) - 2}">{html.escape(row.wrong)}</td>'
+        span = len(BEFORE) + len(AFTER) - 1
+        rest = f'<td class="wrong" colspan="{span}">{html.escape(row.wrong)}</td>'
         return f"<tr><td></td><td>{name}</td>{rest}</tr>"
     page = html.escape(quote(row.page))
     tick = f'<input type="checkbox" value="{page}" title="{name}" aria-label="{name}">'
-    cells = [row.mission, row.method, row.seed, row.ended, row.steps, row.bound, row.done]
+    cells = [row.mission, row.method, row.seed, row.ended, row.length, row.bound, row.done]
     told = "".join(_cell(value) for value in (*cells, row.late, row.cost))
     return f'<tr><td>{tick}</td><td><a href="{page}">{name}</a></td>{told}</tr>'
 

@@ -31,6 +31,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     If a mission is given that is large, that is also what they need for large ones.
     """
     from teamformer.base.kernels.jit import needs_compiling
+    from teamformer.planning.continuous.rules import warm_up
     from teamformer.planning.crews.deal import deal_crews
     from teamformer.planning.relaxation import threshold
     from teamformer.planning.search.annealing import anneal
@@ -38,6 +39,9 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     from teamformer.planning.steps.arc_search import LARGE
     from teamformer.world.step import step_worlds
 
+    if mission is not None and mission.time == "continuous":
+        warm_up()
+        return
     wanted = {method.name: method for method in methods}
     has_new_planner = "plan" in wanted and needs_compiling(anneal)
     is_new = needs_compiling(step_worlds)

@@ -17,6 +17,7 @@ from teamformer.base.array_types import Floats
 from teamformer.base.errors import TeamformerError
 from teamformer.files.imports.trees import HINT, TreePart, read_yaml, refuse_detours
 from teamformer.mission.model import Mission, Robot, Task
+from teamformer.mission.parts.layout import places_of
 from teamformer.mission.parts.plane import Plane
 
 START, END, DISTANCE, TIME = 0, 1, 3, 5
@@ -100,17 +101,6 @@ def _ways(graph: TreePart, tasks: int) -> tuple[Floats, float]:
     if speeds and max(speeds) - min(speeds) > EXACT * speed:
         graph.refuse(f"has speeds from {min(speeds):g} to {max(speeds):g}; here should be one")
     return ways, round(speed, 9)
-
-
-def places_of(ways: Floats) -> Floats:
-    """Return points of a plane with distances as near to these as there are, (places, 2)."""
-    count = len(ways)
-    centre = np.eye(count) - 1 / count
-    products = -0.5 * centre @ (ways**2) @ centre
-    values, vectors = np.linalg.eigh(products)
-    scale = np.sqrt(np.maximum(values[-2:], 0.0))
-    places: Floats = vectors[:, -2:] * scale
-    return places
 
 
 def _refuse_crooked(graph: TreePart, ways: Floats, places: Floats) -> None:

@@ -93,20 +93,28 @@ def _(kind: kinds.Time, reader: Reader, where: Where, value: Any, given: Given) 
 
 
 @read.register
-def _(kind: kinds.Moments, reader: Reader, where: Where, value: Any, given: Given) -> list[int]:
+def _(kind: kinds.Moments, reader: Reader, where: Where, value: Any, given: Given) -> list[float]:
+    if given.time == "continuous":
+        return [reader.number(at, moment) for at, moment in _entries(where, value)]
+    return [reader.whole(at, step, most=kind.most) for at, step in _entries(where, value)]
+
+
+def _entries(where: Where, value: Any) -> list[tuple[Where, Any]]:
+    """Return the entries of a list, or what stands alone, with their places."""
     if not isinstance(value, list):
-        return [reader.whole(where, value, most=kind.most)]
-    return [reader.whole((*where, entry), step, most=kind.most) for entry, step in enumerate(value)]
+        return [(where, value)]
+    return [((*where, entry), one) for entry, one in enumerate(value)]
 
 
 @read.register
 def _(
     kind: kinds.Range, reader: Reader, where: Where, value: Any, given: Given
-) -> tuple[int, int] | None:
+) -> tuple[float, float] | None:
     pair = reader.pair(where, value, kind.remedy)
     if pair is None:
         return None
-    least, most = (reader.whole((*where, part), steps) for part, steps in enumerate(pair))
+    read = reader.number if given.time == "continuous" else reader.whole
+    least, most = (read((*where, part), time) for part, time in enumerate(pair))
     return least, most
 
 

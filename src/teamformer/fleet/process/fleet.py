@@ -163,7 +163,7 @@ class LocalFleet:
                 agent.wait()
 
 
-def _moments(steps: Iterable[tuple[int | None, int]], length: float) -> list[tuple[float, int]]:
+def _moments(steps: Iterable[tuple[float | None, int]], length: float) -> list[tuple[float, int]]:
     """Return the seconds at which steps begin, with the robots that they are of, the last first."""
     known = ((step, robot) for step, robot in steps if step is not None)
     return sorted((((step - 1) * length, robot) for step, robot in known), reverse=True)

@@ -235,7 +235,8 @@ def _possible_task(
     if seen["done_at"] != NOBODY or seen["taken_at"] != NOBODY:
         duration = real.duration
     elif task.lasts is not None and seen["served"] > 0:
-        duration = int(rng.integers(max(task.lasts[0], seen["served"] + 1), task.lasts[1] + 1))
+        shortest, longest = map(int, task.lasts)
+        duration = int(rng.integers(max(shortest, seen["served"] + 1), longest + 1))
     return task.once_known(at, needs, duration)
 
 
@@ -258,9 +259,9 @@ def _possible_robot(
         return replace(real, absences=tuple(been))
     sound_from = steps
     if been and robot.breaks.repair is not None and (been[-1].back or 0) > steps:
-        least = max(robot.breaks.repair[0], steps + 1 - been[-1].lost)
-        lasted = int(rng.integers(least, robot.breaks.repair[1], endpoint=True))
-        sound_from = been[-1].lost + lasted
+        lost, (shortest, longest) = int(been[-1].lost), map(int, robot.breaks.repair)
+        least = max(shortest, steps + 1 - lost)
+        sound_from = lost + int(rng.integers(least, longest, endpoint=True))
         been[-1] = Absence(been[-1].lost, sound_from)
     later = draw_absences(robot.breaks, mission.step_limit, rng, sound_from)
     return replace(real, absences=(*been, *later))

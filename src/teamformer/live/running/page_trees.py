@@ -11,8 +11,8 @@ from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.record.files.writing import record_to_tree, step_to_tree
 from teamformer.record.record import Record
 from teamformer.record.telling.latest import LatestTold
-from teamformer.record.telling.trees import news_to_tree, path_to_tree
 from teamformer.record.telling.whole import path_of_record
+from teamformer.record.told.trees import news_to_tree, path_to_tree
 
 Tree = dict[str, Any]
 

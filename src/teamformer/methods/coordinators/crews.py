@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 from teamformer.mission.coordination import Known, Plan
 from teamformer.planning.steps.shared_plan import by_due, kept_plan, shared_plan_of
@@ -24,6 +25,7 @@ class Crews:
     """
 
     rounds: int = ROUNDS
+    times: ClassVar[tuple[str, ...]] = ("steps",)
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return what crews do that are dealt out now, or what is left of the plan if it is over

@@ -9,6 +9,7 @@ class OnCommand:
     """Plans nothing: a team heads for the task that its decision names, or stays."""
 
     heeds: tuple[str, ...] = ()
+    times: tuple[str, ...] = ("steps",)
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return an empty plan."""

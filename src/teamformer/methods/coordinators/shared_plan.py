@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from teamformer.mission.coordination import Known, Plan
+from teamformer.planning.continuous.present import plan_present
 from teamformer.planning.steps.free_looks import with_free_looks
 from teamformer.planning.steps.shared_plan import plan_mission
 
@@ -23,5 +24,7 @@ class SharedPlan:
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return a plan from now on, as good as the old one by its own count or better."""
         old = plan if plan is not None and plan.order else None
+        if known.mission.time == "continuous":
+            return plan_present(known, old)
         found = plan_mission(known, old, self.is_brief and old is not None)
         return with_free_looks(known, found) if self.scouts else found

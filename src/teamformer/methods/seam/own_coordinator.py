@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.own_code import telling_where
-from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by
+from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by, times_of
 
 
 class OwnCoordinator:
@@ -17,6 +17,11 @@ class OwnCoordinator:
     def heeds(self) -> tuple[str, ...]:
         """Return the news after which it is asked."""
         return heeded_by(self._coordinator)
+
+    @property
+    def times(self) -> tuple[str, ...]:
+        """Return of which times missions are that it can plan."""
+        return times_of(self._coordinator)
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return its plan; raises `TeamformerError` where it fails or returns none."""

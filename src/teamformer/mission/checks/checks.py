@@ -123,6 +123,9 @@ def _problems_of_places(mission: Mission) -> Iterator[Problem]:
             fault = _fault_of_place(world, thing.at, bool(within))
             if fault:
                 yield Problem(where, f"{what} is at {fault}")
+            elif within and isinstance(world, Roads):
+                message = f"{what} has within, and on roads no place lies around another; drop it"
+                yield Problem((key, number, "within"), message)
             elif within:
                 yield from find_region_problems(
                     world, what, thing.at, within, (key, number, "within")
@@ -130,11 +133,8 @@ def _problems_of_places(mission: Mission) -> Iterator[Problem]:
     for number, task in enumerate(mission.tasks):
         if task.to is None:
             continue
-        fault = "" if isinstance(world, Roads) else _fault_of_place(world, task.to)
-        message = f"the load of task '{task.name}' is brought to {fault}" if fault else ""
-        if isinstance(world, Roads):
-            message = f"task '{task.name}' has 'to', and on roads no loads are carried; take it out"
-        if message:
+        if fault := _fault_of_place(world, task.to):
+            message = f"the load of task '{task.name}' is brought to {fault}"
             yield Problem(("tasks", number, "to"), message)
 
 
@@ -171,16 +171,21 @@ def _problems_of_robots(mission: Mission) -> Iterator[Problem]:
                 (*where, "speed"),
                 f"robot '{robot.name}' has speed {robot.speed:g}; use {SLOWEST} to {FASTEST}",
             )
-        yield from _problems_of_absences(robot, where)
+        yield from _problems_of_absences(robot, where, mission.time == "continuous")
 
 
-def _problems_of_absences(robot: Robot, where: tuple[str | int, ...]) -> Iterator[Problem]:
+def _problems_of_absences(
+    robot: Robot, where: tuple[str | int, ...], is_continuous: bool
+) -> Iterator[Problem]:
+    if is_continuous:
+        yield from _problems_of_times_away(robot, where)
+        return
     what, before = f"robot '{robot.name}' is", None
     for number, away in enumerate(robot.absences):
         place: tuple[str | int, ...] = (number,) if len(robot.absences) > 1 else ()
         lost, back = (*where, "lost", *place), (*where, "back", *place)
         if before is None:
-            least, advice, again = 1, "the first step is 1", ""
+            least, advice, again = 1.0, "the first step is 1", ""
         elif before.back is None:
             message = f"{what} lost at step {away.lost}, but was lost in step {before.lost}"
             yield Problem(
@@ -197,6 +202,25 @@ def _problems_of_absences(robot: Robot, where: tuple[str | int, ...]) -> Iterato
             least = away.lost + 1
             yield from _problems_of_steps(away.back, least, back, steps, advice, LATEST_RETURN)
         before = away
+
+
+def _problems_of_times_away(robot: Robot, where: tuple[str | int, ...]) -> Iterator[Problem]:
+    """Return what is wrong with when a robot is lost and back in continuous time."""
+    since: float | None = 0.0
+    for number, away in enumerate(robot.absences):
+        place: tuple[str | int, ...] = (number,) if len(robot.absences) > 1 else ()
+        what = f"robot '{robot.name}' is lost at {away.lost:g}"
+        if since is None:
+            message = f"{what}, but has not come back before; say under back when it has"
+            yield Problem((*where, "lost", *place), message)
+            return
+        if not since < away.lost <= LARGEST_NUMBER:  # NaN too
+            message = f"{what}; use a time after {since:g}, up to 1e9"
+            yield Problem((*where, "lost", *place), message)
+        if away.back is not None and not away.lost < away.back <= LATEST_RETURN:
+            message = f"{what} and back at {away.back:g}; it must be back later"
+            yield Problem((*where, "back", *place), message)
+        since = away.back
 
 
 def _problems_of_totals(mission: Mission) -> Iterator[Problem]:
@@ -235,8 +259,8 @@ def _problems_of_counts(
 
 
 def _problems_of_steps(
-    steps: int,
-    least: int,
+    steps: float,
+    least: float,
     where: tuple[str | int, ...],
     what: str,
     advice: str,
@@ -282,12 +306,13 @@ def _problems_of_tasks(mission: Mission, places_are_good: bool) -> Iterator[Prob
         yield from _problems_of_counts(
             task.needs, mission.capabilities, (*where, "needs"), f"{what} needs"
         )
-        whole = ("duration", "unload", "appears") if mission.time == "steps" else ("appears",)
-        for key in whole:
+        if mission.time == "continuous":
+            yield from _problems_of_moments(task, where)
+        for key in ("duration", "unload", "appears") if mission.time == "steps" else ():
             steps = getattr(task, key)
             said = f"{what} has {key}"
             yield from _problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")
-        if task.cancelled is not None:
+        if task.cancelled is not None and mission.time == "steps":
             said = f"{what} is cancelled in step"
             at = (*where, "cancelled")
             yield from _problems_of_steps(task.cancelled, 1, at, said, "use 1 or more")
@@ -307,6 +332,19 @@ def _problems_of_tasks(mission: Mission, places_are_good: bool) -> Iterator[Prob
                     f"{describe(missing(have, need))}; "
                     f"move it, {way_for(mission.world, 'such robots')}",
                 )
+
+
+def _problems_of_moments(task: Task, where: tuple[str | int, ...]) -> Iterator[Problem]:
+    """Return what is wrong with when a task appears and is called off in continuous time."""
+    if not 0 <= task.appears <= LARGEST_NUMBER:  # NaN too
+        message = f"task '{task.name}' appears at {task.appears:g}; use 0 to 1e9"
+        yield Problem((*where, "appears"), message)
+    if not 0 <= task.unload <= LARGEST_NUMBER:
+        message = f"task '{task.name}' has unload {task.unload:g}; use 0 to 1e9"
+        yield Problem((*where, "unload"), message)
+    if task.cancelled is not None and not 0 < task.cancelled <= LARGEST_NUMBER:
+        message = f"task '{task.name}' is cancelled at {task.cancelled:g}; use more than 0, to 1e9"
+        yield Problem((*where, "cancelled"), message)
 
 
 def _problems_of_what_appears(mission: Mission) -> Iterator[Problem]:

@@ -52,7 +52,7 @@ def parts_of_ends(tasks: Sequence[Task], ends: Mapping[int, float]) -> dict[str,
 
 
 def cost_in_steps(
-    mission: Mission, ends: Mapping[int, float], makespan: int | None
+    mission: Mission, ends: Mapping[int, float], makespan: float | None
 ) -> float | None:
     """Return what a mission in steps costs that is over, None if it is not or has no cost.
 

@@ -6,7 +6,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
+from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.places import believed_place
+from teamformer.mission.parts.reach import can_reach
+from teamformer.mission.parts.roads import Roads
 
 if TYPE_CHECKING:
     from teamformer.mission.model import Mission
@@ -21,7 +24,9 @@ def find_load_problems(mission: Mission, number: int) -> Iterator[Problem]:
             yield Problem(("tasks", number, "unload"), f"{message}; add to: [x, y] or drop it")
         return
     place = believed_place(world, task)
-    if world.region(place) != world.region(task.to):
+    if isinstance(world, Roads):
+        yield from _problems_on_roads(mission, number)
+    elif world.region(place) != world.region(task.to):
         (x, y), (to_x, to_y) = place, task.to
         message = f"nobody can bring the load of task '{task.name}' from [{x}, {y}]"
         is_flown_to = any(robot.flies for robot in mission.robots)
@@ -32,6 +37,19 @@ def find_load_problems(mission: Mission, number: int) -> Iterator[Problem]:
         if is_flown_to and mission.time == "steps":
             remedy += ", and drop moves: air"
         yield Problem(("tasks", number, "to"), f"{message} to [{to_x}, {to_y}]: {fault}; {remedy}")
+
+
+def _problems_on_roads(mission: Mission, number: int) -> Iterator[Problem]:
+    """Return why robots that get to a load have no way on with it."""
+    task, world = mission.tasks[number], mission.world
+    assert isinstance(world, Roads), "the caller has looked"
+    assert task.to is not None, "it is a load"
+    there = [robot for robot in mission.robots if can_reach(world, robot, task.at)]
+    able = total(r.can for r in there if world.leads(r.moves, task.at, task.to))
+    if covers(total(robot.can for robot in there), task.needs) and not covers(able, task.needs):
+        names = f"from '{world.name_of(task.at)}' to '{world.name_of(task.to)}'"
+        message = f"robots that can take up the load of task '{task.name}' have no way {names}"
+        yield Problem(("tasks", number, "to"), f"{message}; give such a way a time under roads")
 
 
 def find_flown_loads(mission: Mission) -> Iterator[Problem]:

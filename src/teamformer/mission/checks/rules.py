@@ -50,8 +50,6 @@ def find_rule_problems(mission: Mission) -> Iterator[Problem]:
         yield Problem(("forming",), f"forming is {mission.forming:g}; use 0 to 1e9")
     yield from _problems_of_end(mission)
     yield from _problems_of_roads(mission)
-    if mission.time == "continuous":
-        yield from _problems_of_what_happens(mission)
     yield from _problems_of_times(mission)
     yield from _problems_of_precedence(mission)
     yield from find_cost_problems(mission)
@@ -60,11 +58,11 @@ def find_rule_problems(mission: Mission) -> Iterator[Problem]:
 
 def rules_not_played(mission: Mission) -> Iterator[Problem]:
     """Return why the step simulator cannot play a mission; nothing if it can."""
-    remedy = "plan it with `teamformer plan`"
     if mission.time == "continuous":
-        yield Problem(("time",), f"missions in continuous time are not played in steps; {remedy}")
+        what = "missions in continuous time are not played in steps"
+        yield Problem(("time",), f"{what}; use `teamformer run`, `compare` or `plan`")
         return
-    remedy = f"write time: continuous and {remedy}"
+    remedy = "write time: continuous"
     yield from find_flown_loads(mission)
     for where, what in find_unknown(mission, STEPS):
         yield Problem(where, f"{what}; {remedy}")
@@ -78,6 +76,12 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
 
 
+def rules_not_run(mission: Mission) -> Iterator[Problem]:
+    """Return why a mission cannot be run, be it in steps or in continuous time."""
+    if mission.time == "steps":
+        yield from rules_not_played(mission)
+
+
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
     """Return what a plan cannot count with that is made before the mission begins."""
     remedy = "drop cancelled, or use `teamformer run` with its default method"
@@ -86,15 +90,21 @@ def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
 
 
 def rules_not_planned(mission: Mission) -> Iterator[Problem]:
-    """Return why a mission cannot be planned: in steps, rules that these do not know."""
-    if mission.time != "continuous":
-        yield from rules_not_played(mission)
-        yield from rules_not_known_beforehand(mission)
+    """Return why a mission cannot be planned before it begins.
+
+    In steps that are rules that these do not know; in continuous time what a plan cannot foresee.
+    """
+    if mission.time == "continuous":
+        rest = "which a plan made in advance does not count with; drop {}, or use `teamformer run`"
+        yield from told_once(mission, find_unknown(mission, CONTINUOUS), rest.format)
+        return
+    yield from rules_not_played(mission)
+    yield from rules_not_known_beforehand(mission)
 
 
 VERBS = {
-    "run": rules_not_played,
-    "compare": rules_not_played,
+    "run": rules_not_run,
+    "compare": rules_not_run,
     "plan": rules_not_planned,
     "live": rules_not_played,
 }
@@ -175,7 +185,7 @@ def _problems_of_roads(mission: Mission) -> Iterator[Problem]:
     world = mission.world
     if isinstance(world, Roads) and mission.time == "steps":
         message = "roads are for continuous time: in steps robots walk on a map"
-        remedy = "write time: continuous and plan it with `teamformer plan`"
+        remedy = "write time: continuous"
         yield Problem(("world", "roads"), f"{message}; {remedy}, or use a grid or a plane")
     for number, robot in enumerate(mission.robots):
         where, what = ("robots", number, "moves"), f"robot '{robot.name}' moves by {robot.moves}"
@@ -189,12 +199,6 @@ def _problems_of_roads(mission: Mission) -> Iterator[Problem]:
             known = ", ".join(world.times)
             message = f"{what}, but there are only roads by {known}"
             yield Problem(where, f"{message}; name a file under roads, or change moves")
-
-
-def _problems_of_what_happens(mission: Mission) -> Iterator[Problem]:
-    """Return what happens to a mission in continuous time, whose plans are made beforehand."""
-    rest = "which only missions in steps know; drop {}"
-    yield from told_once(mission, find_unknown(mission, CONTINUOUS), rest.format)
 
 
 def _problems_of_times(mission: Mission) -> Iterator[Problem]:

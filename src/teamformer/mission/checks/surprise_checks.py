@@ -6,10 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
-from teamformer.mission.keys.key import CONTINUOUS
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.mission_keys import LONGEST_ARRIVALS
-from teamformer.mission.keys.unknown import find_unknown, told_once
 from teamformer.mission.parts.capabilities import Counts, covers, describe, missing, total
 
 if TYPE_CHECKING:
@@ -18,11 +16,11 @@ if TYPE_CHECKING:
 
 def find_surprise_problems(mission: Mission) -> Iterator[Problem]:
     """Return what is wrong with a mission's uncertain durations, needs and breakdowns."""
-    if mission.time == "continuous":
-        yield from _only_in_steps(mission)
     for number, robot in enumerate(mission.robots):
         if robot.breaks is not None:
-            yield from _problems_of_breaks(robot, robot.breaks, ("robots", number, "breaks"))
+            least = 1 if mission.time == "steps" else 0
+            where: tuple[str | int, ...] = ("robots", number, "breaks")
+            yield from _problems_of_breaks(robot, robot.breaks, where, least)
         if robot.delays is not None and not 0 <= robot.delays.chance < 1:  # NaN too
             message = f"robot '{robot.name}' stands still with probability {robot.delays.chance:g}"
             yield Problem(("robots", number, "delays"), f"{message}; use 0 to less than 1")
@@ -57,13 +55,8 @@ def _problems_of_arrivals(arrivals: Arrivals) -> Iterator[Problem]:
         yield Problem(("arrivals", "needs"), message)
 
 
-def _only_in_steps(mission: Mission) -> Iterator[Problem]:
-    rest = "which only missions in steps know; write one number, or drop {}"
-    yield from told_once(mission, find_unknown(mission, CONTINUOUS, is_surprise=True), rest.format)
-
-
 def _problems_of_range(
-    bounds: tuple[int, int], lowest: int, where: tuple[str | int, ...], what: str
+    bounds: tuple[float, float], lowest: float, where: tuple[str | int, ...], what: str
 ) -> Iterator[Problem]:
     least, most = bounds
     if not lowest <= least <= LARGEST_NUMBER or not most <= LARGEST_NUMBER:
@@ -75,7 +68,7 @@ def _problems_of_range(
 
 
 def _problems_of_breaks(
-    robot: Robot, breaks: Breakdown, where: tuple[str | int, ...]
+    robot: Robot, breaks: Breakdown, where: tuple[str | int, ...], least: int
 ) -> Iterator[Problem]:
     what = f"robot '{robot.name}'"
     if not 0 <= breaks.rate <= 1:  # NaN too
@@ -83,7 +76,7 @@ def _problems_of_breaks(
         yield Problem((*where, "rate"), message)
     if breaks.repair is not None:
         yield from _problems_of_range(
-            breaks.repair, 1, (*where, "repair"), f"{what} is repaired in"
+            breaks.repair, least, (*where, "repair"), f"{what} is repaired in"
         )
     if robot.absences:
         yield Problem(where, f"{what} has both lost and breaks; keep one of the two")

@@ -17,7 +17,7 @@ LONGEST_PLAY = 1_000_000
 
 def opening_step(task: Task) -> int:
     """Return how many steps have been made when a task may begin, those before it being done."""
-    return max(task.appears, window_opens(task))
+    return max(math.ceil(task.appears), window_opens(task))
 
 
 def window_opens(task: Task) -> int:

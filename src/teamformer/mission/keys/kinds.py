@@ -53,12 +53,14 @@ class Whole:
 
 @dataclass(frozen=True)
 class Time:
-    """A span from 0: in steps a whole number of them, in continuous time any number."""
+    """A span from 0, or more than 0: in steps a whole number, in continuous time any number."""
+
+    is_above: bool = False
 
 
 @dataclass(frozen=True)
 class Moments:
-    """A step, or a list of steps."""
+    """A step, or a list of steps; in continuous time a time after the start, or a list."""
 
     least: int
     most: int
@@ -66,7 +68,7 @@ class Moments:
 
 @dataclass(frozen=True)
 class Range:
-    """The least and the most of a number of steps; `remedy` says how it is written."""
+    """The least and the most of a span, as for `Time`; `remedy` says how it is written."""
 
     least: int
     remedy: str = "write it as [least, most]"

@@ -50,7 +50,11 @@ COST_KEYS = (
 )
 
 ARRIVALS_KEYS = (
-    Key("rate", Number(0, 1), "the probability that a task appears after a step"),
+    Key(
+        "rate",
+        Number(0, 1),
+        "the probability that a task appears after a step, in continuous time after a whole unit",
+    ),
     Key(
         "until",
         Whole(0, LONGEST_ARRIVALS, is_checked_later=True),

@@ -25,21 +25,31 @@ MOST_ALIKE = 1000
 """Robots that one entry of a file stands for."""
 
 NOT_KNOWN = "([what is not known](mission/unknown.md))"
-SURPRISES = (CONTINUOUS, FLEETS, ROBOTARIUM)
+SURPRISES = (FLEETS, ROBOTARIUM)
 
 BREAKS_KEYS = (
-    Key("rate", Number(0, 1), "the probability that the robot breaks down in a step"),
+    Key(
+        "rate",
+        Number(0, 1),
+        "the probability that the robot breaks down in a step; in continuous time how often it "
+        "does so in a unit of time",
+    ),
     Key(
         "repair",
         Range(1),
-        "the least and the most steps until it is back, every whole number equally likely",
+        "the least and the most steps until it is back, every whole number equally likely; in "
+        "continuous time every time between them",
         default=None,
         without="it is lost for good",
     ),
 )
 
 DELAYS_KEYS = (
-    Key("chance", Number(0, 1, is_below=True), "the probability that it stands still in a step"),
+    Key(
+        "chance",
+        Number(0, 1, is_below=True),
+        "the probability that it stands still in a step; in continuous time in a whole unit",
+    ),
     Key("seed", Whole(), "decides in which steps it stands still, the same ones in every trial"),
 )
 
@@ -77,9 +87,9 @@ ROBOT_KEYS = (
         "lost",
         Moments(1, LARGEST_NUMBER),
         "the step from which the robot is out of the mission; the first step is 1. So `lost: 15` "
-        "is 14 steps after the start. The mission stops in that step if some task can then never "
-        "be done, even if others could; `cancelled` calls a task off. A list if it is lost more "
-        "than once",
+        "is 14 steps after the start. In continuous time it is a time after the start. The mission "
+        "stops then if some task can never be done any more, even if others could; `cancelled` "
+        "calls a task off. A list if it is lost more than once",
         default=(),
         without="never",
         label="Lost in steps",

@@ -15,7 +15,6 @@ from teamformer.mission.keys.kinds import (
     StartLinks,
     Text,
     Time,
-    Whole,
     Window,
 )
 from teamformer.mission.keys.robot_keys import NOT_KNOWN
@@ -48,26 +47,27 @@ TASK_KEYS = (
     Key(
         "duration",
         Either(Time(), Range(0, "write steps, or [least, most]")),
-        "steps that the team must stay. In continuous time it may be a fraction. In steps it may "
-        f"be a range `[least, most]` {NOT_KNOWN}",
+        "steps that the team must stay; in continuous time it may be a fraction. It may be a range "
+        f"`[least, most]` {NOT_KNOWN}",
         default=0,
         label="Duration, steps",
         unknown=Unknown(
-            (CONTINUOUS, ROBOTARIUM), "has an uncertain duration", is_surprise=True, field="lasts"
+            (ROBOTARIUM,), "has an uncertain duration", is_surprise=True, field="lasts"
         ),
     ),
     Key(
         "appears",
-        Whole(0, is_checked_later=True),
-        "the step after which everybody knows the task; 0: it is known from the start",
+        Time(),
+        "the step after which everybody knows the task, in continuous time the time; 0: it is "
+        "known from the start",
         default=0,
         label="Appears after step",
     ),
     Key(
         "cancelled",
-        Whole(1, is_checked_later=True),
-        "the step in which the task is called off, if it is not done by then "
-        "([called off](mission/tasks.md#called-off))",
+        Time(is_above=True),
+        "the step in which the task is called off, in continuous time the time, if it is not done "
+        "by then ([called off](mission/tasks.md#called-off))",
         default=None,
         without="it never is",
         label="Called off in step",
@@ -122,7 +122,7 @@ TASK_KEYS = (
         default={},
         without="nothing",
         example={"weld": 0.4},
-        unknown=Unknown((CONTINUOUS, ROBOTARIUM), "has uncertain needs", is_surprise=True),
+        unknown=Unknown((ROBOTARIUM,), "has uncertain needs", is_surprise=True),
     ),
     Key(
         "within",
@@ -132,7 +132,7 @@ TASK_KEYS = (
         default=0.0,
         without="0: it is at `at`",
         label="Within (cells or m)",
-        unknown=Unknown((CONTINUOUS, ROBOTARIUM), "has an uncertain place", is_surprise=True),
+        unknown=Unknown((ROBOTARIUM,), "has an uncertain place", is_surprise=True),
     ),
     Key(
         "weight",

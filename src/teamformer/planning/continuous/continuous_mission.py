@@ -12,15 +12,18 @@ import numpy.typing as npt
 from teamformer.base.array_types import Floats, Ints
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.checks.costs import judged_by, weighed
-from teamformer.mission.checks.links import is_linked
-from teamformer.mission.checks.windows import release_of
-from teamformer.mission.coordination import Plan
-from teamformer.mission.keys.mission_keys import HOME as ENDS_HOME
-from teamformer.mission.model import Mission
-from teamformer.mission.parts.grid import Grid, Place
-from teamformer.mission.parts.roads import AIR, Roads
-from teamformer.mission.precedence import tasks_before
+from teamformer.mission.checks.windows import latest_end
+from teamformer.mission.coordination import Known, Plan, known_at_start
+from teamformer.mission.model import Mission, Task
+from teamformer.mission.parts.roads import Roads
 from teamformer.planning.continuous.solve import Solution
+from teamformer.planning.continuous.tables import (
+    distances,
+    longest_of,
+    ticks_in_a_unit,
+    ways_home,
+    ways_of_loads,
+)
 from teamformer.planning.continuous.times import TaskClock
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan, without_spares
 from teamformer.planning.problem.coalition_problem import (
@@ -33,14 +36,8 @@ from teamformer.planning.problem.links import PART_OF, Link, Links, have_weights
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.ways import ends_of
-from teamformer.world.rules.distances import UNREACHABLE, straight_ways, travel_matrix
-
-MOST_TICKS, MOST_WITH_WAITS = 2 * 10**9, 10**12
-"""About how many ticks everything takes at most, one task after the other: all that is done, and
-that with waiting for the last window to begin."""
-
-MOST_WEIGHT = 10**6
-"""Tasks that weigh more together have fewer ticks: what they cost has to stay a whole number."""
+from teamformer.world.rules.starts import Gap
+from teamformer.world.rules.waits import waits_at
 
 STRAIGHT = 1 - 1e-9
 """A way is shorter than another if it is by more than what rounding makes of equal ones."""
@@ -51,14 +48,13 @@ NO_WAY = 1000
 
 @dataclass(frozen=True)
 class ContinuousMission:
-    """A mission's times as they are, and in ticks, of which there are `scale` in a unit."""
+    """What is left of a mission, as it is, and in ticks, of which there are `scale` in a unit."""
 
     source: Mission
-    ways: Floats  # (paces, places, tasks) from places, which are tasks and starts, to tasks
-    home: Floats  # (robots, places)
-    origin: Ints  # (robots,) the place where each starts
-    pace: Ints  # (robots,) row of `ways`
-    carry: Floats  # (paces, tasks) how long a load is carried; 0 for other tasks
+    now: float  # from when on ticks are counted
+    robots: tuple[int, ...]  # the numbers that those of the problem have in the mission
+    tasks: tuple[int, ...]
+    clock: TaskClock  # its times as they are
     scale: float
     problem: CoalitionProblem
 
@@ -68,8 +64,8 @@ class ContinuousMission:
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         """
         timed = self.time(solution.plan)
-        rounding = rounding_of(self.source)
-        bound = max(0.0, (solution.bound - rounding) / self.scale)
+        rounding = rounding_of(len(self.tasks))
+        bound = self.now + max(0.0, (solution.bound - rounding) / self.scale)
         return replace(
             timed,
             bound=min(timed.makespan, bound),
@@ -108,79 +104,148 @@ class ContinuousMission:
         return tuple((seconds, ticks / self.scale) for seconds, ticks in solution.curve)
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
-        """Return a plan with its times by the mission's rules."""
-        parts = (self.ways, self.home, self.pace, self.origin, self.problem.site, self.carry)
-        return TaskClock(self.source, *parts).time(plan)
+        """Return a plan with its times by the mission's rules, in the numbers of the problem."""
+        return self.clock.time(plan)
+
+    def as_plan(self, found: CoalitionPlan, made_from: str = "") -> Plan:
+        """Return a plan in the numbers of the mission, with the time at which each task ends."""
+        order = found.order.tolist()
+        routes = self.time(found).routes
+        ends = {stop.task: stop.end for route in routes for stop in route.stops}
+        return Plan(
+            order=tuple(self.tasks[task] for task in order),
+            coalitions=tuple(
+                tuple(self.robots[r] for r in sorted(found.coalition[task, : found.size[task]]))
+                for task in order
+            ),
+            ends=tuple(ends[task] for task in order),
+            made_from=made_from,
+        )
 
 
 def pose_mission(mission: Mission) -> ContinuousMission:
-    """Return a mission in continuous time as a problem in ticks."""
-    robots, tasks = mission.robots, mission.tasks
-    starts = list(dict.fromkeys(robot.at for robot in robots))
-    places = [*ends_of(tasks), *starts]
+    """Return a mission in continuous time, from its start, as a problem in ticks."""
+    robots, tasks = range(len(mission.robots)), range(len(mission.tasks))
+    return _pose(known_at_start(mission), tuple(robots), tuple(tasks))
+
+
+def pose_present(known: Known) -> ContinuousMission:
+    """Return what is left to do at a moment, by the robots that are there, as a problem in ticks.
+
+    Ticks are counted from then on. What is under way is not in it: its robots are free once it
+    ends, and tasks after it begin later. A task whose start is linked with one that has begun may
+    not begin too soon, and is late if it begins too late.
+    """
+    return _pose(known, known.robots, known.possible_tasks)
+
+
+def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> ContinuousMission:
+    """Return the problem that some tasks are for some robots, both by their numbers."""
+    mission, now = known.mission, known.now
+    robots = [mission.robots[robot] for robot in numbers]
+    tasks = [mission.tasks[task] for task in chosen]
+    depot_of = [(known.places[r], known.free_at[r] - now, known.came_from[r]) for r in numbers]
+    depots = list(dict.fromkeys(depot_of))
+    places = [*ends_of(tasks), *(place for place, _, _ in depots)]
+    sites = [*ends_of(tasks), *(came_from for _, _, came_from in depots)]
     paces = sorted({(robot.moves, robot.speed) for robot in robots})
     pace = np.array([paces.index((robot.moves, robot.speed)) for robot in robots])
     begins = [task.at for task in tasks]
-    metres = {moves: _distances(mission, moves, places, begins) for moves, _ in paces}
+    world, movers = mission.world, {moves for moves, _ in paces}
+    metres = {moves: distances(world, moves, places, begins) for moves in movers}
+    loads = {moves: ways_of_loads(world, moves, tasks) for moves in movers}
     ways = np.array([metres[moves] / speed for moves, speed in paces])
-    carry = np.array([metres[moves].diagonal() / speed for moves, speed in paces])
-    carry[:, [task.to is None for task in tasks]] = 0.0
+    carry = np.array([loads[moves] / speed for moves, speed in paces])
     np.einsum("pkk->pk", ways[:, : len(tasks)])[:] = 0.0  # not the way from an end to a beginning
-    home = _ways_home(mission, places)
-    busy, waits = _longest(mission, ways, home, carry)
-    scale = _scale(busy, waits, sum(task.weight for task in tasks))
+    home = ways_home(mission, robots, places)
+    ready = [left for _, left, _ in depots]
+    waits = waits_at(known, chosen)
+    release = [waits.release[task] for task in chosen]
+    number_of = {task: number for number, task in enumerate(chosen)}
+    before = {number_of[k]: [number_of[o] for o in others] for k, others in waits.before.items()}
+    gaps = [
+        gap._replace(task=number_of[gap.task], other=number_of[gap.other]) for gap in waits.gaps
+    ]
+    busy = longest_of(tasks, mission.forming, ways, home, carry) + max(ready, default=0.0)
+    longest_wait = max((begin - now for begin in release), default=0.0)
+    scale = ticks_in_a_unit(busy, longest_wait, sum(task.weight for task in tasks))
 
     def ticks(times: npt.ArrayLike) -> Ints:
-        known = np.where(np.isfinite(times), times, NO_WAY * (busy + waits))
-        return np.rint(known * scale).astype(np.int64)
+        finite = np.where(np.isfinite(times), times, NO_WAY * (busy + longest_wait))
+        return np.rint(finite * scale).astype(np.int64)
 
     counts = count_table([robot.can for robot in robots], mission)
     needs = count_table([task.needs for task in tasks], mission)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
     takes = np.array([task.duration + task.unload for task in tasks]) + carried
-    origin = np.array([len(tasks) + starts.index(robot.at) for robot in robots])
+    due = [
+        min(latest_end(tasks[number].between), waits.latest[task] + takes[number])
+        for task, number in number_of.items()
+    ]
     problem = pose_problem(
         ways=ticks(ways),
         home=ticks(home),
         pace=pace,
-        origin=origin,
+        origin=[len(tasks) + depots.index(depot) for depot in depot_of],
         counts=counts,
         needs=needs,
         duration=ticks(takes),
         slower=np.maximum(0, ticks(carry) - ticks(carried)),
-        release=ticks([release_of(task) for task in tasks]),
-        due=[NEVER if task.between is None else round(task.between[1] * scale) for task in tasks],
-        precedence=[(k, task) for task, before in tasks_before(tasks).items() for k in before],
+        release=ticks([begin - now for begin in release]),
+        due=[NEVER if math.isinf(end) else round((end - now) * scale) for end in due],
+        precedence=[(k, task) for task, others in before.items() for k in others],
         forming=round(mission.forming * scale),
-        spares=SPARES if _may_spare_pay(mission, ways, home, pace, takes) else 0,
-        site=np.unique(np.array(places, np.float64), axis=0, return_inverse=True)[1].ravel(),
+        spares=SPARES if _may_spare_pay(mission, tasks, ways, home, pace, takes) else 0,
+        site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
+        ready=ticks(ready),
     )
-    if is_linked(mission):
-        problem = problem._replace(links=_links(mission, scale))
-    return ContinuousMission(
-        source=mission,
+    if judged_by(mission) is not None or gaps:
+        problem = problem._replace(links=_links(mission, tasks, len(robots), gaps, scale))
+    clock = TaskClock(
+        tasks=tasks,
         ways=ways,
         home=home,
-        origin=origin,
         pace=pace,
+        origin=np.asarray(problem.origin, np.int64),
+        site=problem.site,
         carry=carry,
+        free=[known.free_at[robot] for robot in numbers],
+        release=release,
+        before=before,
+        gaps=gaps,
+        forming=mission.forming,
+        cost=mission.cost,
+    )
+    return ContinuousMission(
+        source=mission,
+        now=now,
+        robots=tuple(numbers),
+        tasks=tuple(chosen),
+        clock=clock,
         scale=scale,
         problem=problem,
     )
 
 
-def rounding_of(mission: Mission) -> int:
+def rounding_of(tasks: int) -> int:
     """Return by how many ticks a time may be off: what is rounded in a chain, half a tick each."""
-    return len(mission.tasks) + 2
+    return tasks + 2
 
 
-def _may_spare_pay(mission: Mission, ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
+def _may_spare_pay(
+    mission: Mission,
+    tasks: Sequence[Task],
+    ways: Floats,
+    home: Floats,
+    pace: Ints,
+    takes: Floats,
+) -> bool:
     """Say whether it may pay that a robot takes part in a task that can be done without it.
 
     It forms no coalition later if it comes along; or the way by the task is the quicker one, as it
     may be on roads, or the one that costs less, as nothing does on which a load is carried.
     """
-    is_road, has_loads = isinstance(mission.world, Roads), any(t.to for t in mission.tasks)
+    is_road, has_loads = isinstance(mission.world, Roads), any(t.to for t in tasks)
     costs_travel = mission.cost is not None and mission.cost.get("travel", 0.0) > 0
     if mission.forming > 0:
         return True
@@ -200,23 +265,22 @@ def _has_detour(ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
     return False
 
 
-def _links(mission: Mission, scale: float) -> Links:
-    """Return a mission's linked starts and the weights of its cost.
+def _links(
+    mission: Mission, tasks: Sequence[Task], robots: int, gaps: Sequence[Gap], scale: float
+) -> Links:
+    """Return the gaps between starts of tasks, and the weights of the mission's cost.
 
     The longest gaps are longer by what ticks round, so that one which is just long enough is.
     """
-    number_of = {task.name: number for number, task in enumerate(mission.tasks)}
-    rounding = rounding_of(mission)
+    rounding = rounding_of(len(tasks))
     links = [
-        Link(number, number_of[name], round(least * scale), round(most * scale) + rounding)
-        for number, task in enumerate(mission.tasks)
-        for name, (least, most) in task.starts.items()
+        Link(task, other, round(least * scale), round(most * scale) + rounding)
+        for task, other, least, most in gaps
     ]
     weights = judged_by(mission) or {"makespan": 1}
     total = sum(weights.values())
     weight = {PART_OF[name]: value / total for name, value in weights.items()}
-    sizes = (len(mission.tasks), len(mission.robots))
-    return link_tasks(*sizes, links, weight, [task.weight for task in mission.tasks])
+    return link_tasks(len(tasks), robots, links, weight, [task.weight for task in tasks])
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
@@ -230,51 +294,3 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
             f"{mission.source.name}: no plan was found in which all can get to their tasks",
             "open the map, give ways a time under roads, move robots or tasks, or drop a link",
         )
-
-
-def _distances(
-    mission: Mission, moves: str, origins: Sequence[Place], goals: Sequence[Place]
-) -> Floats:
-    """Return how long ways take at speed 1, as (origins, goals); infinite where there is none."""
-    world = mission.world
-    if isinstance(world, Roads):
-        here, there = ([int(number) for number, _ in some] for some in (origins, goals))
-        return np.array(world.ways[moves])[np.ix_(here, there)]
-    if not isinstance(world, Grid):
-        return straight_ways(origins, goals)
-    is_in_the_way = moves != AIR and world.rows
-    cells = travel_matrix(world if is_in_the_way else replace(world, rows=()), origins, goals)
-    return np.where(cells < UNREACHABLE, cells.astype(np.float64), np.inf)
-
-
-def _ways_home(mission: Mission, places: Sequence[Place]) -> Floats:
-    """Return how long each robot takes home from each place, (robots, places)."""
-    robots, ends = mission.robots, mission.ends
-    if ends is None:
-        return np.zeros((len(robots), len(places)))
-    home = {(r.moves, r.at if ends == ENDS_HOME else ends): np.empty(0) for r in robots}
-    for moves, goal in home:
-        assert not isinstance(goal, str)
-        home[moves, goal] = _distances(mission, moves, places, [goal])[:, 0]
-    return np.array([home[r.moves, r.at if ends == ENDS_HOME else ends] / r.speed for r in robots])
-
-
-def _longest(mission: Mission, ways: Floats, home: Floats, carry: Floats) -> tuple[float, float]:
-    """Return how long all that is done takes at most, and when the last task may begin."""
-    longest = max(part[np.isfinite(part)].max(initial=0.0) for part in (ways, home))
-    total = sum(task.duration + task.unload + mission.forming for task in mission.tasks)
-    total += float(carry.max(axis=0).sum())
-    total += longest * (len(mission.tasks) + 1) + 1e-6
-    return total, max(release_of(task) for task in mission.tasks)
-
-
-def _scale(busy: float, waits: float, weight: float) -> float:
-    """Return a power of ten: as many ticks in a unit as there may be of all times together.
-
-    One window that begins long after all else does not make what is done before it coarse.
-    `weight` is that of all tasks.
-    """
-    most, scale = MOST_WITH_WAITS / max(1.0, weight / MOST_WEIGHT), 1e-6
-    while 10 * scale * busy <= MOST_TICKS and 10 * scale * (busy + waits) <= most:
-        scale *= 10
-    return scale

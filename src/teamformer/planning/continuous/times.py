@@ -2,134 +2,90 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.mission.checks.costs import cost_of, parts_of_ends
-from teamformer.mission.checks.windows import latest_end, release_of
-from teamformer.mission.model import Mission
+from teamformer.mission.checks.windows import latest_end
+from teamformer.mission.model import Task
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
-
-SAME = 1e-5
-"""By such a share of all time starts may go on to change, as times are rounded."""
+from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, time_tasks
 
 
+@dataclass(frozen=True)
 class TaskClock:
-    """When tasks start by a plan, and what it has robots do.
+    """When tasks start by a plan, and what it has robots do; times are counted from the start.
 
-    `ways` is (paces, places, tasks), `home` (robots, places); `site` (places,) is the same for
-    places at one position; `carry` (paces, tasks) is how long loads are carried. Nobody has begun
-    yet.
+    Robots and tasks have the numbers of the problem. Places are tasks and where robots are.
     """
 
-    def __init__(
-        self,
-        mission: Mission,
-        ways: Floats,
-        home: Floats,
-        pace: Ints,
-        origin: Ints,
-        site: Int32s,
-        carry: Floats,
-    ) -> None:
-        self._mission, self._ways, self._home = mission, ways, home
-        self._pace, self._origin, self._site = pace, origin, site
-        self._carry = carry
-        self._takes = np.zeros(len(mission.tasks))  # by the coalitions of the plan at hand
-        self._number_of = {task.name: number for number, task in enumerate(mission.tasks)}
+    tasks: Sequence[Task]
+    ways: Floats  # (paces, places, tasks)
+    home: Floats  # (robots, places)
+    pace: Ints  # (robots,)
+    origin: Ints  # (robots,) the place where each is
+    site: Int32s  # (places,) the same for places at one position
+    carry: Floats  # (paces, tasks) how long loads are carried
+    free: Sequence[float]  # (robots,) when each can leave its place
+    release: Sequence[float]  # (tasks,)
+    before: Mapping[int, Sequence[int]]
+    gaps: Sequence[Gap]
+    forming: float
+    cost: Mapping[str, float] | None
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
-        """Return a plan with its times.
-
-        Tasks are timed in the plan's order; where starts are linked again and again until nothing
-        changes, as a task may wait for one that comes later. A plan in which robots wait for one
-        another for ever has no end.
-        """
-        before = self._places_before(plan)
-        self._takes = np.array([self._time_taken(task, doers) for task, doers in enumerate(before)])
-        start = np.zeros(len(plan.order))
-        is_linked = any(task.starts for task in self._mission.tasks)
-        for _ in range(len(start) + 1 if is_linked else 1):
-            was = start.copy()
-            for task in plan.order.tolist():
-                start[task] = max(start[task], self._ready(task, before[task], start))
-                self._keep_gaps(task, start)
-            if (start == was).all():
-                break
-        else:
-            if is_linked and (start - was > SAME * start.max()).any():
-                start[:] = math.inf
-        return self._tell(plan, before, start)
-
-    def _places_before(self, plan: CoalitionPlan) -> list[dict[int, int]]:
-        """Return, by task, the place that each of its robots comes from."""
-        at = self._origin.copy()
-        before: list[dict[int, int]] = [{} for _ in plan.order]
-        for task in plan.order.tolist():
-            for robot in plan.coalition[task, : plan.size[task]].tolist():
-                before[task][robot], at[robot] = int(at[robot]), task
-        return before
-
-    def _free(self, place: int, start: Floats) -> float:
-        """Return when a robot can leave a place."""
-        return float(start[place] + self._takes[place]) if place < len(start) else 0.0
-
-    def _time_taken(self, task: int, robots: Iterable[int]) -> float:
-        """Return how long a task takes: its service, and the way with its load by the slowest."""
-        wanted = self._mission.tasks[task]
-        carried = max(
-            (float(self._carry[self._pace[robot], task]) for robot in robots), default=0.0
+        """Return a plan with its times; one in which robots wait for one another has no end."""
+        order = plan.order.tolist()
+        robots_of = {task: plan.coalition[task, : plan.size[task]].tolist() for task in order}
+        rules = StartRules(
+            way=self._way,
+            site=lambda robot, before: int(self.site[self._place(robot, before)]),
+            takes=self._time_taken,
+            free=self.free,
+            release=dict(enumerate(self.release)),
+            before=self.before,
+            gaps=self.gaps,
+            forming=self.forming,
         )
+        return self._tell(order, time_tasks(rules, order, robots_of))
+
+    def _place(self, robot: int, before: int) -> int:
+        return int(self.origin[robot]) if before == FIRST else before
+
+    def _way(self, robot: int, before: int, task: int) -> float:
+        return float(self.ways[self.pace[robot], self._place(robot, before), task])
+
+    def _time_taken(self, task: int, robots: Sequence[int]) -> float:
+        """Return how long a task takes: its service, and the way with its load by the slowest."""
+        wanted = self.tasks[task]
+        carried = max((float(self.carry[self.pace[robot], task]) for robot in robots), default=0.0)
         return wanted.duration + carried + wanted.unload
 
-    def _way(self, robot: int, place: int, task: int) -> float:
-        return float(self._ways[self._pace[robot], place, task])
-
-    def _ready(self, task: int, before: dict[int, int], start: Floats) -> float:
-        """Return when a task can start, but for its links."""
-        arrive = [self._free(p, start) + self._way(robot, p, task) for robot, p in before.items()]
-        ready = max(release_of(self._mission.tasks[task]), *arrive)
-        if len({int(self._site[place]) for place in before.values()}) > 1:
-            ready = max(ready, max(arrive) + self._mission.forming)
-        numbers = (self._number_of[name] for name in self._mission.tasks[task].after)
-        return max([ready, *(self._free(number, start) for number in numbers)])
-
-    def _keep_gaps(self, task: int, start: Floats) -> None:
-        """Let a task, and those that it is linked with, start later where a gap says so."""
-        for name, (least, most) in self._mission.tasks[task].starts.items():
-            other = self._number_of[name]
-            start[task] = max(start[task], start[other] + least)
-            start[other] = max(start[other], start[task] - most)
-
-    def _tell(
-        self, plan: CoalitionPlan, before: Sequence[dict[int, int]], start: Floats
-    ) -> MissionPlan:
+    def _tell(self, order: Sequence[int], timed: Timed) -> MissionPlan:
         """Return the plan that starts tasks at these times."""
-        mission, at, travel = self._mission, self._origin.copy(), 0.0
-        stops: list[list[Stop]] = [[] for _ in mission.robots]
+        travel = 0.0
+        stops: list[list[Stop]] = [[] for _ in self.free]
         late, ends = {}, {}
-        for task in plan.order.tolist():
-            end = ends[task] = self._free(task, start)
-            for robot, place in before[task].items():
-                way = self._way(robot, place, task)
-                arrive = self._free(place, start) + way
-                stops[robot].append(Stop(task, arrive, float(start[task]), end))
-                at[robot], travel = task, travel + way
-            by = end - latest_end(mission.tasks[task].between)
+        for task in order:
+            end = ends[task] = timed.end(task)
+            for robot, before, arrive in timed.visits[task]:
+                stops[robot].append(Stop(task, arrive, timed.start[task], end))
+                travel += self._way(robot, before, task)
+            by = end - latest_end(self.tasks[task].between)
             if by > 0:
                 late[task] = by
-        home = self._home[np.arange(len(at)), at]
-        back = [
-            self._free(int(place), start) + float(way) for place, way in zip(at, home, strict=True)
-        ]
+        rows = zip(stops, self.origin.tolist(), self.free, strict=True)
+        last = [(made[-1].task, made[-1].end) if made else (at, free) for made, at, free in rows]
+        home = self.home[np.arange(len(last)), [place for place, _ in last]]
+        back = [left + float(way) for (_, left), way in zip(last, home, strict=True)]
         parts = {
             "makespan": max(back),
             "travel": travel + float(home.sum()),
-            **parts_of_ends(mission.tasks, ends),
+            **parts_of_ends(self.tasks, ends),
         }
         return MissionPlan(
             makespan=max(back),
@@ -139,5 +95,5 @@ class TaskClock:
                 Route(robot, tuple(stops[robot]), back[robot]) for robot in range(len(back))
             ),
             late=dict(sorted(late.items())),
-            cost=None if mission.cost is None else cost_of(mission.cost, parts),
+            cost=None if self.cost is None else cost_of(self.cost, parts),
         )

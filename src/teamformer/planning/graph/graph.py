@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 NODE = np.dtype(
     [
-        ("end", np.int64),  # when the task ends; for depots when robots there are free
+        ("end", np.int64),  # when the task ends; of depots when robots can leave them
         ("key", np.int64),
         ("tail", np.int64),  # the longest chain of work and ways from its start to the end of all
         ("duration", np.int64),  # with the coalition that it has
@@ -94,6 +94,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     tasks, places, robots = len(problem.needs), problem.ways.shape[1], len(problem.counts)
     nodes = np.zeros(places + 1, NODE).view(np.recarray)
     nodes.key[tasks:places] = FIRST
+    nodes.end[tasks:places] = problem.ready
     nodes.key[places:] = LAST
     worth = np.zeros(tasks, WORTH).view(np.recarray)
     nodes.duration[:tasks] = least_durations(problem, steps)

@@ -54,7 +54,7 @@ class CoalitionProblem(NamedTuple):
     after: Int32s  # (tasks, most) the tasks that each must have ended before, then NOBODY
     forming: Ints  # (1,) what a coalition takes whose robots do not all come from one site
     spares: int  # how many robots more than it needs come to a task at most
-    ready: Ints  # (places - tasks,) when those who start at a place are free
+    ready: Ints  # (places - tasks,) when who is at each place that is no task can leave it
     links: Links  # of starts, and what plans cost; empty where the makespan alone counts
 
 
@@ -82,7 +82,7 @@ def pose_problem(
     `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
     `site` no two places lie at the same position; without `slower` all carry loads equally fast.
     Robots with different numbers in `apart` (robots,) are of different kinds. Without `ready` all
-    are free from the beginning.
+    robots can leave at once.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
@@ -113,9 +113,7 @@ def pose_problem(
         after=listed([[j for i, j in precedence if i == task] for task in range(tasks)]),
         forming=np.array([forming]),
         spares=spares,
-        ready=np.zeros(ways.shape[1] - tasks, np.int64)
-        if ready is None
-        else np.asarray(ready, np.int64),
+        ready=np.asarray(np.zeros(ways.shape[1] - tasks) if ready is None else ready, np.int64),
         links=no_links() if links is None else links,
     )
 

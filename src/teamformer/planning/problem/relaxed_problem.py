@@ -196,7 +196,7 @@ def future_of(mission: Mission) -> Future:
 
 def _lost_for_good(robot: Robot) -> int:
     """Return the step that a robot is missing from; one that comes back counts as always there."""
-    return FAR if robot.lost_for_good is None else robot.lost_for_good
+    return FAR if robot.lost_for_good is None else int(robot.lost_for_good)
 
 
 def may_set_down(mission: Mission) -> bool:

@@ -26,7 +26,7 @@ class Schedule(NamedTuple):
     rank: Int32s  # (tasks,) positions in the order
     last: Int32s  # (tasks + 1, robots) where each robot is before a position of the order
     start: Ints  # (tasks,)
-    end: Ints  # (places,) of places where robots start when they are free
+    end: Ints  # (places,) for the places where robots are: when they can leave
     total: Ints  # (4,) makespan, cost, sum of the times at home, lateness
 
 

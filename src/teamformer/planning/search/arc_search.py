@@ -44,6 +44,10 @@ hot it begins."""
 WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task then, and so many at most: about a second."""
 
+SHORTER, LESS_HOT, LESS_HOT_IF_WEIGHED = 5, 3, 8
+"""After news the rounds are so many times fewer than those of the shared plan, and begin less hot,
+the last of these if plans have a cost."""
+
 TRIES = 100
 """How many first plans are begun before nobody is said to be able: linked tasks take robots from
 one another."""
@@ -142,19 +146,36 @@ class ArcSearch:
 
     def anneal_shared(self) -> None:
         """Make the rounds of the plan that every robot computes for itself, from a first plan."""
-        tasks = len(self.problem.needs)
         if self._is_weighed:
             self.quench()
-            heat, _ = self.heats
-            rounds = min(MOST_WEIGHED_ROUNDS, WEIGHED_ROUNDS_EACH * tasks) // COOLINGS
-            for _ in range(COOLINGS):
-                self.anneal(heat, heat, 0, rounds, rounds)
-                heat *= COOLER
+            self._cool(self.heats[0], sum(self._shared_rounds))
             return
-        few = [ROUNDS_EACH * tasks] * FEW_ANNEALINGS
-        for rounds in few if has_few_tasks(tasks) else [rounds_of_a_second(tasks)]:
+        for rounds in self._shared_rounds:
             self.anneal(*self.heats, 0, rounds, rounds)
             self.begin_at_best()
+
+    def anneal_again(self) -> None:
+        """Make the rounds of that plan after news, from what is left of the old one."""
+        (hot, cold), rounds = self.heats, sum(self._shared_rounds) // SHORTER
+        if self._is_weighed:
+            self._cool(hot / LESS_HOT_IF_WEIGHED, rounds)
+        else:
+            self.anneal(max(cold, hot // LESS_HOT), cold, 0, rounds, rounds)
+
+    @property
+    def _shared_rounds(self) -> list[int]:
+        """Return how many rounds each annealing of the shared plan takes."""
+        tasks = len(self.problem.needs)
+        if self._is_weighed:
+            return [min(MOST_WEIGHED_ROUNDS, WEIGHED_ROUNDS_EACH * tasks)]
+        is_few = has_few_tasks(tasks)
+        return [ROUNDS_EACH * tasks] * FEW_ANNEALINGS if is_few else [rounds_of_a_second(tasks)]
+
+    def _cool(self, heat: float, rounds: int) -> None:
+        """Make so many rounds, cooler each time."""
+        for _ in range(COOLINGS):
+            self.anneal(heat, heat, 0, rounds // COOLINGS, rounds // COOLINGS)
+            heat *= COOLER
 
     def quench(self) -> None:
         """Take whatever is better, without heat, for some rounds."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.mission.checks.windows import opening_step
-from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.coordination import Known, Plan, known_at_start
 from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
@@ -77,20 +77,12 @@ def _opens(known: Known, task: Task) -> int:
     """Return how many steps are made when a task may begin, as far as services decide that."""
     tasks = known.mission.tasks
     ends = [until for before, until in known.under_way if tasks[before].name in task.after]
-    return max([known.step, opening_step(task), *ends])
+    return max([known.step, opening_step(task), *map(int, ends)])
 
 
 def situation_in_hindsight(mission: Mission) -> Situation:
     """Return the start as arrays for who knows what will happen: what appears, who will be lost."""
-    start = Known(
-        mission=mission,
-        step=0,
-        open_tasks=tuple(range(len(mission.tasks))),
-        places=tuple(robot.at for robot in mission.robots),
-        teams=mission.starting_teams,
-        free_at=(0,) * len(mission.robots),
-    )
-    situation, future = situation_of(start), future_of(mission)
+    situation, future = situation_of(known_at_start(mission)), future_of(mission)
     problem = situation.problem._replace(appears=future.appears, lost=future.lost)
     return situation._replace(problem=problem)
 

@@ -10,10 +10,11 @@ from teamformer.mission.model import Mission
 from teamformer.record.phases import PHASES
 from teamformer.world.rules.constants import NOBODY
 
-NOT_TO_BE_DONE = ("unknown", "closed", "linked")
-UNKNOWN, CLOSED, LINKED = NOT_TO_BE_DONE
+NOT_TO_BE_DONE = ("unknown", "closed", "linked", "news")
+UNKNOWN, CLOSED, LINKED, NEWS = NOT_TO_BE_DONE
 DOINGS = (*PHASES, *NOT_TO_BE_DONE)
-"""Until a task is known (`unknown`) or may begin (`closed`), what robots do does not matter.
+"""Until a task is known (`unknown`) or may begin (`closed`), what robots do does not matter, nor
+what they did before `news` had a robot turn round.
 
 A `linked` stretch lies between the starts of two tasks in continuous time; it is negative where the
 later one decides when the earlier one starts.

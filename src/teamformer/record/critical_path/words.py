@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import groupby
 
 from teamformer.mission.model import Mission
-from teamformer.record.critical_path.stretches import CLOSED, DOINGS, LINKED, UNKNOWN, Stretch
+from teamformer.record.critical_path.stretches import CLOSED, DOINGS, LINKED, NEWS, UNKNOWN, Stretch
 from teamformer.record.phases import (
     CARRYING,
     FORMING,
@@ -37,12 +37,14 @@ VERBS = {
     UNKNOWN: "is not known yet",
     CLOSED: "may not begin yet",
     LINKED: "its start is linked",
+    NEWS: "goes by older news",
 }
 SHARES = {
     **{phase: phase for phase in PHASES},
     UNKNOWN: "before tasks are known",
     CLOSED: "before tasks may begin",
     LINKED: "between linked starts",
+    NEWS: "before the news that decided",
 }
 
 

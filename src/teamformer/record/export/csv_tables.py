@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import csv
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from teamformer.mission.keys.key import Key
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
-from teamformer.mission.model import Task
+from teamformer.mission.model import Robot, Task
 from teamformer.mission.parts.capabilities import describe
-from teamformer.record.export.moments import Moment, moments
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.roads import Roads
 from teamformer.record.happenings import events
-from teamformer.record.phases import LOADING, PHASES, SERVING
+from teamformer.record.phases import IDLE, LOADING, PHASES, SERVING
 from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, known_steps, lateness
 from teamformer.record.telling.whole import told_of
@@ -25,32 +25,74 @@ Row = Sequence[object]
 
 def write_tables(record: Record, folder: Path) -> tuple[Path, ...]:
     """Write `robots.csv`, `tasks.csv`, `events.csv` and `gantt.csv` into a folder."""
-    seen = list(moments(record))
     tables = {
-        "robots": _robots(record, seen),
+        "robots": _robots(record),
         "tasks": _tasks(record),
         "events": _events(record),
-        "gantt": _bars(record, seen),
+        "gantt": _bars(record),
     }
     return tuple(_write(folder / f"{name}.csv", rows) for name, rows in tables.items())
 
 
-def _robots(record: Record, seen: Sequence[Moment]) -> Iterable[Row]:
-    """Yield each robot with the steps it spent in each phase."""
-    places = ("x", "y", "lost_in_step", "back_in_step")
-    robots = record.mission.robots
+def _robots(record: Record) -> Iterable[Row]:
+    """Yield each robot with the steps, or the time, that it spent in each phase."""
+    robots, when = record.mission.robots, "at" if record.is_continuous else "in_step"
     more = _in_details(ROBOT_KEYS, robots)
-    yield ("robot", "capabilities", "speed", "moves", *places, *PHASES, *(key.name for key in more))
-    lost = _steps_by_robot(step.lost for step in record.steps)
-    back = _steps_by_robot(step.back for step in record.steps)
+    away = (f"lost_{when}", f"back_{when}")
+    where = _place_columns(record, "")
+    yield (
+        "robot",
+        "capabilities",
+        "speed",
+        "moves",
+        *where,
+        *away,
+        *PHASES,
+        *(k.name for k in more),
+    )
+    lost, back = (_times_by_robot(record, kind) for kind in ("lost", "back"))
+    told = told_of(record)
     for number, robot in enumerate(robots):
-        steps = Counter(moment.phase[number] for moment in seen[1:])
-        spent = [steps[phase] for phase in PHASES]
+        spent = dict.fromkeys(PHASES, 0.0)
+        for end, run in told.runs_of(number):
+            spent[run.phase or IDLE] += end - run.begun
         can = describe(robot.can)
-        away = (lost.get(number, ""), back.get(number, ""))
-        moves = "air" if robot.flies else "ground"
+        gone = (lost.get(number, ""), back.get(number, ""))
+        moves = robot.moves if isinstance(record.mission.world, Roads) else _moves(robot)
+        at = _place_cells(record, robot.at)
         said = (getattr(robot, key.field) for key in more)
-        yield (robot.name, can, robot.speed, moves, *robot.at, *away, *spent, *said)
+        yield (
+            robot.name,
+            can,
+            robot.speed,
+            moves,
+            *at,
+            *gone,
+            *map(_number, spent.values()),
+            *said,
+        )
+
+
+def _moves(robot: Robot) -> str:
+    return "air" if robot.flies else "ground"
+
+
+def _place_columns(record: Record, before: str) -> Row:
+    """Return the columns of a place: of roads there is one, with its name."""
+    is_on_roads = isinstance(record.mission.world, Roads)
+    return (f"{before}place",) if is_on_roads else (f"{before}x", f"{before}y")
+
+
+def _place_cells(record: Record, place: Place | None) -> Row:
+    world = record.mission.world
+    if isinstance(world, Roads):
+        return ("",) if place is None else (world.name_of(place),)
+    return ("", "") if place is None else place
+
+
+def _number(value: float) -> float:
+    """Return a number as tables have it: whole without a point, others to six places."""
+    return int(value) if float(value).is_integer() else round(value, 6)
 
 
 def _in_details(keys: Sequence[Key], things: Sequence[object]) -> list[Key]:
@@ -59,27 +101,26 @@ def _in_details(keys: Sequence[Key], things: Sequence[object]) -> list[Key]:
     return [key for key in shown if any(getattr(thing, key.field) for thing in things)]
 
 
-def _steps_by_robot(robots_of_steps: Iterable[tuple[int, ...]]) -> dict[int, str]:
-    """Return for each robot that something happens to in which steps that is."""
-    steps: dict[int, str] = {}
-    for number, robots in enumerate(robots_of_steps, start=1):
-        for robot in robots:
-            steps[robot] = f"{steps[robot]}; {number}" if robot in steps else str(number)
-    return steps
-
-
-WANTED = (
-    *("task", "needs", "x", "y", "duration", "to_x", "to_y", "unload"),
-    *("after", "not_before", "due"),
-)
-BECAME = ("appears", "cancelled_in_step", "begun_in_step", "done_in_step", "late_by", "done_by")
-"""Columns of tasks: what each is, and what became of it; between them is what details show."""
+def _times_by_robot(record: Record, kind: str) -> dict[int, str]:
+    """Return for each robot that is lost, or back, in which steps or at what times that is."""
+    times: dict[int, str] = {}
+    for entry in events(record):
+        for robot in entry.robots if entry.kind == kind else ():
+            when = f"{_number(entry.at)}"
+            times[robot] = f"{times[robot]}; {when}" if robot in times else when
+    return times
 
 
 def _tasks(record: Record) -> Iterable[Row]:
-    """Yield what each task is, and what became of it."""
+    """Yield what each task is, what details show of it, and what became of it."""
     more = _in_details(TASK_KEYS, record.true_mission.tasks)
-    yield (*WANTED, *(key.name for key in more), *BECAME)
+    places = (*_place_columns(record, ""), "duration", *_place_columns(record, "to_"))
+    became = [f"{what}_{'at' if record.is_continuous else 'in_step'}" for what in BECAME]
+    yield (
+        *("task", "needs", *places, "unload", "after", "not_before", "due"),
+        *(key.name for key in more),
+        *("appears", *became, "late_by", "done_by"),
+    )
     done = {event.task: event for event in events(record) if event.kind == "done"}
     known, late = known_steps(record), lateness(record)
     begun = {it.task: it.begun for it in told_of(record).services if it.doing in (SERVING, LOADING)}
@@ -87,43 +128,53 @@ def _tasks(record: Record) -> Iterable[Row]:
     for number, task in enumerate(record.true_mission.tasks):
         event = done.get(number)
         who = () if event is None else (_name(record, robot) for robot in event.robots)
-        appears = "" if known[number] == NEVER else known[number]
-        called_off, began = cancelled.get(number, ""), begun.get(number, "")
-        end = ("" if event is None else event.step, late.get(task.name, ""), ", ".join(who))
+        appears = "" if known[number] == NEVER else _number(known[number])
+        called_off, began = (_number_or_none(it.get(number)) for it in (cancelled, begun))
+        ended = _number_or_none(None if event is None else event.at)
+        end = (ended, _number_or_none(late.get(task.name)), ", ".join(who))
         said = (getattr(task, key.field) for key in more)
-        yield (*_wanted(task), *said, appears, called_off, began, *end)
+        yield (*_wanted(record, task), *said, appears, called_off, began, *end)
 
 
-def _wanted(task: Task) -> Row:
+BECAME = ("cancelled", "begun", "done")
+"""What becomes of a task at some time."""
+
+
+def _number_or_none(value: float | None) -> object:
+    return "" if value is None else _number(value)
+
+
+def _wanted(record: Record, task: Task) -> Row:
     """Return what the mission says of a task."""
-    to = ("", "", "") if task.to is None else (*task.to, task.unload)
+    to = (*_place_cells(record, task.to), "" if task.to is None else task.unload)
     after, window = ", ".join(task.after), task.between or ("", "")
-    return (task.name, describe(task.needs), *task.at, task.duration, *to, after, *window)
+    at = _place_cells(record, task.at)
+    return (task.name, describe(task.needs), *at, task.duration, *to, after, *window)
 
 
 def _events(record: Record) -> Iterable[Row]:
-    yield ("step", "seconds", "kind", "robots", "task", "text")
+    when = ("time",) if record.is_continuous else ("step", "seconds")
+    yield (*when, "kind", "robots", "task", "text")
     length = record.mission.seconds_a_step
     for event in events(record):
         names = ", ".join(_name(record, robot) for robot in event.robots)
-        task = "" if event.task is None else record.mission.tasks[event.task].name
-        seconds = round(event.step * length, 6)
-        yield (event.step, seconds, event.kind, names, task, event.text(record.true_mission))
+        task = "" if event.task is None else _task_name(record, event.task)
+        seconds = () if record.is_continuous else (round(event.at * length, 6),)
+        text = event.text(record.true_mission)
+        yield (_number(event.at), *seconds, event.kind, names, task, text)
 
 
-def _bars(record: Record, seen: Sequence[Moment]) -> Iterable[Row]:
-    """Yield each robot's runs of one phase and task, between the ends of two steps."""
-    yield ("robot", "phase", "task", "from_step", "to_step")
+def _bars(record: Record) -> Iterable[Row]:
+    """Yield each robot's runs of one phase and task, between the ends of two steps, or times."""
+    yield ("robot", "phase", "task", *_ENDS[record.is_continuous])
+    told = told_of(record)
     for robot in range(len(record.mission.robots)):
-        begun, doing = 0, None
-        for moment in seen[1:]:
-            now = (moment.phase[robot], _task_name(record, moment.pursued[robot]))
-            if doing is not None and now != doing:
-                yield (_name(record, robot), *doing, begun, moment.step - 1)
-                begun = moment.step - 1
-            doing = now
-        if doing is not None:
-            yield (_name(record, robot), *doing, begun, seen[-1].step)
+        for end, run in told.runs_of(robot):
+            about = _task_name(record, run.task)
+            yield (_name(record, robot), run.phase, about, _number(run.begun), _number(end))
+
+
+_ENDS = {False: ("from_step", "to_step"), True: ("from", "to")}
 
 
 def _name(record: Record, robot: int) -> str:

@@ -47,10 +47,12 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.grid import Grid as GridWorld
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.layout import Layout
 from teamformer.record.export.moments import Moment, moments
-from teamformer.record.happenings import Event, events
+from teamformer.record.happenings import LogEntry, events
 from teamformer.record.record import Record
 from teamformer.record.task_times import known_steps, over_steps
+from teamformer.record.telling.whole import told_of
 from teamformer.world.rules.constants import NOBODY
 
 FRAME = "map"
@@ -60,8 +62,8 @@ GOLDEN_ANGLE = 0.381966  # of a turn
 BLOCKED = 255
 
 
-Span = tuple[int, int]
-"""Steps made when a task became known, and the step in which it was done or called off."""
+Span = tuple[float, float]
+"""When a task became known, and when it was done or called off, in steps or units of time."""
 
 
 class Told(NamedTuple):
@@ -70,25 +72,27 @@ class Told(NamedTuple):
     moment: Moment
     time: int  # nanoseconds from the start
     spans: Sequence[Span]
-    events: Sequence[Event]
+    events: Sequence[LogEntry]
+    layout: Layout | None = None  # of roads
 
 
 def telling(record: Record) -> Iterator[Told]:
     """Yield what is told of a record, moment by moment, the start first."""
     length = record.mission.seconds_a_step
-    log: defaultdict[int, list[Event]] = defaultdict(list)
+    log: defaultdict[float, list[LogEntry]] = defaultdict(list)
     for event in events(record):
-        log[event.step].append(event)
+        log[event.at].append(event)
+    layout = told_of(record).layout if record.is_continuous else None
     spans = list(zip(known_steps(record), _ends(record), strict=True))
     for moment in moments(record):
         time = round(moment.step * length * NANOSECONDS)
-        yield Told(moment, time, spans, log.get(moment.step, ()))
+        yield Told(moment, time, spans, log.get(moment.step, ()), layout)
 
 
-def _ends(record: Record) -> list[int]:
-    """Return the step in which each task was over, or one after the last."""
+def _ends(record: Record) -> list[float]:
+    """Return when each task was over, or one step or unit after the end."""
     over = over_steps(record)
-    return [over.get(task, len(record.steps) + 1) for task in range(len(record.mission.tasks))]
+    return [over.get(task, record.length + 1) for task in range(len(record.mission.tasks))]
 
 
 class Channels:
@@ -154,6 +158,7 @@ class Channels:
         """Log tasks and robots as things to see."""
         moment, time = told.moment, told.time
         entities = [*_tasks(mission, moment, told.spans, time), *_robots(mission, moment, time)]
+        entities += [] if told.layout is None else [_roads(told.layout, time)]
         self._scene.log(SceneUpdate(entities=entities), log_time=time)
 
     def _say(self, text: str, is_bad: bool, time: int) -> None:
@@ -199,6 +204,15 @@ def _robots(mission: Mission, moment: Moment, time: int) -> Iterator[SceneEntity
         texts = [_text(name if slot != NOBODY else f"{name}, lost", place, size)]
         told = {"phase": moment.phase[robot]}
         yield _entity(f"robot/{name}", time, [], [disc], lines, texts, told)
+
+
+def _roads(layout: Layout, time: int) -> SceneEntity:
+    """Return the roads as lines, with the names of their places."""
+    grey = Color(r=0.6, g=0.6, b=0.6, a=0.8)
+    spots = layout.places
+    lines = [_line(spots[one], spots[other], 1.0, grey) for one, other in layout.roads]
+    texts = [_text(name, spot, 1.0) for name, spot in zip(layout.names, spots, strict=True)]
+    return _entity("roads", time, lines=lines, texts=texts)
 
 
 def _entity(

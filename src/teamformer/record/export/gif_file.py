@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image
 
 from teamformer.base.array_types import Array
-from teamformer.record.export.moments import Moment, moments
+from teamformer.record.export.moments import Moment, evenly, moments, moments_at
 from teamformer.record.export.picture import Sheet
 from teamformer.record.phases import IDLE
 from teamformer.record.record import Record
@@ -24,6 +24,9 @@ MOST_FRAMES = 500
 SMOOTH = 3
 """Frames from one step to the next, where that makes no more than `MOST_FRAMES`."""
 
+TIMES = MOST_FRAMES // SMOOTH - 1
+"""Moments of a record in continuous time that are shown, with frames between."""
+
 STEP_MS, LAST_MS = 150, 2500
 COLOURS = 96
 
@@ -33,7 +36,7 @@ CLEAR = 255
 
 def write_gif(record: Record, path: Path) -> None:
     """Write a record as a GIF."""
-    seen = [_pursuing(*pair) for pair in pairwise([None, *moments(record)])]
+    seen = [_pursuing(*pair) for pair in pairwise([None, *_shown_of(record)])]
     stride = math.ceil(len(seen) / MOST_FRAMES)
     shown = seen[:-1:stride] + seen[-1:]
     smooth = SMOOTH if SMOOTH * (len(shown) - 1) < MOST_FRAMES else 1
@@ -54,6 +57,13 @@ def write_gif(record: Record, path: Path) -> None:
         transparency=CLEAR,
         disposal=1,  # a frame is drawn over the one before
     )
+
+
+def _shown_of(record: Record) -> Iterable[Moment]:
+    """Return the moments that are shown: after each step, or at so many times."""
+    if record.is_continuous:
+        return moments_at(record, evenly(record, TIMES))
+    return moments(record)
 
 
 def _changes(frames: Iterable[Image.Image]) -> Iterator[Image.Image]:

@@ -19,6 +19,7 @@ from teamformer.record.export.moments import Moment
 from teamformer.record.phases import AT_WORK, LOST
 from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, done_steps, known_steps
+from teamformer.record.telling.whole import told_of
 from teamformer.world.rules.constants import NOBODY
 
 WIDEST, HIGHEST = 960, 640
@@ -77,14 +78,18 @@ class Sheet:
     def __init__(self, record: Record) -> None:
         self._mission = record.true_mission
         world = self._mission.world
+        self._layout = told_of(record).layout if record.is_continuous else None
+        self._ground_size = (self._layout or world).width, (self._layout or world).height
         self._is_grid = isinstance(world, Grid)
         self._is_up = not isinstance(world, Grid) or world.y_axis == "up"
-        cell = min(WIDEST / world.width, HIGHEST / world.height)
-        self._cell = SCALE * (min(cell, LARGEST_CELL) if self._is_grid else cell)
+        wide, high = self._ground_size
+        cell = min(WIDEST / wide, HIGHEST / high)
+        has_cells = self._is_grid or self._layout is not None
+        self._cell = SCALE * (min(cell, LARGEST_CELL) if has_cells else cell)
         below = SCALE * (MARGIN + LEGEND + CAPTION)
         self._size = (
-            max(SCALE * LEAST, math.ceil(world.width * self._cell) + 2 * SCALE * MARGIN),
-            math.ceil(world.height * self._cell) + SCALE * MARGIN + below,
+            max(SCALE * LEAST, math.ceil(wide * self._cell) + 2 * SCALE * MARGIN),
+            math.ceil(high * self._cell) + SCALE * MARGIN + below,
         )
         self._size = (self._size[0] + self._size[0] % SCALE, self._size[1] + self._size[1] % SCALE)
         self._known, self._done = known_steps(record), done_steps(record)
@@ -132,6 +137,8 @@ class Sheet:
         length = self._mission.seconds_a_step
         called_off = sum(step <= moment.step for step in self._over.values()) - done
         when = f"step {moment.step}" if self._is_grid else f"{moment.step * length:g} s"
+        if self._mission.time == "continuous":
+            when = f"at {round(moment.step, 2):g}"
         lost = sum(slot == NOBODY for slot in moment.team)
         more = f", {lost} robot{'s' if lost > 1 else ''} lost" if lost else ""
         gone = f", {called_off} called off" if called_off else ""
@@ -142,7 +149,8 @@ class Sheet:
         image = Image.new("RGB", self._size, PAPER)
         pen, world = ImageDraw.Draw(image), self._mission.world
         left = SCALE * MARGIN
-        right, bottom = left + world.width * self._cell, left + world.height * self._cell
+        right, bottom = (left + side * self._cell for side in self._ground_size)
+        self._draw_roads(pen)
         if self._is_grid and self._cell >= 14 * SCALE:
             for x in range(1, int(world.width)):
                 pen.line((left + x * self._cell, left, left + x * self._cell, bottom), LINE, SCALE)
@@ -156,6 +164,19 @@ class Sheet:
         pen.rectangle((left, left, right, bottom), outline=GREY, width=SCALE)
         self._draw_legend(pen, bottom + SCALE * 22)
         return image
+
+    def _draw_roads(self, pen: ImageDraw.ImageDraw) -> None:
+        """Draw where roads lead, and the names of their places where there is room."""
+        if self._layout is None:
+            return
+        spots = [self._pixel(place) for place in self._layout.places]
+        for one, other in self._layout.roads:
+            pen.line((*spots[one], *spots[other]), LINE, max(SCALE, round(self._cell / 6)))
+        for spot, name in zip(spots, self._layout.names, strict=True):
+            pen.ellipse(_box(spot, self._cell / 5), GREY)
+            if self._cell >= SCALE * NAMED_FROM:
+                above = (spot[0], spot[1] - self._cell * 0.6)
+                pen.text(above, name, GREY, _font(SCALE * SMALL), anchor="mb")
 
     def _draw_legend(self, pen: ImageDraw.ImageDraw, y: float) -> None:
         """Draw a disc and the name of each capability, as many as there is room for."""
@@ -175,14 +196,15 @@ class Sheet:
     def _pixel(self, place: Place) -> Point:
         """Return the pixel of a place: of a cell its middle."""
         half = 0.5 if self._is_grid else 0.0
-        x, y, high = place[0] + half, place[1] + half, self._mission.world.height
+        x, y, high = place[0] + half, place[1] + half, self._ground_size[1]
         down = high - y if self._is_up else y
         return SCALE * MARGIN + x * self._cell, SCALE * MARGIN + down * self._cell
 
     @property
     def _unit(self) -> float:
         """Return the pixels of a cell; on a plane, of what a robot takes up."""
-        return self._cell if self._is_grid else min(self._size) / 24
+        has_cells = self._is_grid or self._layout is not None
+        return self._cell if has_cells else min(self._size) / 24
 
     def _draw_lines(self, pen: ImageDraw.ImageDraw, moment: Moment, spots: Sequence[Spot]) -> None:
         """Draw a line from each team to its task."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from teamformer.base.naming import listed
+from teamformer.mission.keys.mission_keys import HOME
 from teamformer.record.phases import (
+    AT_WORK,
     CARRYING,
     FORMING,
     IDLE,
@@ -18,9 +22,8 @@ from teamformer.record.phases import (
 )
 from teamformer.record.record import Record, Step
 from teamformer.record.teams import Teams
-from teamformer.record.telling.reasons import listed
-from teamformer.record.telling.told import Run
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.told_record import Run, ToldRecord
 from teamformer.world.rules.constants import NOBODY
 
 VERBS = {
@@ -34,10 +37,10 @@ VERBS = {
 
 @dataclass(frozen=True)
 class StoryPart:
-    """What a robot did from the end of one step to the end of another, and why."""
+    """What a robot did from the end of one step to the end of another, or by times, and why."""
 
-    begun: int
-    ended: int
+    begun: float
+    ended: float
     what: str
     why: str
 
@@ -49,15 +52,19 @@ class _Company(NamedTuple):
     left: str
 
 
+_Deed = tuple[float, float, Run, _Company]
+"""Begin and end of something that a robot did, what it did, and with whom."""
+
+
 def explain(record: Record, robot: int) -> list[StoryPart]:
     """Return the story of a robot, a part for each thing that it did.
 
     A plan that has it go on with what it does, as the plan before, begins none.
     """
     told, story, reasons = told_of(record), list[StoryPart](), list[tuple[int, ...]]()
-    company = _company(record, robot)
-    for begun, end, run in _deeds(told.reasoned_runs_of(robot), company):
-        what, why = _what(record, run, company[begun]), "; ".join(told.texts[it] for it in run.why)
+    deeds = _deeds_in_time if record.is_continuous else _deeds_in_steps
+    for begun, end, run, company in deeds(record, told, robot):
+        what, why = _what(record, run, company), "; ".join(told.texts[it] for it in run.why)
         if story and (story[-1].what, reasons[-1][:1]) == (what, run.why[:1]):
             story[-1] = replace(story[-1], ended=end)
             continue
@@ -66,28 +73,48 @@ def explain(record: Record, robot: int) -> list[StoryPart]:
     return story
 
 
-def _deeds(
-    runs: Iterator[tuple[int, Run]], company: list[_Company]
-) -> Iterator[tuple[int, int, Run]]:
+def _deeds_in_steps(record: Record, told: ToldRecord, robot: int) -> Iterator[_Deed]:
     """Yield begin and end of runs; those of forming anew where the robot parts from somebody."""
-    for end, run in runs:
-        cuts = [n for n in range(run.begun + 1, end) if company[n].left != company[n - 1].left]
-        begins = [run.begun, *(cuts if run.phase == FORMING else ())]
-        for begun, until in zip(begins, [*begins[1:], end], strict=True):
-            yield begun, until, run
+    company = _company(record, robot)
+    for last, run in told.reasoned_runs_of(robot):
+        begun, end = int(run.begun), int(last)
+        cuts = [n for n in range(begun + 1, end) if company[n].left != company[n - 1].left]
+        begins = [begun, *(cuts if run.phase == FORMING else ())]
+        for first, until in zip(begins, [*begins[1:], end], strict=True):
+            yield first, until, run, company[first]
+
+
+def _deeds_in_time(record: Record, told: ToldRecord, robot: int) -> Iterator[_Deed]:
+    """Yield begin and end of runs, with those who form or are at work with the robot."""
+    names = [one.name for one in record.mission.robots]
+    for end, run in told.reasoned_runs_of(robot):
+        now = [row[bisect_right(row, run.begun, key=lambda it: it.begun) - 1] for row in told.runs]
+        is_joint = run.phase in (FORMING, *AT_WORK)
+        mates = [n for n, other in enumerate(now) if is_joint and other[1:3] == run[1:3]]
+        together = ", ".join(names[mate] for mate in mates if mate != robot)
+        yield run.begun, end, run, _Company(together, "")
 
 
 def _what(record: Record, run: Run, company: _Company) -> str:
     """Return what a robot does, and with whom."""
     mates, left = company
-    if run.phase == LOST:
-        return LOST
-    if run.phase == FORMING:
+    if run.phase in (LOST, IDLE):
+        what = run.phase
+    elif run.phase == FORMING:
         return f"parts from {left}" if left else f"forms with {mates}"
-    name = "" if run.task == NOBODY else record.mission.tasks[run.task].name
-    what = IDLE if run.phase == IDLE else f"{VERBS.get(run.phase or '', 'walks to')} {name}"
-    what = what if name or run.phase == IDLE else "walks, while plans are made anew"
-    return f"{what}, with {mates}" if mates else what
+    elif run.task == NOBODY:
+        what = _walks_away(record)
+    else:
+        name = record.true_mission.tasks[run.task].name
+        what = f"{VERBS.get(run.phase or '', 'walks to')} {name}"
+    return f"{what}, with {mates}" if mates and run.phase != LOST else what
+
+
+def _walks_away(record: Record) -> str:
+    """Return what a robot does that walks to no task."""
+    if not record.is_continuous:
+        return "walks, while plans are made anew"
+    return "walks home" if record.mission.ends == HOME else "walks to where it stops"
 
 
 def _company(record: Record, robot: int) -> list[_Company]:
@@ -109,6 +136,7 @@ def _parted(step: Step, robot: int) -> list[int]:
 
 
 def story_lines(record: Record, robot: int) -> Iterator[tuple[str, str, str]]:
-    """Yield (steps, what, why) of each part as texts."""
+    """Yield (steps or times, what, why) of each part as texts."""
+    first = 0 if record.is_continuous else 1  # a step ends where the next one begins
     for part in explain(record, robot):
-        yield f"{part.begun + 1}-{part.ended}", part.what, part.why
+        yield f"{part.begun + first:g}-{part.ended:g}", part.what, part.why

@@ -14,9 +14,11 @@ from teamformer.files.mission_files import mission_from_tree
 from teamformer.files.trees.mission import RECORD
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.rules import FORESIGHTS
-from teamformer.mission.coordination import NEWS, TAKEN_OVER
+from teamformer.mission.coordination import NEWS
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.plane import Plane
+from teamformer.record.files.endings import ending_from_tree
+from teamformer.record.files.events import REASONS, events_from_tree
 from teamformer.record.files.truths import truth_from_tree
 from teamformer.record.files.values import (
     DamageError,
@@ -32,14 +34,13 @@ from teamformer.record.files.values import (
     rows_of,
     short,
     text_of,
+    time_of,
     whole_number,
 )
 from teamformer.record.record import (
     FLEET,
     HEARD,
-    STATUSES,
     VERSION,
-    Ending,
     Record,
     SharedPlanMade,
     Step,
@@ -50,18 +51,17 @@ from teamformer.record.record import (
 
 LARGEST_FILE = 1_000_000_000  # bytes
 """A thousand robots on the move for three thousand steps take 40 MB."""
-REASONS = (*NEWS, TAKEN_OVER)
 RUN_AGAIN = "run the mission again to have it written anew"
 
 STEP_KEYS = tuple(field.name for field in fields(Step))
-ENDING_KEYS = tuple(field.name for field in fields(Ending))
-ENDING_COUNTS = ("steps", "tasks_done", "joins", "splits", "illegal_decisions")
 RECORD_BEFORE = "teamformer_replay"
 """The key of a record's version in formats 1 and 2."""
 
 RECORD_KEYS = (RECORD, *(field.name for field in fields(Record) if field.init))
 OPTIONAL_KEYS = ("plans", "scouts", "truth", "foresight", "heeds", "decisions", "told")
-NEEDED_KEYS = tuple(key for key in RECORD_KEYS if key not in OPTIONAL_KEYS)
+OF_STEPS = ("orders", "start", "steps", "plans", "scouts", "decisions")
+OF_EVENTS = ("events",)
+"""Keys of records in steps alone, and of those in continuous time."""
 
 
 def read_record(path: Path) -> Record:
@@ -121,8 +121,11 @@ def record_from_tree(tree: Any, source: str) -> Record:
     """
     _check_version(tree, source)
     try:
-        check_keys(tree, RECORD_KEYS, NEEDED_KEYS)
+        check_keys(tree, RECORD_KEYS, ("mission",))
         mission = mission_from_tree(tree["mission"], f"{source}: mission")
+        foreign = OF_STEPS if mission.time == "continuous" else OF_EVENTS
+        known = [key for key in RECORD_KEYS if key not in foreign]
+        check_keys(tree, known, [key for key in known if key not in OPTIONAL_KEYS])
         return _record(tree, mission)
     except DamageError as damage:
         raise RecordError(f"{source}: the record is damaged: {damage}", RUN_AGAIN) from None
@@ -157,8 +160,33 @@ def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
         if mission.has_surprises or "truth" in tree:
             truth = truth_from_tree(mission, tree.get("truth"))
             mission = with_arrivals(mission, truth)
+    bound, is_continuous = tree["lower_bound"], mission.time == "continuous"
+    measure = time_of if is_continuous else count_of
+    with inside("end"):
+        end = ending_from_tree(tree["end"], is_continuous)
+    return Record(
+        mission=mission,
+        method=text_of(tree["method"]),
+        seed=whole_number(tree["seed"]),
+        end=end,
+        lower_bound=None if bound is None else measure(bound),
+        truth=truth,
+        foresight=_foresight(tree),
+        heeds=_heeds(tree),
+        told=tree.get("told"),
+        **(_of_events(tree, mission) if is_continuous else _of_steps(tree, mission)),
+    )
+
+
+def _of_events(tree: Mapping[str, Any], mission: Mission) -> dict[str, Any]:
+    """Return what a record in continuous time has instead of steps."""
+    with inside("events"):
+        return {"events": events_from_tree(tree["events"], mission)}
+
+
+def _of_steps(tree: Mapping[str, Any], mission: Mission) -> dict[str, Any]:
+    """Return what a record in steps has."""
     robots, tasks = len(mission.robots), len(mission.tasks)
-    bound = tree["lower_bound"]
     along = metres if isinstance(mission.world, Plane) else number_of
     with inside("orders"):
         orders = tuple(
@@ -184,28 +212,17 @@ def _record(tree: Mapping[str, Any], mission: Mission) -> Record:
             (count_of(step), tuple(_wants(row, robots, caps) for row in rows_of(rows, 3, 1)))
             for step, rows in rows_of(tree.get("decisions", []), 2)
         )
-    with inside("end"):
-        end = _ending(tree["end"])
-    method, steps = text_of(tree["method"]), tuple(_steps(tree["steps"], robots, tasks, along))
-    if method != FLEET and any(slot is None for step in steps for _, slot in step.done):
+    steps = tuple(_steps(tree["steps"], robots, tasks, along))
+    if tree["method"] != FLEET and any(slot is None for step in steps for _, slot in step.done):
         raise DamageError("a task is done by nobody, which only the record of a fleet may say")
-    return Record(
-        mission=mission,
-        method=method,
-        seed=whole_number(tree["seed"]),
-        orders=orders,
-        start=start,
-        steps=steps,
-        end=end,
-        lower_bound=None if bound is None else count_of(bound),
-        plans=plans,
-        truth=truth,
-        scouts=scouts,
-        foresight=_foresight(tree),
-        heeds=_heeds(tree),
-        decisions=decisions,
-        told=tree.get("told"),
-    )
+    return {
+        "orders": orders,
+        "plans": plans,
+        "scouts": scouts,
+        "start": start,
+        "decisions": decisions,
+        "steps": steps,
+    }
 
 
 def _foresight(tree: Mapping[str, Any]) -> str:
@@ -253,16 +270,6 @@ def _places(rows: Any, tasks: int, along: Coordinate) -> tuple[TaskAt, ...]:
     return tuple(
         TaskAt(number_below(task, tasks), along(x), along(y)) for task, x, y in rows_of(rows, 3)
     )
-
-
-def _ending(tree: Any) -> Ending:
-    check_keys(tree, ENDING_KEYS, ENDING_KEYS)
-    if tree["status"] not in STATUSES:
-        raise DamageError(f"the status is {short(tree['status'])}, not one of {STATUSES}")
-    blocked = tuple(text_of(name) for name in list_of(tree["blocked_tasks"]))
-    makespan = None if tree["makespan"] is None else count_of(tree["makespan"])
-    counts = {key: count_of(tree[key]) for key in ENDING_COUNTS}
-    return Ending(status=tree["status"], makespan=makespan, blocked_tasks=blocked, **counts)
 
 
 def _steps(trees: Any, robots: int, tasks: int, along: Coordinate) -> Iterator[Step]:

@@ -23,7 +23,11 @@ from teamformer.record.files.values import (
     number_of,
     rows_of,
     text_of,
+    time_of,
 )
+
+Number = Callable[[Any], Any]
+"""Reads a number: whole in grids and in steps."""
 
 
 def truth_to_tree(mission: Mission, truth: Mission) -> dict[str, Any]:
@@ -66,16 +70,17 @@ def truth_from_tree(mission: Mission, tree: Any) -> Mission:
     check_keys(tree["tasks"], open_tasks, open_tasks)
     check_keys(tree["robots"], open_robots, open_robots)
     along = metres if isinstance(mission.world, Plane) else number_of
-    tasks = (_task(task, tree["tasks"].get(task.name), along) for task in mission.tasks)
-    robots = (_robot(robot, tree["robots"].get(robot.name)) for robot in mission.robots)
-    arrived = (_arrived(said, along) for said in list_of(tree.get("arrivals", [])))
+    time = time_of if mission.time == "continuous" else count_of
+    tasks = (_task(task, tree["tasks"].get(task.name), along, time) for task in mission.tasks)
+    robots = (_robot(robot, tree["robots"].get(robot.name), time) for robot in mission.robots)
+    arrived = (_arrived(said, along, time) for said in list_of(tree.get("arrivals", [])))
     try:
         return replace(mission, arrivals=None, tasks=(*tasks, *arrived), robots=tuple(robots))
     except MissionError as error:
         raise DamageError(error.problems[0].message) from None
 
 
-def _task(task: Task, said: Any, along: Callable[[Any], float]) -> Task:
+def _task(task: Task, said: Any, along: Number, time: Number) -> Task:
     if said is None:
         return task
     is_open = {
@@ -86,13 +91,13 @@ def _task(task: Task, said: Any, along: Callable[[Any], float]) -> Task:
     keys = [key for key, is_unsure in is_open.items() if is_unsure]
     with inside(task.name):
         check_keys(said, keys, keys)
-        duration = count_of(said["duration"]) if "duration" in said else task.duration
+        duration = time(said["duration"]) if "duration" in said else task.duration
         needs = _counts(said["needs"]) if "needs" in said else task.needs
         [[x, y]] = rows_of([said["at"]], 2) if "at" in said else [task.at]
     return task.once_known((along(x), along(y)), needs, duration)
 
 
-def _arrived(said: Any, along: Callable[[Any], float]) -> Task:
+def _arrived(said: Any, along: Number, time: Number) -> Task:
     keys = ("name", "at", "needs", "appears")
     check_keys(said, (*keys, "duration"), keys)
     [[x, y]] = rows_of([said["at"]], 2)
@@ -100,8 +105,8 @@ def _arrived(said: Any, along: Callable[[Any], float]) -> Task:
         name=text_of(said["name"]),
         at=(along(x), along(y)),
         needs=_counts(said["needs"]),
-        duration=count_of(said.get("duration", 0)),
-        appears=count_of(said["appears"]),
+        duration=time(said.get("duration", 0)),
+        appears=time(said["appears"]),
         has_arrived=True,
     )
 
@@ -114,7 +119,7 @@ def _counts(said: Any) -> Counts:
     return {text_of(name): 1 for name in said}
 
 
-def _robot(robot: Robot, said: Any) -> Robot:
+def _robot(robot: Robot, said: Any, time: Number) -> Robot:
     if said is None:
         return robot
     with inside(robot.name):
@@ -125,12 +130,12 @@ def _robot(robot: Robot, said: Any) -> Robot:
             robot = replace(robot, delays=replace(robot.delays, seed=count_of(said["delays"])))
         if robot.breaks is None:
             return robot
-        lost, back = (_steps(said.get(key, [])) for key in ("lost", "back"))
+        lost, back = (_times(said.get(key, []), time) for key in ("lost", "back"))
         if len(back) > len(lost):
             raise DamageError("it is back more often than it is lost")
     absences = tuple(Absence(*pair) for pair in zip_longest(lost, back))
     return replace(robot, breaks=None, absences=absences)
 
 
-def _steps(said: Any) -> list[int]:
-    return [count_of(step) for step in (said if isinstance(said, list) else [said])]
+def _times(said: Any, time: Number) -> list[Any]:
+    return [time(one) for one in (said if isinstance(said, list) else [said])]

@@ -79,6 +79,13 @@ def amount_of(value: Any) -> float:
     return metres(value) if isinstance(value, float) else count_of(value)
 
 
+def time_of(value: Any) -> float:
+    """Return a moment or a span in continuous time: 0 or more, a fraction too."""
+    if metres(value) < 0:
+        raise DamageError(f"{short(value)} stands where 0 or more belongs")
+    return float(value)
+
+
 def number_of(value: Any) -> int:
     """Return a whole number that counts something or says where something is."""
     if not abs(whole_number(value)) <= LARGEST_COUNT:

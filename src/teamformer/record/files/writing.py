@@ -10,13 +10,15 @@ from typing import Any
 from teamformer.base.whole_files import own_number, write_whole
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.files.trees.mission import RECORD
+from teamformer.record.files.endings import ending_to_tree
+from teamformer.record.files.events import event_to_tree
 from teamformer.record.files.truths import truth_to_tree
 from teamformer.record.record import VERSION, Record, Step, TeamAt, Wants
-from teamformer.record.telling.trees import told_to_tree
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.trees import told_to_tree
 
-LONG = ("steps", "decisions")
-"""Keys with a row for each step, which stands on a line of its own."""
+LONG = ("steps", "decisions", "events")
+"""Keys with a row for each step or event, which stands on a line of its own."""
 
 
 def record_to_tree(record: Record) -> dict[str, Any]:
@@ -35,10 +37,8 @@ def _tree(record: Record) -> dict[str, Any]:
         "mission": mission_to_tree(record.mission),
         "method": record.method,
         "seed": record.seed,
-        "orders": _lists(record.orders),
-        "start": _lists(record.start),
-        "steps": _steps_to_trees(record.steps),
-        "end": {key: _lists(value) for key, value in vars(record.end).items()},
+        **(_of_events(record) if record.is_continuous else _of_steps(record)),
+        "end": ending_to_tree(record.end, record.is_continuous),
         "lower_bound": record.lower_bound,
     }
     if record.truth is not None:
@@ -55,6 +55,18 @@ def _tree(record: Record) -> dict[str, Any]:
         tree["foresight"] = record.foresight
     tree["told"] = told_to_tree(told_of(record))
     return tree
+
+
+def _of_steps(record: Record) -> dict[str, Any]:
+    return {
+        "orders": _lists(record.orders),
+        "start": _lists(record.start),
+        "steps": _steps_to_trees(record.steps),
+    }
+
+
+def _of_events(record: Record) -> dict[str, Any]:
+    return {"events": [event_to_tree(event) for event in record.events]}
 
 
 def _steps_to_trees(steps: Iterable[Step]) -> Iterator[dict[str, Any]]:
@@ -93,7 +105,7 @@ def _lists(value: Any) -> Any:
 
 
 def save_record(record: Record, path: Path) -> None:
-    """Write a record, one step a line, whole or not at all.
+    """Write a record, one step or event a line, whole or not at all.
 
     Raises OSError where the folder cannot be written.
     """

@@ -37,7 +37,7 @@ def wrong_truths(mission: Mission, truth: Mission) -> Iterator[str]:
 
 def _wrong_arrivals(mission: Mission, arrivals: Arrivals) -> Iterator[str]:
     """Say which tasks that appeared at random cannot have."""
-    latest = arrivals.since
+    latest = float(arrivals.since)
     for task in mission.tasks:
         if not task.has_arrived:
             continue

@@ -9,22 +9,28 @@ MOST_FINDINGS = 200
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that breaks the rules; step 0 is the start and the record as a whole."""
+    """Something that breaks the rules; step 0 is the start and the record as a whole.
 
-    step: int
+    In continuous time `step` is the moment.
+    """
+
+    step: float
     message: str
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """All findings by step; a legal record has none."""
+    """All findings by step; a legal record has none.
+
+    `steps` are those that were made, in continuous time the events.
+    """
 
     findings: tuple[Finding, ...]
     steps: int
     tasks_done: int
     cost: float | None = None  # of a mission that has one, if all of it is done
     late: dict[str, float] = field(default_factory=dict)
-    """By how many steps tasks were done after their window, which breaks no rule."""
+    """By how much tasks were done after their window, which breaks no rule."""
 
     @property
     def is_legal(self) -> bool:

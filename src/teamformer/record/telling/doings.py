@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from teamformer.record.phases import AT_WORK, LOADING, SERVING, WAITING
 from teamformer.record.record import Record
 from teamformer.record.teams import Teams
-from teamformer.record.telling.told import Robots, Run, ToldRecord, ToldService
+from teamformer.record.told.told_record import Robots, Run, ToldRecord, ToldService
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -72,7 +72,7 @@ class Doings:
 
     def _run(self, robot: int, step: int) -> Run:
         row = self._told.runs[robot]
-        run = row[bisect_right(row, step - 1, key=lambda it: it.begun) - 1]
+        run = row[bisect_right(row, float(step - 1), key=lambda it: it.begun) - 1]
         return self._run(run.task, step) if run.phase is None else run
 
 

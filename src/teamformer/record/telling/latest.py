@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from teamformer.record.record import Record
 from teamformer.record.telling.teller import Teller
-from teamformer.record.telling.told import ToldOfStep
+from teamformer.record.told.told_record import ToldOfStep
 
 
 class LatestTold:

@@ -10,7 +10,7 @@ from teamformer.record.phases import AT_WORK, FORMING, IDLE, WAITING
 from teamformer.record.record import Record
 from teamformer.record.task_times import opening_steps
 from teamformer.record.telling.doings import Doings
-from teamformer.record.telling.told import ToldRecord, ToldService
+from teamformer.record.told.told_record import ToldRecord, ToldService
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -25,7 +25,7 @@ def find_path(record: Record, told: ToldRecord) -> tuple[Stretch, ...]:
         return ()
     if any(slot is None for step in record.steps for _, slot in step.done):
         return ()
-    return in_order(_Tracing(record, told).stretches(record.end.makespan))
+    return in_order(_Tracing(record, told).stretches(int(record.end.makespan)))
 
 
 class _Tracing:
@@ -90,12 +90,12 @@ class _Tracing:
             yield from self._told_of(robot)
             yield stretch
 
-    def _go_before(self, service: ToldService, until: int) -> None:
+    def _go_before(self, service: ToldService, until: float) -> None:
         """Go back to when those who began a service were ready for it."""
         self._robots, self._task = _led_by(self._robots, service.begun_by), service.task
         stretch = Stretch(service.begun, until, service.doing, task=service.task)
         self._together.append((stretch, self._robots))
-        self._now = service.begun
+        self._now = int(service.begun)
 
     def _waited(self, robot: int, busy: int) -> Iterator[Stretch]:
         """Go back to before the time in which nobody who was needed did anything."""

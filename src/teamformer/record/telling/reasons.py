@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from teamformer.base.naming import listed
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.happenings import Event
+from teamformer.record.happenings import LogEntry
 from teamformer.record.phases import (
     AT_WORK,
     CARRYING,
@@ -18,9 +19,6 @@ from teamformer.record.phases import (
 )
 from teamformer.record.telling.unrolled import Unrolled
 from teamformer.world.rules.constants import NEVER, NOBODY
-
-MANY = 3
-"""Names that are written out where more would be too many to read."""
 
 RANKS = ("first", "second", "third")
 
@@ -45,12 +43,12 @@ class Narrator:
         """Return what happened in the latest step that may have a plan made anew."""
         now, step = self._now, self._now.latest
         found = [
-            *(Event(now.steps, "cancelled", task=task) for task in now.called_off),
-            *(Event(now.steps, "lost", (robot,)) for robot in step.lost),
-            *(Event(now.steps, "back", (robot,)) for robot in step.back),
-            *(Event(now.steps, "found", task=task) for task in step.found),
-            *(Event(now.steps, "needs", task=task) for task in step.shown),
-            *(Event(now.steps, "appears", task=task) for task in now.news),
+            *(LogEntry(now.steps, "cancelled", task=task) for task in now.called_off),
+            *(LogEntry(now.steps, "lost", (robot,)) for robot in step.lost),
+            *(LogEntry(now.steps, "back", (robot,)) for robot in step.back),
+            *(LogEntry(now.steps, "found", task=task) for task in step.found),
+            *(LogEntry(now.steps, "needs", task=task) for task in step.shown),
+            *(LogEntry(now.steps, "appears", task=task) for task in now.news),
         ]
         return [event.text(now.mission) for event in found]
 
@@ -152,7 +150,7 @@ class Narrator:
 
     def _names(self, robots: Sequence[int]) -> str:
         """Name robots; of many the first, and how many more there are."""
-        return listed([self._now.source.robots[robot].name for robot in robots])
+        return listed(self._now.source.robots[robot].name for robot in robots)
 
 
 def _ranked(rank: int) -> str:
@@ -160,9 +158,3 @@ def _ranked(rank: int) -> str:
     told = RANKS[rank] if rank < len(RANKS) else f"number {rank + 1}"
     order = f"{told} in the order that everybody shares"
     return order if rank == 0 else f"{order}, the first it was sent to"
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return names as a text; of many the first, and how many more there are."""
-    shown = ", ".join(names[:MANY])
-    return f"{shown} and {len(names) - MANY} more" if len(names) > MANY else shown

@@ -8,7 +8,7 @@ from teamformer.mission.model import Mission
 from teamformer.record.phases import CARRYING, LOADING, SERVING, UNLOADING
 from teamformer.record.record import Step
 from teamformer.record.teams import Teams
-from teamformer.record.telling.told import Robots, ToldService
+from teamformer.record.told.told_record import Robots, ToldService
 from teamformer.world.rules.constants import NOBODY
 
 

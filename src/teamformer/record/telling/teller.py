@@ -8,8 +8,8 @@ from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.phases import LOST, WAITING
 from teamformer.record.record import Record
 from teamformer.record.telling.reasons import Narrator
-from teamformer.record.telling.told import Run, ToldOfStep, ToldRecord
 from teamformer.record.telling.unrolled import Unrolled
+from teamformer.record.told.told_record import Run, ToldOfStep, ToldRecord
 from teamformer.world.rules.constants import NOBODY
 
 

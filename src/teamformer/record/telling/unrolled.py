@@ -69,7 +69,7 @@ class Unrolled:
         for number, wanted in enumerate(tasks):
             self._appear[self.known[number]].append(number)
             if wanted.cancelled is not None:
-                self._cancelled[wanted.cancelled].append(number)
+                self._cancelled[int(wanted.cancelled)].append(number)
 
     def go_on(self, record: Record) -> None:
         """Go on to the next step of a record."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from teamformer.record.critical_path.stretches import Stretch
+from teamformer.record.events.whole import tell_events
 from teamformer.record.record import Record
 from teamformer.record.telling.path import find_path
 from teamformer.record.telling.teller import Teller
-from teamformer.record.telling.told import ToldRecord
+from teamformer.record.told.told_record import ToldRecord
 
 NONSENSE = (IndexError, KeyError, ValueError)
 """What telling comes upon in steps that cannot be, which anybody may have written."""
@@ -30,6 +31,8 @@ def path_of_record(record: Record) -> tuple[Stretch, ...]:
 
 
 def _tell(record: Record) -> ToldRecord:
+    if record.is_continuous:
+        return tell_events(record)
     nothing = tuple(() for _ in record.mission.robots)
     try:
         teller = Teller(record)

@@ -92,7 +92,8 @@ def _told(
     """Return a task as the past shows it, and what was learned of it."""
     lasts, may_need, lessons = task.lasts, dict(task.may_need), []
     if task.lasts is not None:
-        lasts, weight = durations.range_of(task, task.lasts)
+        first, last = map(int, task.lasts)
+        lasts, weight = durations.range_of(task, (first, last))
         said, found = (f"{least} to {most}" for least, most in (task.lasts, lasts))
         lessons.append(Lesson(task.name, "duration", said, found, weight))
     for cap, chance in task.may_need.items():

@@ -10,10 +10,9 @@ from typing import Any
 from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.methods.by_name import Method, Player, as_method, default_for, load_method
 from teamformer.mission.arrivals import with_arrivals
-from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.checks.rules import rules_not_run
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
-from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.files.reading import read_record
@@ -29,11 +28,11 @@ from teamformer.trials.api.arguments import (
     refuse_no_mission,
     whole_seed,
 )
-from teamformer.trials.comparison import compare_methods
+from teamformer.trials.comparison import IN_CONTINUOUS_TIME, IN_STEPS, compare_methods
 from teamformer.trials.outputs import write_record
 from teamformer.trials.planned import PlannedMission, plan_mission
 from teamformer.trials.rows import bars_of, result_row
-from teamformer.trials.trial import PlayedTrial, run_trial
+from teamformer.trials.trial import PlayedTrial, bound_of, run_trial
 from teamformer.viewer.html import record_page
 from teamformer.viewer.notebook_page import Page
 
@@ -64,12 +63,12 @@ class Trial:
         return self.record.end.status == "completed"
 
     @property
-    def makespan(self) -> int | None:
+    def makespan(self) -> float | None:
         """Return the step in which the last task was done; None if not all were."""
         return self.record.end.makespan
 
     @property
-    def lower_bound(self) -> int | None:
+    def lower_bound(self) -> float | None:
         """Return a number of steps that no plan can be faster than, None if unknown."""
         return self.record.lower_bound
 
@@ -147,13 +146,14 @@ def run(
 
 def compare(
     mission: Mission,
-    methods: Sequence[str | Player] = ("heuristic", "join-all", "crews", "plan", "central"),
+    methods: Sequence[str | Player] | None = None,
     seeds: int = 1,
     seconds: float = 10.0,
 ) -> list[dict[str, Any]]:
     """Run a mission by several methods and return a row for each trial.
 
-    Each method runs once with each seed from 0 to `seeds` - 1. A row is what
+    Without `methods` these are heuristic, join-all, crews, plan and central; in continuous time
+    plan and central. Each method runs once with each seed from 0 to `seeds` - 1. A row is what
     `teamformer compare --json` prints: `method`, `seed`, `makespan`, `percent_over_best`,
     `lower_bound` and others. Only the row of a trial that could not be run has an `error`; one that
     came to its step limit has a makespan of None. If no trial could be run, the first error is
@@ -166,6 +166,8 @@ def compare(
     refuse_unplayed(mission, "compare")
     if isinstance(methods, str):
         raise TeamformerError("methods is a text", f"write a list, [{methods!r}]")
+    if methods is None:
+        methods = IN_STEPS if mission.time == "steps" else IN_CONTINUOUS_TIME
     chosen = [_method(method, seconds) for method in methods]
     compared = compare_methods(mission, chosen, seeds, _run_one)
     if compared.is_interrupted:
@@ -207,9 +209,9 @@ def check(record: Trial | Record | PathOrName) -> Verdict:
 
 
 def refuse_unplayed(mission: Mission, verb: str) -> None:
-    """Raise `TeamformerError` for what is no mission, or none that is played in steps."""
+    """Raise `TeamformerError` for what is no mission, or none that can be run."""
     refuse_no_mission(mission, verb)
-    if problems := list(rules_not_played(mission)):
+    if problems := list(rules_not_run(mission)):
         raise MissionError(problems)
 
 
@@ -236,4 +238,4 @@ def _run_one(
     mission: Mission, method: Method, seed: int, truth: Mission | None = None
 ) -> PlayedTrial:
     truth = draw_truth(mission, seed) if truth is None else truth
-    return run_trial(mission, method, seed, lower_bound(truth), truth=truth)
+    return run_trial(mission, method, seed, bound_of(truth), truth=truth)

@@ -12,12 +12,12 @@ import { connectFiles, openRecordFile, ownDownloads } from "./panel/files.js";
 import { showFigures, showHeader } from "./panel/header.js";
 import { showDetails } from "./panel/inspector.js";
 import { Lists } from "./panel/lists.js";
-import { VIEWS, showPlayback, showSwitches } from "./panel/playback.js";
+import { VIEWS, describeNow, showPlayback, showSwitches } from "./panel/playback.js";
 import { Timeline } from "./panel/timeline.js";
 import { Player } from "./player.js";
 import { frames } from "./record/history.js";
 import { rememberLast } from "./record/keeping.js";
-import { describeSpan } from "./record/lengths.js";
+import { capitalised, describeMoment, describeSpan, secondsOf } from "./record/lengths.js";
 import { sceneAt, teamOfRobot } from "./record/scene.js";
 import { describeAt, describeEvent, robotName, taskName } from "./record/words.js";
 import { ROBOT_COLUMNS, TASK_COLUMNS } from "./views/columns.js";
@@ -64,7 +64,7 @@ export class App extends Shown {
     this.trials = this.trial ? this.trials.map((other) => (other === this.trial ? trial : other)) : [trial];
     this.showTrial(trial);
     this.lineUp();
-    this.player.reset(this.lastStep());
+    this.player.reset(this.lastStep(), tickOf(trial.history));
     byId("scrub").max = String(this.player.last);
   }
 
@@ -83,7 +83,8 @@ export class App extends Shown {
 
   // Put records beside those that are shown, at the moment that is shown.
   putBeside(records, failed = []) {
-    this.trials = [...this.trials, ...records.map(readTrial)];
+    const tick = tickOf(this.history) ?? undefined;
+    this.trials = [...this.trials, ...records.map((record) => readTrial(record, tick))];
     this.failed = [...this.failed, ...failed];
     this.lineUp();
     this.stretch();
@@ -141,7 +142,8 @@ export class App extends Shown {
   startText() {
     const { player, history } = this;
     if (player.time > 0 || player.isPlaying || player.last === 0) return "";
-    return `Play the mission ${describeSpan(history.mission.world, player.last)}`;
+    const { world } = history.mission;
+    return history.isContinuous ? `Play the mission, until ${describeMoment(world, history.until)}` : `Play the mission ${describeSpan(world, player.last)}`;
   }
 
   // Everything that depends on the record and not on the moment, too.
@@ -281,7 +283,7 @@ export class App extends Shown {
     this.go(next ?? (direction > 0 ? this.player.last : 0));
   }
 
-  // `#step=12&task=crate-7`, or `&robot=r1`, or `&capability=lift`; `&view=gantt`, or another of VIEWS.
+  // `#step=12&task=crate-7`, in continuous time `#time=4.5`, or `&robot=r1`, or `&capability=lift`; `&view=gantt`, or another of VIEWS.
   readAddress() {
     const wanted = new URLSearchParams(location.hash.slice(1));
     const { robots, tasks, capabilities } = this.history.mission;
@@ -293,6 +295,7 @@ export class App extends Shown {
     else if (cap >= 0) this.select({ cap });
     this.look(VIEWS.find((view) => view === wanted.get("view")) ?? "map");
     if (wanted.has("step")) this.go(Math.round(Number(wanted.get("step"))) || 0);
+    if (wanted.has("time")) this.go(Math.round(Number(wanted.get("time")) / this.history.mission.world.stepSeconds) || 0);
   }
 
   // The address follows, so that a copy of it opens the page at this moment.
@@ -306,7 +309,10 @@ export class App extends Shown {
   address() {
     const { mission } = this.history;
     const { task, robot, cap } = this.selection;
-    const parts = new URLSearchParams({ step: String(this.player.step) });
+    const { step } = this.player;
+    const parts = new URLSearchParams();
+    if (this.history.isContinuous) parts.set("time", String(secondsOf(mission.world, step)));
+    else parts.set("step", String(step));
     if (task !== undefined) parts.set("task", taskName(mission, task));
     if (robot !== undefined) parts.set("robot", robotName(mission, robot));
     if (cap !== undefined) parts.set("capability", mission.capabilities[cap]);
@@ -368,15 +374,20 @@ export class App extends Shown {
     const { step } = this.player;
     const texts = this.events.filter((event) => event.step === step).slice(0, 8);
     const said = texts.map((event) => describeEvent(this.history, event)).join("; ");
-    byId("said").textContent = `Step ${step} of ${this.player.last}. ${said}`;
+    byId("said").textContent = `${capitalised(describeNow(this))}. ${said}`;
   }
 }
 
 const SCENES_KEPT = 40;
 
+// How long a step of a record in continuous time is, in the mission's unit; null of one in steps.
+function tickOf(/** @type {TrialHistory} */ { isContinuous, mission }) {
+  return isContinuous ? mission.world.stepSeconds : null;
+}
+
 // A record with what is worked out from it once.
-function readTrial(/** @type {RecordTree} */ record) {
-  const history = frames(record);
+function readTrial(/** @type {RecordTree} */ record, /** @type {number | undefined} */ tick = undefined) {
+  const history = frames(record, tick);
   const { capabilities } = history.mission;
   return {
     record,

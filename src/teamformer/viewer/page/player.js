@@ -1,5 +1,7 @@
 // The clock of the page: which moment is shown, and how fast it moves on.
 
+import { roundUp } from "./record/ticks.js";
+
 export const SPEEDS = [0.5, 1, 2, 4, 8, 16, 32, 64]; // steps a second
 const SECONDS_AT_START = 25; // about how long a record takes at the speed it opens with
 
@@ -7,6 +9,8 @@ export class Player {
   last = 0;
   time = 0; // in steps
   speed = 2; // steps a second
+  speeds = SPEEDS;
+  /** @type {number | null} */ tick = null; // how long a step is in continuous time
   isFollowing = false; // the latest step of a mission that is under way
 
   constructor(last) {
@@ -17,12 +21,14 @@ export class Player {
     this.reset(last);
   }
 
-  // Back to the start of what takes so many steps.
-  reset(last) {
+  // Back to the start of what takes so many steps; `tick` is how long each is in continuous time.
+  reset(last, /** @type {number | null} */ tick = null) {
     this.isPlaying = false;
     this.last = last;
     this.time = 0;
-    this.speed = SPEEDS.find((speed) => speed >= 2 && last / speed <= SECONDS_AT_START) ?? SPEEDS[SPEEDS.length - 1];
+    this.tick = tick;
+    this.speeds = tick === null ? SPEEDS : ratesFor(last, tick);
+    this.speed = this.speeds.find((speed) => speed >= 2 && last / speed <= SECONDS_AT_START) ?? this.speeds[this.speeds.length - 1];
   }
 
   shorten(last) {
@@ -80,12 +86,20 @@ export class Player {
 
   // The next speed up or down of those offered.
   faster(by) {
-    const nearest = SPEEDS.findLastIndex((speed) => speed <= this.speed);
-    this.goAt(SPEEDS[Math.max(0, Math.min(SPEEDS.length - 1, nearest + by))]);
+    const { speeds } = this;
+    const nearest = speeds.findLastIndex((speed) => speed <= this.speed);
+    this.goAt(speeds[Math.max(0, Math.min(speeds.length - 1, nearest + by))]);
   }
 
   goAt(speed) {
     this.speed = speed;
     this.changed(true);
   }
+}
+
+// In continuous time: ticks a second, at which round numbers of units pass in one.
+function ratesFor(last, tick) {
+  const middle = roundUp((last * tick) / SECONDS_AT_START);
+  const rates = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10].map((times) => roundUp(middle * times));
+  return [...new Set(rates)].map((rate) => rate / tick);
 }

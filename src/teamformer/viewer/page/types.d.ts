@@ -26,7 +26,14 @@ type RecordTree = {
   lower_bound: number | null;
   told?: any;
 };
-type End = { status: string; makespan: number | null; blocked_tasks: string[]; steps?: number };
+type End = {
+  status: string;
+  makespan: number | null;
+  blocked_tasks: string[];
+  steps?: number;
+  cost?: number | null; // in continuous time, like the next one
+  broken_links?: [string, string][];
+};
 
 // What a record is read into.
 
@@ -39,10 +46,19 @@ interface World {
   yIsUp: boolean;
   fields: Map<number, Int32Array>; // distances, by their goal
   image?: { canvas: HTMLCanvasElement; colour: string }; // of the walls
-  isPlane: boolean;
+  isPlane: boolean; // ways are straight
+  isTimed: boolean; // steps have a length: on planes, and in continuous time
+  secondsUnit: string; // " s" where that is in seconds
+  roads?: Roads;
   square: number; // metres a square; 1 on grids
   arrival: number; // from how far a place counts as reached, in squares; 0 on grids
-  stepSeconds: number; // 1 on grids, whose steps have no length
+  stepSeconds: number; // 1 on grids, whose steps have no length; how long a tick is in continuous time
+}
+
+interface Roads {
+  names: string[];
+  places: Place[];
+  pairs: [number, number][]; // of places with a road between
 }
 
 interface Robot {
@@ -110,6 +126,7 @@ interface Absence {
 // What happened in a step; what else it has depends on its kind, see `record/words.js`.
 interface HistoryEvent {
   step: number;
+  when?: number; // in continuous time, exactly
   kind: string;
   [field: string]: any;
 }
@@ -139,6 +156,10 @@ interface TrialHistory {
   grow(change: StepTree, told: any, end?: End): void;
   curves?: { made: number; open: number[]; idle: number[]; way: number[] };
   expected?: (number | null)[];
+  isContinuous?: boolean; // steps are then ticks, and times have fractions
+  until?: number; // when the record ends, within its last tick
+  trail?: number; // steps
+  tracks?: import("./record/tracks.js").Track[];
 }
 
 // What a team did for a task, from the end of a step to that of another; `to` is open while it goes on.
@@ -176,6 +197,7 @@ interface Team {
   activity: string;
   carries: boolean;
   site: Site | null; // where its task is believed to be
+  ahead: { places: Place[]; until: number } | null; // its way in continuous time, and when it is there
 }
 
 interface Scene {

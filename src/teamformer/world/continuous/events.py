@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.grid import Place
 from teamformer.world.rules.constants import NOBODY
 
@@ -17,6 +18,21 @@ class Passed(NamedTuple):
 
     at: float
     place: Place
+
+
+class PlannedTask(NamedTuple):
+    """Who is to do a task by a plan, and when it is expected to end."""
+
+    task: int
+    robots: tuple[int, ...]  # nobody: it waits for a later plan
+    end: float | None = None
+
+
+class PlanMade(NamedTuple):
+    """Why a plan was made, out of `NEWS`, and its tasks in order."""
+
+    reasons: tuple[str, ...]
+    tasks: tuple[PlannedTask, ...]
 
 
 class Event(NamedTuple):
@@ -33,65 +49,81 @@ class Event(NamedTuple):
     place: Place | None = None
     until: float | None = None  # when it is expected to end
     way: tuple[Passed, ...] = ()  # from where it begins to where it leads
-    more: tuple[object, ...] = ()  # what the kind says
     cause: int = NOBODY  # nothing: it came from outside, or the mission began with it
+    plan: PlanMade | None = None
+    needs: Counts | None = None  # what a task needs, once that is known
+    status: str = ""  # how the mission ended
 
 
-class Kind(NamedTuple):
-    """A kind of event: the fields that it uses besides `at` and `cause`, and what it says."""
+class EventKind(NamedTuple):
+    """A kind of event: the fields that it uses besides `at` and `cause`, and what it says.
+
+    Those that it `may_lack` have something to say in some events of the kind only.
+    """
 
     fields: tuple[str, ...]
     says: str
+    may_lack: tuple[str, ...] = ()
 
 
 KINDS = {
-    "plan": Kind(
-        ("more",),
-        "a plan is in force from now on; more: why it was made, and its tasks in order, each with "
-        "the robots of its coalition and its expected end",
+    "plan": EventKind(
+        ("plan",),
+        "a plan is in force from now on: why it was made, and its tasks in order, each with the "
+        "robots of its coalition and its expected end",
     ),
-    "walk": Kind(
+    "walk": EventKind(
         ("robots", "task", "way", "until"),
         "a robot sets out, to a task or (no task) home or to where it stops, and is there at until",
+        may_lack=("task",),
     ),
-    "arrive": Kind(("robots", "task", "place"), "a robot is where it was going"),
-    "form": Kind(
+    "arrive": EventKind(
+        ("robots", "task", "place"), "a robot is where it was going", may_lack=("task",)
+    ),
+    "form": EventKind(
         ("robots", "task", "place", "until"), "a coalition that is all there begins to form"
     ),
-    "formed": Kind(("robots", "task", "place"), "a coalition has formed"),
-    "opens": Kind(
+    "formed": EventKind(("robots", "task", "place"), "a coalition has formed"),
+    "opens": EventKind(
         ("task",),
         "a task may begin from now on: its window opens, or its linked start or its hold has come",
     ),
-    "serve": Kind(
+    "serve": EventKind(
         ("robots", "task", "place", "until"),
-        "a team begins to serve a task, or to take up its load",
+        "a team begins to serve a task, or to take up its load; until: when all of it is done",
     ),
-    "lift": Kind(
+    "lift": EventKind(
         ("robots", "task", "place", "way", "until"), "a team sets out with a load that it took up"
     ),
-    "unload": Kind(
+    "unload": EventKind(
         ("robots", "task", "place", "until"), "a team with a load is where it goes, and unloads it"
     ),
-    "done": Kind(("robots", "task", "place"), "a task is done"),
-    "broken": Kind(
+    "done": EventKind(("robots", "task", "place"), "a task is done"),
+    "broken": EventKind(
         ("robots", "task", "place"),
         "a service has broken off; robots: those of it that are left; place: where the load lies",
+        may_lack=("robots", "place"),
     ),
-    "lost": Kind(("robots", "place"), "a robot is lost"),
-    "back": Kind(("robots", "place"), "a lost robot is back, where it was lost"),
-    "appear": Kind(("task",), "a task becomes known"),
-    "cancel": Kind(("task",), "a task is called off"),
-    "know": Kind(
-        ("robots", "task", "more"), "what a task needs becomes known; more: the needs by capability"
+    "lost": EventKind(("robots", "place"), "a robot is lost"),
+    "back": EventKind(("robots", "place"), "a lost robot is back, where it was lost"),
+    "appear": EventKind(("task",), "a task becomes known"),
+    "cancel": EventKind(("task",), "a task is called off"),
+    "know": EventKind(
+        ("robots", "task", "needs"),
+        "what a task needs becomes known, to robots that are there or to everybody",
+        may_lack=("robots",),
     ),
-    "found": Kind(
-        ("robots", "task", "place"), "where a task is becomes known, to robots that saw it"
+    "found": EventKind(
+        ("robots", "task", "place"),
+        "where a task is becomes known, to robots that saw it",
+        may_lack=("robots",),
     ),
-    "moved": Kind(("task", "place"), "a task is believed elsewhere from now on: it was not there"),
-    "overdue": Kind(
+    "moved": EventKind(
+        ("task", "place"), "a task is believed elsewhere from now on: it was not there"
+    ),
+    "overdue": EventKind(
         ("task", "until"), "a service lasts longer than believed; until: its new expected end"
     ),
-    "over": Kind(("more",), "the mission is over; more: its status"),
+    "over": EventKind(("status",), "the mission is over, and how"),
 }
 """Every kind of event, by name."""

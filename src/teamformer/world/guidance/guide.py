@@ -192,7 +192,8 @@ class Guide:
 def refuse_unfit(known: Known, plan: Plan) -> None:
     """Raise `TeamformerError` for a plan that robots cannot go by, saying what is wrong with it."""
     mission, there = known.mission, set(known.robots)
-    when = f"the plan made after {known.step} steps"
+    made = f"after {known.step} steps" if mission.time == "steps" else f"at {known.now:g}"
+    when = f"the plan made {made}"
     if len(plan.order) != len(plan.coalitions):
         _refuse(f"{when} has {len(plan.order)} tasks and {len(plan.coalitions)} coalitions")
     if len(set(plan.order)) != len(plan.order):

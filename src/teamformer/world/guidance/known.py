@@ -37,7 +37,7 @@ def known_of(worlds: Worlds, w: int, mission: Mission, news: int) -> Known:
     members = {slot: np.flatnonzero(slots == slot) for slot in np.unique(slots[slots != NOBODY])}
     return Known(
         mission=_without_what_is_over(_believed(worlds, w, mission), tasks, step),
-        step=step,
+        now=step,
         open_tasks=tuple(np.flatnonzero(tasks["is_open"] & (tasks["server"] == NOBODY)).tolist()),
         places=tuple((along(x[slot]), along(y[slot])) for slot in slots),
         teams=tuple(tuple(members[slot].tolist()) for slot in sorted(members)),

@@ -17,12 +17,17 @@ from teamformer.cli.verbs.missions.run import plan_line, watch_trial
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import Method, load_method
 from teamformer.mission.checks.costs import LATENESS, judged_by
-from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.checks.rules import rules_not_run
 from teamformer.mission.model import Mission
 from teamformer.record.files.writing import record_to_tree, save_record
 from teamformer.record.record import Record
 from teamformer.record.task_times import cost_of_record, lateness
-from teamformer.trials.comparison import Comparison, Failure, compare_methods
+from teamformer.trials.comparison import (
+    IN_CONTINUOUS_TIME,
+    Comparison,
+    Failure,
+    compare_methods,
+)
 from teamformer.trials.rows import Bars, percent_over, percent_over_least
 from teamformer.trials.trial import PlayedTrial
 from teamformer.viewer.html import write_comparison
@@ -48,13 +53,17 @@ def compare(
     time_limit: float,
     folder: Path | None,
     as_json: bool,
+    is_chosen: bool = True,
 ) -> int:
     """Run every method with every seed and show them together; return the exit status.
 
+    If nobody has chosen the methods (`is_chosen`), in continuous time only those run that can.
     The folder gets all records and one page that shows them in step. A trial that fails is a row
     that says why. Where all do, the first error is raised.
     """
-    mission = read_mission(path, rules_not_played)
+    mission = read_mission(path, rules_not_run)
+    if not is_chosen and mission.time == "continuous":
+        names = IN_CONTINUOUS_TIME
     methods = [load_method(name, time_limit) for name in names]
     if folder is not None:
         prepare_folder(folder)
@@ -125,7 +134,7 @@ def _reason(error: TeamformerError) -> str:
 def _bar_lines(bars: Mapping[int, Bars], mission: Mission) -> list[str]:
     """Return the bars as they are shown: those of each seed where they differ."""
     said = {
-        seed: f"best known {bar.best or '-'}, lower bound {bar.bound or '-'}"
+        seed: f"best known {_number(bar.best)}, lower bound {_number(bar.bound)}"
         + (f", least cost {bar.least:g}" if mission.cost and bar.least is not None else "")
         for seed, bar in bars.items()
     }
@@ -134,18 +143,23 @@ def _bar_lines(bars: Mapping[int, Bars], mission: Mission) -> list[str]:
     return list(said.values())[:1] + _what_is_best(mission)
 
 
+def _number(value: float | None) -> str:
+    return f"{value:g}" if value else "-"
+
+
 def _what_is_best(mission: Mission) -> list[str]:
     """Return by what a mission with windows and without a cost is judged, which nobody wrote."""
     if mission.cost or judged_by(mission) is None:
         return []
-    late = f"{LATENESS} times its weight for each step that a task is late"
+    unit = "step" if mission.time == "steps" else "unit of time"
+    late = f"{LATENESS} times its weight for each {unit} that a task is late"
     return [f"`to best` counts the makespan, and {late}"]
 
 
 def _table(compared: Comparison, mission: Mission) -> Table:
     """Return a row for each trial, with what it costs and how late it is if the mission says so."""
     table = Table(box=None, header_style="dim")
-    for column in (*COLUMNS[:3], *_extra_cells(mission, None), *COLUMNS[3:]):
+    for column in (*COLUMNS[:3], *_extra_cells(mission, None), *_last_columns(mission)):
         table.add_column(column, justify="left" if column == "method" else "right")
     for trial in compared.ran:
         if isinstance(trial, Failure):
@@ -153,6 +167,12 @@ def _table(compared: Comparison, mission: Mission) -> Table:
         else:
             table.add_row(*_cells(trial, compared.bars[trial.record.seed]))
     return table
+
+
+def _last_columns(mission: Mission) -> list[str]:
+    """Return the columns after the makespan; in continuous time nobody decides, joins or splits."""
+    in_steps = ("joins", "splits", "deciding")
+    return [name for name in COLUMNS[3:] if mission.time == "steps" or name not in in_steps]
 
 
 def _extra_cells(mission: Mission, record: Record | None) -> dict[str, str]:
@@ -164,12 +184,15 @@ def _extra_cells(mission: Mission, record: Record | None) -> dict[str, str]:
     if any(task.between for task in mission.tasks):
         late = {} if record is None else lateness(record)
         cells["late"] = f"{len(late)} by {sum(late.values()):g}" if late else "-"
+    if any(task.starts for task in mission.tasks):
+        broken = 0 if record is None else len(record.end.broken_links)
+        cells["links not kept"] = str(broken) if broken else "-"
     return cells
 
 
 def _cells(trial: PlayedTrial, bars: Bars) -> list[Text | str]:
     record, end = trial.record, trial.record.end
-    makespan = end.status if end.makespan is None else str(end.makespan)
+    makespan = end.status if end.makespan is None else f"{end.makespan:g}"
     over = [percent_over_least(record, bars), percent_over(end.makespan, record.lower_bound)]
     return [
         Text(record.method),
@@ -178,8 +201,7 @@ def _cells(trial: PlayedTrial, bars: Bars) -> list[Text | str]:
         *_extra_cells(record.mission, record).values(),
         *("" if gap is None else f"{gap:+.0f}%" for gap in over),
         f"{end.tasks_done}/{len(record.mission.tasks)}",
-        str(end.joins),
-        str(end.splits),
+        *([] if record.is_continuous else [str(end.joins), str(end.splits)]),
         f"{trial.planning_seconds:.2f} s",
-        f"{trial.decision_seconds:.2f} s",
+        *([] if record.is_continuous else [f"{trial.decision_seconds:.2f} s"]),
     ]

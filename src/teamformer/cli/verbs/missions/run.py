@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.base.errors import ReaderGoneError, TeamformerError
+from teamformer.base.naming import listed
 from teamformer.cli.terminal.compiling import compile_ahead
 from teamformer.cli.terminal.console import StepProgress, out, prepare_folder, print_json, say
 from teamformer.cli.terminal.foxglove import check_foxglove, play_in_foxglove
@@ -20,11 +21,10 @@ from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import Method, default_for, load_method
 from teamformer.methods.central.plays import CentralPlan
 from teamformer.methods.listings import DEFAULT
-from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.checks.rules import rules_not_run
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.truth import draw_truth
-from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.reasons import story_lines
@@ -34,7 +34,7 @@ from teamformer.record.teams import completions
 from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.rows import bars_of, result_row, seconds_of
-from teamformer.trials.trial import PlayedTrial, run_trial
+from teamformer.trials.trial import PlayedTrial, bound_of, run_trial
 from teamformer.world.env import Tally
 
 LONGEST_TABLE = 40  # tasks
@@ -72,7 +72,7 @@ def run(
     `explained` is the name of a robot whose story is told too. `foxglove` is a port on which the
     record is played for Foxglove in the end.
     """
-    mission = read_mission(path, rules_not_played)
+    mission = read_mission(path, rules_not_run)
     robot = None if explained is None else _robot_number(mission, explained)
     method = chosen_method(method_name, mission, time_limit)
     if foxglove is not None:
@@ -134,7 +134,7 @@ def watch_trial(
 
     `interruption` is held from the moment in which the trial has ended.
     """
-    bound = lower_bound(draw_truth(mission, seed))
+    bound = bound_of(draw_truth(mission, seed))
     with StepProgress(len(mission.tasks)) as progress:
 
         def on_step(tally: Tally) -> None:
@@ -171,8 +171,11 @@ def _show(trial: PlayedTrial) -> None:
     out.print(_verdict(record), markup=False, style=style)
     if (cost := cost_of_record(record)) is not None:
         out.print(f"at a cost of {cost:g}", markup=False)
-    for task, steps in lateness(record).items():
-        out.print(f"late: {task} by {steps:g} steps", markup=False, style="red")
+    unit = "" if record.is_continuous else " steps"
+    for task, by in lateness(record).items():
+        out.print(f"late: {task} by {by:g}{unit}", markup=False, style="red")
+    for task, other in end.broken_links:
+        out.print(f"not kept: the link of {task} to {other}", markup=False, style="red")
     if lost := _losses(record):
         out.print(f"lost: {lost}", markup=False, style="red")
     for line in why_so_late(record.true_mission, path_of_record(record)):
@@ -182,10 +185,8 @@ def _show(trial: PlayedTrial) -> None:
         out.print(plan_line(trial.plan))
     called_off = len(cancelled_steps(record))
     gone = f", {called_off} called off" if called_off else ""
-    out.print(
-        f"{end.tasks_done} of {len(mission.tasks)} tasks{gone}, {end.joins} joins, "
-        f"{end.splits} splits, {end.illegal_decisions} illegal decisions"
-    )
+    what = f"{end.tasks_done} of {len(mission.tasks)} tasks{gone}"
+    out.print(f"{what}, {_counted(record)}")
     compiled = trial.compiling_seconds
     compiling = f", compiling {compiled:.2f} s" if compiled else ""
     out.print(
@@ -194,8 +195,19 @@ def _show(trial: PlayedTrial) -> None:
     )
 
 
+def _counted(record: Record) -> str:
+    """Return what was counted besides tasks: in continuous time how many plans were made."""
+    end = record.end
+    if record.is_continuous:
+        plans = sum(event.kind == "plan" for event in record.events)
+        return f"{plans} plans" if plans != 1 else "1 plan"
+    return f"{end.joins} joins, {end.splits} splits, {end.illegal_decisions} illegal decisions"
+
+
 def _verdict(record: Record) -> str:
     end = record.end
+    if record.is_continuous:
+        return _verdict_in_time(record)
     if end.makespan is not None:
         bound, seconds = record.lower_bound, seconds_of(record.mission, end.makespan)
         what = "all done or called off" if cancelled_steps(record) else "all done"
@@ -213,22 +225,41 @@ def _verdict(record: Record) -> str:
     return f"not done within the limit of {end.steps} steps"
 
 
+def _verdict_in_time(record: Record) -> str:
+    """Return how a mission in continuous time ended, in its unit."""
+    end, bound = record.end, record.lower_bound
+    if end.makespan is not None:
+        what = "all done or called off" if cancelled_steps(record) else "all done"
+        done = f"{what} after {end.makespan:g}"
+        if not bound:
+            return done
+        ratio = 100 * (end.makespan / bound - 1)
+        return f"{done}; no plan can take less than {bound:g} (+{ratio:.0f}%)"
+    if end.status == "infeasible":
+        return f"given up at {record.length:g}: {', '.join(end.blocked_tasks)} can never be done"
+    if end.status == "interrupted":
+        return f"interrupted at {record.length:g}"
+    return f"not done within the limit of {record.length:g}"
+
+
 def _task_table(record: Record) -> Table:
     """Return who did what when, in the order it was done."""
     mission = record.true_mission
     table = Table(box=None, header_style="dim")
-    for header in ("step", "task", "needs", "done by"):
+    when = "time" if record.is_continuous else "step"
+    for header in (when, "task", "needs", "done by"):
         table.add_column(header, overflow="fold")
     undone = set(range(len(mission.tasks)))
     for step, task, robots in completions(record):
         undone.discard(task)
         needs = describe(mission.tasks[task].needs)
         names = _names(mission, robots)
-        table.add_row(str(step), Text(mission.tasks[task].name), Text(needs), Text(names))
+        table.add_row(f"{step:g}", Text(mission.tasks[task].name), Text(needs), Text(names))
     cancelled = cancelled_steps(record)
     for task in sorted(undone):
         needs = describe(mission.tasks[task].needs)
-        why = f"called off in step {cancelled[task]}" if task in cancelled else ""
+        at = "at" if record.is_continuous else "in step"
+        why = f"called off {at} {cancelled[task]:g}" if task in cancelled else ""
         table.add_row("-", Text(mission.tasks[task].name), Text(needs), why)
     return table
 
@@ -237,18 +268,28 @@ def _losses(record: Record) -> str:
     """Name the robots that were lost, with their steps; the first ones of many."""
     lost: list[str] = []
     latest: dict[int, int] = {}  # the entry in the list of each robot that is lost
-    for number, step in enumerate(record.steps, start=1):
-        for robot in step.back:
-            lost[latest[robot]] += f" (back in {number})"
-        for robot in step.lost:
+    at, in_ = ("at", "at") if record.is_continuous else ("in step", "in")
+    for when, kind, robot in _absences(record):
+        if kind == "back":
+            lost[latest[robot]] += f" (back {in_} {when:g})"
+        else:
             latest[robot] = len(lost)
-            lost.append(f"{record.mission.robots[robot].name} in step {number}")
+            lost.append(f"{record.mission.robots[robot].name} {at} {when:g}")
     more = [f"{len(lost) - MOST_NAMES} more"] if len(lost) > MOST_NAMES else []
     return ", ".join(lost[:MOST_NAMES] + more)
 
 
+def _absences(record: Record) -> Iterator[tuple[float, str, int]]:
+    """Yield when a robot was lost or back: the step or moment, which of the two, and the robot."""
+    for event in record.events:
+        if event.kind in ("lost", "back"):
+            yield event.at, event.kind, event.robots[0]
+    for number, step in enumerate(record.steps, start=1):
+        yield from ((number, "back", robot) for robot in step.back)
+        yield from ((number, "lost", robot) for robot in step.lost)
+
+
 def _names(mission: Mission, robots: Sequence[int]) -> str:
     """Return the robots' names, the first ones of many."""
-    shown = robots if len(robots) <= MOST_NAMES else robots[: MOST_NAMES - 1]
-    names = ", ".join(mission.robots[robot].name for robot in shown)
-    return names if shown is robots else f"{names} and {len(robots) - len(shown)} more"
+    most = MOST_NAMES if len(robots) <= MOST_NAMES else MOST_NAMES - 1
+    return listed((mission.robots[robot].name for robot in robots), most)

@@ -6,7 +6,6 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import out, print_json
 from teamformer.files.mission_files import read_mission
 from teamformer.mission.arrivals import without_arrivals
@@ -19,20 +18,24 @@ from teamformer.record.referee import judge
 from teamformer.record.telling.whole import path_of_record
 
 GUARANTEE = "by playing every decision again: all places, teams, tasks and totals"
+OF_FLEETS = (
+    "what was seen of a fleet once a step: who can do what, and be where by then; loads; the end"
+)
+GUARANTEE_OF_EVENTS = "by rules of their own: all events and causes, ways, teams, tasks and totals"
 
 
 def check(path: Path, mission: Path | None, as_json: bool) -> int:
-    """Judge a record; return 0 if every step was legal and every task really done.
+    """Judge a record; return 0 if every step or event was legal and every task really done.
 
     With a mission's file, the record must be one of that mission, too.
     """
     record = read_record(path)
-    _refuse_fleets(record, path)
     verdict = judge(record)
-    findings = [{"step": f.step, "message": f.message} for f in verdict.findings]
+    moment = "at" if record.is_continuous else "step"
+    findings = [{moment: f.step, "message": f.message} for f in verdict.findings]
     if mission is not None:
         findings += [
-            {"step": 0, "message": f"the record is of another mission than {mission}: {how}"}
+            {moment: 0, "message": f"the record is of another mission than {mission}: {how}"}
             for how in _differences(without_arrivals(record.mission), read_mission(mission))
         ]
     claimed = _claims(record)
@@ -55,32 +58,26 @@ def check(path: Path, mission: Path | None, as_json: bool) -> int:
         out.print(finding["message"], markup=False)
     if verdict.cost is not None:
         out.print(f"at a cost of {verdict.cost:g}", markup=False)
+    unit = "" if record.is_continuous else " steps"
     for task, by in verdict.late.items():
-        out.print(f"late: {task} by {by:g} steps, which is allowed", markup=False)
-    steps, tasks = len(record.steps), record.end.tasks_done
+        out.print(f"late: {task} by {by:g}{unit}, which is allowed", markup=False)
+    for task, other in record.end.broken_links:
+        out.print(f"not kept: the link of {task} to {other}, which is allowed", markup=False)
+    length = f"{verdict.steps} {'events' if record.is_continuous else 'steps'}"
     if findings:
-        out.print(f"not legal: {len(findings)} findings in {steps} steps", style="red")
+        out.print(f"not legal: {len(findings)} findings in {length}", style="red")
     else:
-        ending = f"{tasks} tasks done, {record.end.status}"
-        out.print(f"legal: {steps} steps, {ending}", markup=False, style="green")
+        ending = f"{record.end.tasks_done} tasks done, {record.end.status}"
+        out.print(f"legal: {length}, {ending}", markup=False, style="green")
     for line in why_so_late(record.true_mission, chain):
         out.print(line, markup=False)
     against = "" if mission is None else f"; the mission is that of {mission}"
-    out.print(f"checked {GUARANTEE}{against}", markup=False, style="dim")
+    what = OF_FLEETS if record.method == FLEET else GUARANTEE
+    what = GUARANTEE_OF_EVENTS if record.is_continuous else what
+    out.print(f"checked {what}{against}", markup=False, style="dim")
     words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in claimed.items())
     out.print(f"only claimed by the record: {words}", markup=False, style="dim")
     return 1 if findings else 0
-
-
-def _refuse_fleets(record: Record, path: Path) -> None:
-    """Refuse what was seen of a fleet: the rules of steps do not hold between them."""
-    if record.method == FLEET:
-        raise TeamformerError(
-            f"{path}: this was seen of a fleet, once a step; check judges the steps of `run`, "
-            "and a fleet's robots walk and join in between",
-            "`teamformer fleet rehearse MISSION --seed S --schedule K` plays a rehearsal again "
-            "and judges its promises",
-        )
 
 
 def _claims(record: Record) -> dict[str, Any]:

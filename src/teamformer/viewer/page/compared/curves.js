@@ -38,7 +38,7 @@ export class Curves extends TimeCanvas {
     say("100%", this.left - 4, this.y(1) + 2, "right", "middle");
     say("0", this.left - 4, this.y(0) - 2, "right", "middle");
     say(describeAmount(world, player.last), this.x(player.last), bottom, "right", "bottom");
-    say(world.isPlane ? "tasks done over seconds" : "tasks done over steps", this.left, bottom, "left", "bottom");
+    say(doneOver(world), this.left, bottom, "left", "bottom");
   }
 
   // The line of what was done, and a dot at the makespan.
@@ -51,4 +51,8 @@ export class Curves extends TimeCanvas {
     strokeAs(ctx, colour, trial === this.app.trial ? 2.5 : 1.5);
     if (history.end.makespan !== null) drawDisc(ctx, this.x(history.end.makespan), this.y(1), 3.5, colour);
   }
+}
+
+function doneOver(/** @type {World} */ { isTimed, secondsUnit }) {
+  return `tasks done over ${!isTimed ? "steps" : secondsUnit ? "seconds" : "time"}`;
 }

@@ -28,7 +28,7 @@ function drawAssignment(/** @type {View} */ view, /** @type {Team} */ team, alph
   const to = isUp ? { x: right, y: down, half: 0.3 * view.camera.cell } : taskBox(view, team.assigned);
   if (Math.hypot(to.x - from.x, to.y - from.y) < from.r + to.half + 4) return;
   const { world } = view.mission;
-  const way = wayTo(world, [team.x, team.y], at, isFlying(view.mission, team));
+  const way = team.ahead ? [[team.x, team.y], ...team.ahead.places] : wayTo(world, [team.x, team.y], at, isFlying(view.mission, team));
   const corners = way.slice(1, -1).map(([x, y]) => ({ x: view.camera.x(x), y: view.camera.y(y) }));
   const points = [from, ...corners, to];
   points[points.length - 1] = shorten(to, points.at(-2), to.half + 2);
@@ -44,7 +44,7 @@ export function drawTrails(/** @type {View} */ view) {
   for (const team of scene.teams.values()) {
     const robot = team.slot;
     const places = [{ x: blended.x[robot], y: blended.y[robot] }];
-    for (let back = 0; back <= Math.min(TRAIL_STEPS, scene.step); back++) places.push(placeOf(history.at(scene.step - back), robot));
+    for (let back = 0; back <= Math.min(history.trail ?? TRAIL_STEPS, scene.step); back++) places.push(placeOf(history.at(scene.step - back), robot));
     traceLine(ctx, places.map(({ x, y }) => ({ x: camera.x(x), y: camera.y(y) })));
     strokeAs(ctx, ringColour(team, view.isDark, view.options.rings), width, { alpha: 0.35 });
   }
@@ -71,7 +71,7 @@ export function drawMessages(/** @type {View} */ view) {
 }
 
 export function drawSelection(/** @type {View} */ view) {
-  const { ctx, theme, selection, selectedTeam, mission } = view;
+  const { ctx, theme, selection, selectedTeam, mission, history } = view;
   ctx.strokeStyle = theme.accent;
   ctx.lineWidth = 2;
   if (selection.task !== undefined) outlineTask(view, selection.task);
@@ -80,7 +80,7 @@ export function drawSelection(/** @type {View} */ view) {
   if (!selectedTeam) return;
   const { x, y, r } = teamSpot(view, selectedTeam);
   outlineDisc(ctx, x, y, r + 4);
-  if (mission.sensingRadius < Infinity) drawSensing(view, x, y);
+  if (mission.sensingRadius < Infinity && !history.isContinuous) drawSensing(view, x, y);
 }
 
 function outlineTask(/** @type {View} */ view, task) {

@@ -9,19 +9,31 @@ import { fillAs, isOnScreen, robotSpot, strokeAs, teamSpot, write } from "./shap
 import { taskBox } from "./tasks.js";
 
 const NAMES_FROM = 20; // pixels a cell
+const PLACES_NAMED_FROM = 14;
 const TEAMS_NAMED = 3; // in one place
 const BADGE_FROM = 12; // robots
 const LONGEST_NAME = 40; // letters
 const LOST_NAMED = 12; // robots, whatever the zoom
 
 export function drawNames(/** @type {View} */ view) {
-  const { ctx, theme, camera, options } = view;
+  const { ctx, theme, camera, options, mission } = view;
   const taken = [];
   view.names = taken;
   ctx.font = `500 11px ${theme.font}`;
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
-  const isRoomy = options.names && camera.cell >= NAMES_FROM;
+  nameTasksAndRobots(view, taken, options.names && camera.cell >= NAMES_FROM);
+  if (mission.world.roads && options.names && camera.cell >= PLACES_NAMED_FROM) namePlaces(view, taken, mission.world.roads);
+}
+
+// The places of roads, where their names cover no others.
+function namePlaces(/** @type {View} */ view, taken, /** @type {Roads} */ { names, places }) {
+  const { camera, theme } = view;
+  const above = Math.max(12, 0.8 * camera.cell);
+  places.forEach(([x, y], place) => drawName(view, taken, names[place], { x: camera.x(x), y: camera.y(y) - above }, theme.muted));
+}
+
+function nameTasksAndRobots(/** @type {View} */ view, taken, isRoomy) {
   view.mission.tasks.forEach((_, task) => {
     if (isRoomy || task === view.selection.task) drawTaskName(view, taken, task);
   });

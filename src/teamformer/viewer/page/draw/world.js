@@ -1,6 +1,6 @@
 // The ground: grid lines, obstacles and the numbers along two sides.
 
-import { penOf, strokeAs, write } from "./shapes.js";
+import { fillAs, penOf, strokeAs, traceLine, write } from "./shapes.js";
 
 export function drawWorld(/** @type {View} */ view) {
   const { ctx, camera, theme, mission } = view;
@@ -8,7 +8,8 @@ export function drawWorld(/** @type {View} */ view) {
   const [width, height] = [camera.cell * world.width, camera.cell * world.height];
   ctx.fillStyle = theme.ground;
   ctx.fillRect(camera.left, camera.top, width, height);
-  if (camera.cell >= 9) drawGridLines(view, width, height);
+  if (world.roads) drawRoads(view);
+  else if (camera.cell >= 9) drawGridLines(view, width, height);
   if (world.rows.length) {
     ctx.imageSmoothingEnabled = false;
     ctx.drawImage(wallsImage(world, theme.wall), camera.left, camera.top, width, height);
@@ -17,7 +18,26 @@ export function drawWorld(/** @type {View} */ view) {
   ctx.strokeStyle = theme.edge;
   ctx.lineWidth = 1;
   ctx.strokeRect(camera.left - 0.5, camera.top - 0.5, width + 1, height + 1);
-  drawNumbers(view);
+  if (!world.roads) drawNumbers(view);
+}
+
+const ROAD = 0.16; // of a square
+
+// Places as dots, and the roads between them; `names.js` has their names.
+function drawRoads(/** @type {View} */ { ctx, camera, theme, mission }) {
+  const { places, pairs } = /** @type {Roads} */ (mission.world.roads);
+  const spots = places.map(([x, y]) => ({ x: camera.x(x), y: camera.y(y) }));
+  ctx.lineCap = "round";
+  for (const [one, other] of pairs) {
+    traceLine(ctx, [spots[one], spots[other]]);
+    strokeAs(ctx, theme.grid, Math.max(2, ROAD * camera.cell));
+  }
+  ctx.lineCap = "butt";
+  spots.forEach(({ x, y }) => {
+    ctx.beginPath();
+    ctx.arc(x, y, Math.max(2.5, 0.2 * camera.cell), 0, 2 * Math.PI);
+    fillAs(ctx, theme.edge);
+  });
 }
 
 // On a plane from its lower left corner.

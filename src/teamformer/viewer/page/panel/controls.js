@@ -2,13 +2,12 @@
 
 import { describeGroup } from "../draw/groups.js";
 import { RINGS } from "../draw/palette.js";
-import { SPEEDS } from "../player.js";
 import { teamOfRobot } from "../record/scene.js";
 import { describeCounts, describeDoing, describeLoss, describeNeeds, describeStanding, nameOfTeam, robotName, taskName } from "../record/words.js";
 import { BARS } from "../views/bars.js";
 import { byId, element, targetOf } from "./dom.js";
 import { notify } from "./notice.js";
-import { SWITCHES, VIEWS, speedOption } from "./playback.js";
+import { SWITCHES, VIEWS } from "./playback.js";
 
 export function connectControls(/** @type {App} */ app) {
   const { player, map } = app;
@@ -61,7 +60,6 @@ function leaveButton(/** @type {MouseEvent} */ event) {
 }
 
 function connectSpeed(/** @type {Player} */ player) {
-  byId("speed").append(...SPEEDS.map(speedOption));
   byId("speed").addEventListener("change", () => player.goAt(Number(byId("speed").value)));
 }
 

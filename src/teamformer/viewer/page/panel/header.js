@@ -52,13 +52,14 @@ export function showFigures(/** @type {App} */ app) {
   const { makespan } = history.end;
   const bound = history.lowerBound;
   const { world } = history.mission;
-  const shortSpan = (steps) => (world.isPlane ? describeSpan(world, steps) : String(steps));
+  const shortSpan = (steps) => (world.isTimed ? describeSpan(world, steps) : String(steps));
   byId("figures").replaceChildren(
     figure("Tasks done", String(done), ` of ${history.doneAt.length}${cancelledText(history, player.step)}`),
     figure("Makespan", makespan === null ? noMakespan(history) : shortSpan(makespan), ratioText(history)),
     ...costFigure(history),
     figure("Lower bound", bound === null ? "unknown" : shortSpan(bound), ""),
     ...lostFigure(history, player.step),
+    ...brokenLinks(history),
   );
   const status = app.statusText() || statusAt(history, player.step);
   byId("status").textContent = capitalised(status);
@@ -80,6 +81,7 @@ function costFigure(/** @type {TrialHistory} */ history) {
 
 // What the mission cost, if it has a cost and is over; else null.
 export function costOf(/** @type {TrialHistory} */ history) {
+  if (history.isContinuous) return history.end.cost ?? null;
   return history.mission.cost ? weighedBy(history.mission.cost, history) : null;
 }
 
@@ -115,6 +117,13 @@ function lostFigure(/** @type {TrialHistory} */ history, step) {
   return lost.length ? [figure("Lost", listRobots(history.mission, lost), "")] : [];
 }
 
+// Tasks that did not start at their distance from another's start, in continuous time.
+function brokenLinks(/** @type {TrialHistory} */ { end }) {
+  const pairs = end.broken_links ?? [];
+  if (!pairs.length) return [];
+  return [figure("Broken links", String(pairs.length), ` ${pairs.slice(0, 3).map(([task, other]) => `${task} to ${other}`).join(", ")}`)];
+}
+
 // Where a record stands, in a line.
 export function describeProgress(/** @type {TrialHistory} */ history, step) {
   const { mission, end, doneAt } = history;
@@ -126,7 +135,7 @@ export function describeProgress(/** @type {TrialHistory} */ history, step) {
 
 function ratioText(/** @type {TrialHistory} */ { end, lowerBound, mission }) {
   if (end.makespan === null) return "";
-  const seconds = mission.world.isPlane ? plural(end.makespan, "step") : "";
+  const seconds = mission.world.isTimed && mission.world.secondsUnit ? plural(end.makespan, "step") : "";
   const ratio = lowerBound ? `${(end.makespan / lowerBound).toFixed(2)} x the bound` : "";
   const notes = [seconds, ratio].filter(Boolean);
   return notes.length ? ` ${notes.join(", ")}` : "";

@@ -33,6 +33,8 @@ export const ACTIVITIES = {
   done: "just done",
   told: "about to be told their next task",
   leaves: "lost with the next step",
+  forms: "forming a team",
+  "leads home": "on the way to where they stop",
   idle: "without assignment",
 };
 
@@ -212,7 +214,7 @@ function storyList(/** @type {App} */ app, events) {
     const text = describeEvent(app.history, event);
     const go = link(text, () => app.go(event.step), `story ${number}`);
     const { world } = app.history.mission;
-    const when = element("span", { class: "when" }, shortMoment(world, event.step));
+    const when = element("span", { class: "when" }, shortMoment(world, event.when ?? event.step));
     return element("li", { class: event.step > step ? "ahead" : "" }, when, go);
   });
   return oneStop(foldedList("story", "story", items, STORY_SHOWN));

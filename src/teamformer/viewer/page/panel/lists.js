@@ -109,10 +109,10 @@ function eventRow(/** @type {App} */ app, /** @type {HistoryEvent} */ event) {
   const text = describeEvent(app.history, event);
   return {
     class: event.step === step ? "now" : event.step > step ? "ahead" : "",
-    title: `${capitalised(describeMoment(app.history.mission.world, event.step))}: ${text}`,
+    title: `${capitalised(describeMoment(app.history.mission.world, event.when ?? event.step))}: ${text}`,
     on: () => app.goToEvent(event),
     children: [
-      element("span", { class: "when" }, shortMoment(app.history.mission.world, event.step)),
+      element("span", { class: "when" }, shortMoment(app.history.mission.world, event.when ?? event.step)),
       element("span", { class: "dot", colour: eventColour(app, event) }),
       element("span", { class: "text" }, element("span", {}, text)),
     ],

@@ -5,31 +5,54 @@ import { allIn, byId, element } from "./dom.js";
 
 export function showPlayback(/** @type {App} */ app) {
   const { player, history } = app;
-  const { world } = history.mission;
-  byId("counter").replaceChildren(
-    "Step ",
-    element("b", {}, String(player.step)),
-    ` of ${player.last}`,
-    world.isPlane ? element("small", {}, ` ${describeMoment(world, player.step)}`) : "",
-  );
+  byId("counter").replaceChildren(...(history.isContinuous ? timeOf(app) : stepOf(app)));
   byId("scrub").value = String(player.step);
-  byId("scrub").setAttribute("aria-valuetext", `step ${player.step} of ${player.last}`);
-  showSpeed(player.speed);
+  byId("scrub").setAttribute("aria-valuetext", describeNow(app));
+  showSpeed(player);
   byId("play").classList.toggle("on", player.isPlaying);
   byId("play").setAttribute("aria-label", player.isPlaying ? "Pause" : "Play");
   showStart(app);
 }
 
-// A speed that is none of those offered was chosen on the command line: it is offered, too.
-function showSpeed(speed) {
+function stepOf(/** @type {App} */ { player, history }) {
+  const { world } = history.mission;
+  const seconds = world.isTimed ? element("small", {}, ` ${describeMoment(world, player.step)}`) : "";
+  return ["Step ", element("b", {}, String(player.step)), ` of ${player.last}`, seconds];
+}
+
+function timeOf(/** @type {App} */ app) {
+  const { player } = app;
+  return ["Time ", element("b", {}, shownMoment(app, player.step)), ` of ${shownMoment(app, player.last)}`];
+}
+
+// A moment in continuous time; a record ends within its last tick.
+function shownMoment(/** @type {App} */ { history }, step) {
+  const { last, until = last, mission } = history;
+  return describeMoment(mission.world, step === last ? until : step);
+}
+
+// The moment that is shown, as it is read out.
+export function describeNow(/** @type {App} */ app) {
+  const { player, history } = app;
+  if (!history.isContinuous) return `step ${player.step} of ${player.last}`;
+  return `time ${shownMoment(app, player.step)} of ${shownMoment(app, player.last)}`;
+}
+
+// The speeds that the player offers; one that is none of these was chosen on the command line, and is
+// offered, too.
+function showSpeed(/** @type {Player} */ player) {
+  const { speed } = player;
   const select = byId("speed");
-  const isOffered = [...select.options].some(({ value }) => Number(value) === speed);
-  if (!isOffered) select.append(speedOption(speed));
+  if (!player.speeds.includes(speed)) player.speeds = [...player.speeds, speed];
+  const offered = [...select.options].map(({ value }) => Number(value));
+  if (player.speeds.join() !== offered.join()) select.replaceChildren(...player.speeds.map((one) => speedOption(player, one)));
   select.value = String(speed);
 }
 
-export function speedOption(speed) {
-  return element("option", { value: speed }, `${speed} steps/s`);
+// Steps a second, or in continuous time units of time.
+function speedOption(/** @type {Player} */ { tick }, speed) {
+  const text = tick === null ? `${speed} steps/s` : `${Number((speed * tick).toPrecision(3))} units/s`;
+  return element("option", { value: speed }, text);
 }
 
 // Before anything has been played: how to start.

@@ -5,7 +5,7 @@ import { needsAt, sitesAt } from "../record/history.js";
 import { describeWay } from "../record/lengths.js";
 import { isSamePlace } from "../record/plane.js";
 import { robotsWith } from "../record/scene.js";
-import { describeCounts, distanceTo, listRobots } from "../record/words.js";
+import { describeAt, describeCounts, distanceTo, listRobots } from "../record/words.js";
 import { teamLink } from "./chips.js";
 import { element, foldedList, swatch, titled } from "./dom.js";
 
@@ -37,12 +37,13 @@ function waitingItem(/** @type {App} */ app, task, /** @type {Count} */ [cap, co
 function assignedByDistance(/** @type {App} */ app, task) {
   const { mission } = app.history;
   const teams = [...(app.scene().assignedTo.get(task) ?? [])];
-  const away = new Map(teams.map((team) => [team, distanceTo(mission, team)]));
+  const away = new Map(teams.map((team) => [team, team.ahead?.until ?? distanceTo(mission, team)]));
   return teams.sort((one, other) => Number(away.get(one)) - Number(away.get(other)));
 }
 
 function farText(/** @type {Mission} */ mission, /** @type {Team} */ team) {
   if (team.site && isSamePlace(mission.world, [team.x, team.y], team.site.at)) return "is there";
+  if (team.ahead) return `is there ${describeAt(mission.world, team.ahead.until)}`;
   const way = describeWay(mission.world, distanceTo(mission, team));
   return team.carries ? `carries it, ${way} to go` : `is ${way} away`;
 }

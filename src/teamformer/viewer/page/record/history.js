@@ -1,5 +1,6 @@
 // From the deltas of a record to the state after any step, and to the list of what happened.
 
+import { framesOfEvents } from "./continuous.js";
 import { rememberLast } from "./keeping.js";
 import { readMission, shareSites } from "./mission.js";
 import { inSquares, stepInSquares } from "./plane.js";
@@ -9,9 +10,18 @@ import { CARRYING, LOADING, SERVING, UNLOADING, hearTold, readTold } from "./tol
 const KEYFRAME_EVERY = 50;
 const STATES_KEPT = 40;
 
-// Read a record once; then `at(step)` gives the state after that many steps. Memory stays bounded:
-// a state every KEYFRAME_EVERY steps and the few last asked for, whatever the length.
-export function frames(recorded) {
+// Read a record once; then `at(step)` gives the state after that many steps, or at a tick of continuous
+// time (`tick`, if it is that of another record). Memory stays bounded: a state every KEYFRAME_EVERY
+// steps and the few last asked for, whatever the length.
+/** @returns {TrialHistory} */
+export function frames(/** @type {any} */ recorded, /** @type {number | undefined} */ tick = undefined) {
+  const history = recorded.events ? framesOfEvents(recorded, tick) : framesOfSteps(recorded);
+  history.sitesAfter = rememberLast(STATES_KEPT, (count) => sitesAfter(history, count));
+  if (history.end.status !== "running") history.events.push({ step: history.last, ...(history.isContinuous ? { when: history.until } : {}), kind: "end" });
+  return history;
+}
+
+function framesOfSteps(recorded) {
   fillHeadings(recorded.steps);
   const record = inSquares(recorded);
   const mission = readMission(record.mission, record.truth, record.foresight);
@@ -36,10 +46,8 @@ export function frames(recorded) {
     leaving: new Map(), // of a live mission: robot -> its absence from the next step on
   };
   history.at = rememberLast(STATES_KEPT, (step) => stateAt(history, step));
-  history.sitesAfter = rememberLast(STATES_KEPT, (count) => sitesAfter(history, count));
   const take = stepTaker(history);
   record.steps.forEach((change, index) => take(change, index + 1));
-  if (history.end.status !== "running") history.events.push({ step: history.last, kind: "end" });
   history.grow = (change, told, end) => grow(history, take, change, told, end);
   return history;
 }

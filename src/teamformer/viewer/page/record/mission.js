@@ -9,16 +9,17 @@ const LEAST_CHANCE = { needed: 0, scouting: 0.25, absent: Infinity };
 const LATENESS = 2; // what it weighs beside the makespan in a mission with windows and without a cost
 
 // `truth` says, by name, what an uncertain mission really was.
-export function readMission(/** @type {MissionTree} */ tree, truth, foresight = "scouting") {
+export function readMission(/** @type {MissionTree} */ tree, truth, foresight = "scouting", /** @type {World | null} */ world = null) {
   const numbers = new Map(tree.capabilities.map((name, cap) => [name, cap]));
   const listed = [...tree.tasks, ...(truth?.arrivals ?? [])];
-  const tasks = listed.map((task) => readTask(task, numbers, truth?.tasks[task.name], LEAST_CHANCE[foresight]));
+  const opens = tree.time === "continuous" ? (between) => between?.[0] ?? 0 : windowOpens;
+  const tasks = listed.map((task) => ({ ...readTask(task, numbers, truth?.tasks[task.name], LEAST_CHANCE[foresight]), opens: opens(task.between) }));
   const numberOf = new Map(tasks.map(({ name }, number) => [name, number]));
   for (const task of tasks) task.after = task.after.map((name) => numberOf.get(name));
   /** @type {Mission} */ const mission = {
     name: tree.name || "unnamed mission",
     capabilities: tree.capabilities,
-    world: readWorld(tree.world),
+    world: world ?? readWorld(tree.world),
     robots: tree.robots.map((robot) => ({
       name: robot.name,
       at: robot.at,
@@ -61,7 +62,6 @@ function readTask(said, numbers, truth, leastChance) {
     mayNeed,
     lasts,
     duration: truth?.duration ?? took,
-    opens: windowOpens(between),
     appears: appears ?? 0,
     cancelled: cancelled ?? Infinity, // the step in which it is called off if it is not done by then
     after: after ?? [],
@@ -141,7 +141,7 @@ function readWorld(world) {
   const yAxis = world.y_axis ?? (rows.length ? "down" : "up");
   const isBlocked = (x, y) => rows.length > 0 && rows[y][x] === "@";
   const used = usedPart(width, height, rows);
-  const lengths = { isPlane: false, square: 1, arrival: 0, stepSeconds: 1 };
+  const lengths = { isPlane: false, square: 1, arrival: 0, stepSeconds: 1, isTimed: false, secondsUnit: "" };
   return { width, height, rows, isBlocked, used, yIsUp: yAxis === "up", fields: new Map(), ...lengths };
 }
 

@@ -1,7 +1,7 @@
 // What changes over time: tasks done and open, idle robots and the way made, after each step.
 
 import { NOBODY, placeOf } from "./state.js";
-import { IDLE, runsOf } from "./told.js";
+import { CARRYING, IDLE, WALKING, runsOf } from "./told.js";
 
 // {open, idle, way}, each with a number for every step from 0 on; `way` is the sum over all robots so
 // far, in cells, or squares of a plane. Worked out once for each length of the record.
@@ -9,7 +9,8 @@ export function curvesOf(/** @type {TrialHistory} */ history) {
   const known = history.curves;
   if (known?.made === history.last) return known;
   const way = [0];
-  for (let step = 1; step <= history.last; step++) way.push(way[step - 1] + wayIn(history, step));
+  const made = history.mission.world.roads ? timeOnTheWay : wayIn;
+  for (let step = 1; step <= history.last; step++) way.push(way[step - 1] + made(history, step));
   const idle = idleAfterSteps(history);
   history.curves = { made: history.last, open: openAfterSteps(history), idle, way };
   return history.curves;
@@ -31,7 +32,7 @@ export function doneAfterSteps(/** @type {TrialHistory} */ { doneAt, last }) {
 // For each step up to `last`, how many of some steps are not after it.
 function countsUpTo(steps, last) {
   const counts = new Array(last + 1).fill(0);
-  for (const step of steps) if (step <= last) counts[step]++;
+  for (const step of steps) if (step <= last) counts[Math.ceil(step)]++;
   let sum = 0;
   return counts.map((count) => (sum += count));
 }
@@ -51,14 +52,25 @@ function wayIn(/** @type {TrialHistory} */ history, step) {
   return sum;
 }
 
+// On roads, whose ways have no lengths: how long robots were on the way in a tick.
+function timeOnTheWay(/** @type {TrialHistory} */ history, step) {
+  let sum = 0;
+  for (const robot of history.mission.robots.keys()) {
+    for (const { phase, from, to } of runsOf(history, robot)) {
+      if (phase === WALKING || phase === CARRYING) sum += Math.max(0, Math.min(to, step) - Math.max(from, step - 1));
+    }
+  }
+  return sum;
+}
+
 // How many robots were idle in each step.
 function idleAfterSteps(/** @type {TrialHistory} */ history) {
   const changes = new Array(history.last + 2).fill(0);
   for (const robot of history.mission.robots.keys()) {
     for (const { phase, from, to } of runsOf(history, robot)) {
       if (phase !== IDLE) continue;
-      changes[from + 1]++;
-      changes[to + 1]--;
+      changes[Math.floor(from) + 1]++;
+      changes[Math.floor(to) + 1]--;
     }
   }
   let sum = 0;

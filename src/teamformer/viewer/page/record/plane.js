@@ -17,7 +17,7 @@ export function inSquares(/** @type {RecordTree} */ record) {
   };
 }
 
-function truthInSquares(truth, square) {
+export function truthInSquares(truth, square) {
   if (!truth) return truth;
   const placed = (said) => (said.at ? { ...said, at: said.at.map((along) => along / square) } : said);
   const tasks = Object.entries(truth.tasks).map(([name, said]) => [name, placed(said)]);
@@ -33,7 +33,7 @@ export function stepInSquares({ square }, step) {
   return { ...step, teams: (step.teams ?? []).map(team), moved, left };
 }
 
-function missionInSquares(/** @type {MissionTree} */ mission, square) {
+export function missionInSquares(/** @type {MissionTree} */ mission, square) {
   const placed = (thing) => ({ ...thing, at: thing.at.map((along) => along / square) });
   const radius = readRadius(mission.sensing_radius);
   return {
@@ -44,12 +44,12 @@ function missionInSquares(/** @type {MissionTree} */ mission, square) {
       within: (task.within ?? 0) / square,
       to: task.to?.map((along) => along / square),
     })),
-    sensing_radius: Math.max(radius, mission.world.arrival_radius) / square,
+    sensing_radius: Math.max(radius, mission.world.arrival_radius ?? 0) / square,
   };
 }
 
 // Metres a square: the plane's unit, or more where it is large.
-function squareOf({ plane, unit }) {
+export function squareOf({ plane, unit }) {
   return Math.max(unit, Math.max(...plane) / MOST_SQUARES);
 }
 
@@ -66,8 +66,10 @@ export function readPlane(world) {
     fields: new Map(),
     isPlane: true,
     square,
-    arrival: world.arrival_radius / square,
+    arrival: (world.arrival_radius ?? 0) / square,
     stepSeconds: world.step,
+    isTimed: true,
+    secondsUnit: " s",
   };
 }
 

@@ -1,10 +1,11 @@
 // What there is to see after a step: teams with what they can do, and how each task stands.
 
+import { wayAhead } from "./continuous.js";
 import { exact, missing } from "./counts.js";
 import { isLost, needsAt, sitesAt, stateShown } from "./history.js";
 import { isSamePlace } from "./plane.js";
 import { NOBODY } from "./state.js";
-import { IDLE, LOST, runAfter, serviceAfter } from "./told.js";
+import { FORMING, IDLE, LOST, WAITING, WALKING, runAfter, serviceAfter } from "./told.js";
 
 const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"];
 
@@ -21,8 +22,10 @@ export function sceneAt(/** @type {TrialHistory} */ history, step) {
     describeGoal(history, step, team, serving.get(team.slot), justDone.get(team.slot));
     team.site = sites[team.assigned] ?? null;
     team.carries = team.service !== null && sites[team.service.task].isUp === true;
+    team.ahead = history.isContinuous ? wayAhead(history, team.slot, step) : null;
     team.activity = activityOf(history.mission.world, team);
-    if (team.activity === "idle") team.activity = whatComes(history, team, step);
+    if (history.isContinuous) team.activity = activityToldOf(history, team, step);
+    else if (team.activity === "idle") team.activity = whatComes(history, team, step);
   }
   const assigned = [...teams.values()].filter((team) => team.assigned !== NOBODY);
   return { step, state, teams, assignedTo: Map.groupBy(assigned, (team) => team.assigned) };
@@ -73,12 +76,22 @@ export function newsIn(/** @type {TrialHistory} */ { events }, step) {
   return events.filter((event) => event.step === step && NEWS.includes(event.kind));
 }
 
-// What a team is about, in one word: serves, done, waits, walks or idle; and told and leaves, see `whatComes`.
+// What a team is about, in one word: serves, done, waits, walks or idle; told and leaves, see `whatComes`;
+// and in continuous time forms, and leads home for one that walks to where it stops.
 function activityOf(/** @type {World} */ world, /** @type {Team} */ team) {
   if (team.service) return "serves";
   if (team.justDone !== NOBODY) return "done";
   if (team.assigned === NOBODY) return "idle";
   return team.site && isSamePlace(world, [team.x, team.y], team.site.at) ? "waits" : "walks";
+}
+
+// The same in continuous time, where it is told of every robot what it does.
+function activityToldOf(/** @type {TrialHistory} */ history, /** @type {Team} */ team, step) {
+  const { phase, task } = runAfter(history, team.slot, step) ?? { phase: IDLE, task: NOBODY };
+  if (phase === WALKING) return task === NOBODY ? "leads home" : "walks";
+  if (phase === FORMING) return "forms";
+  if (phase === WAITING) return "waits";
+  return phase === IDLE ? (team.justDone === NOBODY ? "idle" : "done") : "serves";
 }
 
 /** @returns {Map<number, Service>} */
@@ -92,7 +105,7 @@ function doneIn(/** @type {TrialHistory} */ history, /** @type {State} */ { team
   const done = new Map();
   history.doneAt.forEach((at, task) => {
     const robot = history.doers[task].find((doer) => team[doer] !== NOBODY);
-    if (at === step && robot !== undefined && !done.has(team[robot])) done.set(team[robot], task);
+    if (Math.ceil(at) === step && robot !== undefined && !done.has(team[robot])) done.set(team[robot], task);
   });
   return done;
 }

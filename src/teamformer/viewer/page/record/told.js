@@ -5,7 +5,7 @@ import { NOBODY } from "./state.js";
 
 export const PHASES = ["walking", "waiting", "forming", "serving", "loading", "carrying", "unloading", "idle", "lost"];
 export const [WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST] = PHASES;
-const AT_WORK = [SERVING, LOADING, CARRYING, UNLOADING];
+export const AT_WORK = [SERVING, LOADING, CARRYING, UNLOADING];
 
 // What nobody has told is empty.
 export function readTold(/** @type {RecordTree} */ { told = {} }, /** @type {Mission} */ { robots, tasks }) {
@@ -54,11 +54,11 @@ function partsOf(/** @type {any[][]} */ rows, robot, from, to) {
 
 // What a robot did in all steps, worked out once for each length of the record.
 /** @returns {Run[]} */
-export function runsOf(/** @type {TrialHistory} */ { told, last }, robot) {
+export function runsOf(/** @type {TrialHistory} */ { told, last, until = last }, robot) {
   const known = told.runs.get(robot);
   if (known?.last === last) return known.runs;
   /** @type {Run[]} */ const runs = [];
-  for (const { from, to, row } of partsOf(told.phases, robot, 0, last)) {
+  for (const { from, to, row } of partsOf(told.phases, robot, 0, until)) {
     const [run, phase, task] = [runs.at(-1), PHASES[row[1]], row[2] ?? NOBODY];
     if (run?.phase === phase && run.task === task) run.to = to; // alone, then with others
     else runs.push({ from, to, phase, task });

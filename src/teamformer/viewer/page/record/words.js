@@ -55,10 +55,11 @@ export function describeDoing(/** @type {TrialHistory} */ history, /** @type {Te
   const { mission } = history;
   const name = team.goal === NOBODY ? "" : taskName(mission, team.goal);
   const lack = describeCounts(mission, team.missing, MANY);
+  const there = team.ahead ? `there ${describeAt(mission.world, team.ahead.until)}` : "";
   switch (team.activity) {
     case "serves": {
       const made = step - (team.service?.from ?? step);
-      if (mission.tasks[team.goal].to) return describeLoading(mission, team, name);
+      if (mission.tasks[team.goal].to) return describeLoading(mission, team, name, there);
       return `does ${name}, ${describePart(mission.world, made, mission.tasks[team.goal])}`;
     }
     case "done":
@@ -69,12 +70,15 @@ export function describeDoing(/** @type {TrialHistory} */ history, /** @type {Te
       return "is lost with the next step";
     case "idle":
       return "has no assignment";
+    case "forms":
+      return `forms a team for ${name}`;
+    case "leads home":
+      return `walks to where it stops, ${there}`;
     case "waits":
       if (!team.isMet) return `waits at ${name} for ${lack}`;
       return [`is at ${name} with all it needs`, whyClosed(history, team.goal, step)].filter(Boolean).join("; that ");
     default: {
-      const away = distanceTo(mission, team);
-      const way = `${describeWay(mission.world, away)} to go`;
+      const way = there || `${describeWay(mission.world, distanceTo(mission, team))} to go`;
       const goes = isFlying(mission, team) ? "flies" : "walks";
       return team.isMet ? `${goes} to ${name} with all it needs, ${way}` : `${goes} to ${name}, ${way}; lacks ${lack}`;
     }
@@ -91,25 +95,25 @@ function whyClosed(/** @type {TrialHistory} */ history, task, step) {
 }
 
 // What a team does with its load.
-function describeLoading(/** @type {Mission} */ { world, tasks }, /** @type {Team} */ team, name) {
+function describeLoading(/** @type {Mission} */ { world, tasks }, /** @type {Team} */ team, name, there) {
   if (!team.carries) return `takes up ${name}`;
   const { to } = tasks[team.goal];
   const place = describePlace(world, to);
   if (isSamePlace(world, [team.x, team.y], to)) return `unloads ${name} at ${place}`;
-  const way = describeWay(world, walkingDistance(world, [team.x, team.y], to));
-  return `carries ${name} to ${place}, ${way} to go`;
+  const way = there || `${describeWay(world, walkingDistance(world, [team.x, team.y], to))} to go`;
+  return `carries ${name} to ${place}, ${way}`;
 }
 
 // How much of a service is made.
 function describePart(/** @type {World} */ world, made, task) {
-  const count = world.isPlane ? secondsOf(world, made) : made;
+  const count = world.isTimed ? secondsOf(world, made) : made;
   return `${count} of ${describeDuration(world, task)} made`;
 }
 
 // How long a task takes, as far as it is known before it is done.
 export function describeDuration(/** @type {World} */ world, /** @type {Task} */ { duration, lasts }) {
   if (!lasts) return describeSpan(world, duration);
-  const least = world.isPlane ? secondsOf(world, lasts[0]) : lasts[0];
+  const least = world.isTimed ? secondsOf(world, lasts[0]) : lasts[0];
   return `${least} to ${describeSpan(world, lasts[1])}`;
 }
 
@@ -130,7 +134,7 @@ export function describeAt(/** @type {World} */ world, step) {
 }
 
 export function describeWhen(/** @type {World} */ world, step) {
-  return `${world.isPlane ? "at" : "in"} ${describeMoment(world, step)}`;
+  return `${world.isTimed ? "at" : "in"} ${describeMoment(world, step)}`;
 }
 
 // How a robot has spent its time so far, the largest share first.
@@ -213,6 +217,10 @@ function eventText(/** @type {TrialHistory} */ history, /** @type {HistoryEvent}
       return `${task} found at ${describePlace(mission.world, mission.tasks[event.task].at)}`;
     case "heads":
       return `${team} heads for ${task}`;
+    case "forms":
+      return `${listRobots(mission, event.robots)} form a team for ${task}`;
+    case "broken":
+      return `the service of ${task} breaks off`;
     case "begins":
       return `${team} begins ${task}`;
     case "taken":
@@ -238,7 +246,7 @@ function describeSplit(/** @type {Mission} */ mission, /** @type {HistoryEvent} 
 function describeEnd(/** @type {TrialHistory} */ { end, mission }) {
   const blocked = end.blocked_tasks.join(", ");
   const { world } = mission;
-  const makespan = world.isPlane ? describeMoment(world, end.makespan) : end.makespan;
+  const makespan = world.isTimed ? describeMoment(world, end.makespan) : end.makespan;
   return {
     completed: `completed, makespan ${makespan}`,
     "step limit": "stopped at the step limit",

@@ -1,14 +1,14 @@
 // Plots over time: open tasks, idle robots, and the way that the fleet has made.
 
 import { fillAs, strokeAs, write } from "../draw/shapes.js";
-import { capitalised, describeMoment, describeWay } from "../record/lengths.js";
+import { capitalised, describeMoment, describeSpan, describeWay } from "../record/lengths.js";
 import { curvesOf } from "../record/over_time.js";
 import { TimeCanvas, timeMarks, traceSteps } from "./time_canvas.js";
 
 const PLOTS = [
   { key: "open", title: "Open tasks", colour: "accent", say: sayCount, mark: sayCount },
   { key: "idle", title: "Idle robots", colour: "muted", say: sayCount, mark: sayCount },
-  { key: "way", title: "Way of all robots", colour: "good", say: describeWay, mark: shortWay },
+  { key: "way", title: "Way of all robots", colour: "good", say: sayWay, mark: shortWay },
 ];
 
 function sayCount(_, value) {
@@ -17,7 +17,11 @@ function sayCount(_, value) {
 
 // A way where the title says what it is: in cells or metres.
 function shortWay(/** @type {World} */ world, length) {
-  return String(Math.round(length * (world.square ?? 1)));
+  return world.roads ? describeSpan(world, length) : String(Math.round(length * (world.square ?? 1)));
+}
+
+function sayWay(/** @type {World} */ world, length) {
+  return world.roads ? `${describeSpan(world, length)}, as time` : describeWay(world, length);
 }
 
 const PLOT_HEAD = 30; // pixels

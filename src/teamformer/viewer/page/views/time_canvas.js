@@ -77,12 +77,12 @@ export function traceSteps(/** @type {Canvas2D} */ ctx, values, x, y) {
 
 // Where an axis of so many steps and pixels has numbers: [{step, text}].
 export function timeMarks(/** @type {World} */ world, steps, width) {
-  const unit = world.isPlane ? world.stepSeconds : 1;
+  const unit = world.isTimed ? world.stepSeconds : 1;
   const length = steps * unit;
   const every = SPACINGS.find((spacing) => (spacing / length) * width >= MARKS_APART) ?? Math.max(1, length);
   const marks = [];
   for (let mark = 0; mark <= length + 1e-9; mark += every) {
-    marks.push({ step: mark / unit, text: Number(mark.toFixed(2)) + (world.isPlane ? " s" : "") });
+    marks.push({ step: mark / unit, text: Number(mark.toFixed(2)) + world.secondsUnit });
   }
   return marks;
 }

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from teamformer.mission.parts.layout import Layout
 from teamformer.record.critical_path.stretches import Stretch
 
 Robots = tuple[int, ...]
@@ -14,15 +15,15 @@ Robots = tuple[int, ...]
 
 
 class ToldService(NamedTuple):
-    """What a team did for a task, from the end of one step to the end of another.
+    """What a team did for a task, from the end of one step to the end of another, or by times.
 
     A load has several: each time that it is loaded and carried, and at last unloaded.
     """
 
     task: int
     doing: str  # one of phases.AT_WORK
-    begun: int
-    ended: int | None  # None while it goes on
+    begun: float
+    ended: float | None  # None while it goes on
     begun_by: Robots
     robots: Robots  # those that were with it when it ended; nobody yet while it goes on
     slot: int | None = None  # of the team that they began it as, if they were one
@@ -31,10 +32,10 @@ class ToldService(NamedTuple):
 class Run(NamedTuple):
     """What a robot did from the end of a step on and why, or another robot whose doings it shared.
 
-    What a team does is told once, by its lowest robot.
+    What a team does is told once, by its lowest robot; in continuous time each robot has its own.
     """
 
-    begun: int
+    begun: float
     phase: str | None  # one of phases.PHASES; None: as another robot
     task: int  # that it was about, or NOBODY; or that other robot
     why: tuple[int, ...] = ()  # numbers of texts
@@ -42,20 +43,25 @@ class Run(NamedTuple):
 
 @dataclass(frozen=True)
 class ToldRecord:
-    """What is told of a record of so many steps; `runs` are by robot, `texts` by number."""
+    """What is told of a record of such a length; `runs` are by robot, `texts` by number.
 
-    steps: int
+    The length is in steps, or in the unit of continuous time, and so are all times. `layout` says
+    where a map draws the places of roads.
+    """
+
+    length: float
     services: tuple[ToldService, ...]
     runs: tuple[tuple[Run, ...], ...]
     texts: tuple[str, ...]
     path: tuple[Stretch, ...] = ()
+    layout: Layout | None = None
 
-    def runs_of(self, robot: int) -> Iterator[tuple[int, Run]]:
+    def runs_of(self, robot: int) -> Iterator[tuple[float, Run]]:
         """Yield the ends of a robot's runs and the runs, its team's among them.
 
         What it goes on with as it comes into a team, leaves one or has another reason is one run.
         """
-        latest: tuple[int, Run] | None = None
+        latest: tuple[float, Run] | None = None
         for end, run in self.reasoned_runs_of(robot):
             if latest is not None and latest[1][1:3] == run[1:3]:
                 run = latest[1]
@@ -65,9 +71,9 @@ class ToldRecord:
         if latest is not None:
             yield latest
 
-    def reasoned_runs_of(self, robot: int) -> Iterator[tuple[int, Run]]:
+    def reasoned_runs_of(self, robot: int) -> Iterator[tuple[float, Run]]:
         """Yield the ends of a robot's runs and the runs, each with its own reasons."""
-        for begun, end, run in _parts(self.runs[robot], 0, self.steps):
+        for begun, end, run in _parts(self.runs[robot], 0, self.length):
             if run.phase is not None:
                 yield end, run
                 continue
@@ -87,7 +93,7 @@ class ToldOfStep:
     texts: tuple[str, ...]
 
 
-def _parts(row: Sequence[Run], begin: int, end: int) -> Iterator[tuple[int, int, Run]]:
+def _parts(row: Sequence[Run], begin: float, end: float) -> Iterator[tuple[float, float, Run]]:
     """Yield begin, end and each of a robot's runs between two moments."""
     first = max(0, bisect_right(row, begin, key=lambda run: run.begun) - 1)
     for place in range(first, len(row)):

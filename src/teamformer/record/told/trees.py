@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from teamformer.mission.parts.layout import Layout
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.phases import PHASES
-from teamformer.record.telling.told import Run, ToldOfStep, ToldRecord, ToldService
+from teamformer.record.told.told_record import Run, ToldOfStep, ToldRecord, ToldService
 from teamformer.world.rules.constants import NOBODY
 
 Tree = dict[str, Any]
 
 NUMBERS = {None: None} | {phase: number for number, phase in enumerate(PHASES)}
+
+LAYOUT = "map"
+"""The key that says where places of roads are drawn, which is nobody's claim."""
 
 
 def told_to_tree(told: ToldRecord) -> Tree:
@@ -22,6 +26,7 @@ def told_to_tree(told: ToldRecord) -> Tree:
         "phases": [[_run(run) for run in row] for row in told.runs],
         "texts": list(told.texts),
         "path": path_to_tree(told.path),
+        **({} if told.layout is None else {LAYOUT: _layout(told.layout)}),
     }
 
 
@@ -37,20 +42,36 @@ def news_to_tree(news: ToldOfStep) -> Tree:
 def path_to_tree(path: Iterable[Stretch]) -> list[list[Any]]:
     """Return the rows of a critical path."""
     return [
-        [s.begin, s.end, NUMBERS.get(s.doing, s.doing), _one(s.robot), _one(s.task)] for s in path
+        [_time(s.begin), _time(s.end), NUMBERS.get(s.doing, s.doing), _one(s.robot), _one(s.task)]
+        for s in path
     ]
+
+
+def _layout(layout: Layout) -> Tree:
+    return {
+        "names": list(layout.names),
+        "size": [layout.width, layout.height],
+        "places": [list(place) for place in layout.places],
+        "roads": [list(road) for road in layout.roads],
+    }
 
 
 def _service(service: ToldService) -> list[Any]:
     """Return the row of a service: robots that began it as a team by its slot, the same once."""
+    begun, ended = _time(service.begun), _time(service.ended)
     begun_by = list(service.begun_by) if service.slot is None else service.slot
-    row = [service.task, NUMBERS[service.doing], service.begun, service.ended, begun_by]
+    row = [service.task, NUMBERS[service.doing], begun, ended, begun_by]
     is_told = service.ended is None or service.robots == service.begun_by
     return row if is_told else [*row, list(service.robots)]
 
 
 def _run(run: Run) -> list[Any]:
-    return [run.begun, NUMBERS[run.phase], _one(run.task), *run.why]
+    return [_time(run.begun), NUMBERS[run.phase], _one(run.task), *run.why]
+
+
+def _time(when: Any) -> Any:
+    """Return a time without a point if it is whole."""
+    return int(when) if isinstance(when, float) and when.is_integer() else when
 
 
 def _one(number: int) -> int | None:

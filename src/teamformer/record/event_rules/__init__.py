@@ -1,0 +1,1 @@
+"""The rules of continuous time by which the referee follows events; nothing of the world's code."""

@@ -1,0 +1,78 @@
+"""Whether an event hangs on the latest of what it waited for: causes are tight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from teamformer.record.event_rules.names import need
+from teamformer.record.event_rules.standing import Standing
+from teamformer.world.continuous.events import Event
+from teamformer.world.rules.constants import NOBODY
+
+FROM_OUTSIDE = ("lost", "back", "appear", "cancel")
+"""Events without a cause."""
+
+PARTS = ("formed", "lift", "unload", "done", "overdue")
+"""Events that hang on the part of work that was begun last."""
+
+
+def judge_cause(now: Standing, event: Event) -> None:
+    """Check on what an event hangs; that of a linked start may come later."""
+    if event.kind == "opens":
+        need(event.cause == NOBODY or event.task in now.linked, "opens has a cause without a link")
+        return
+    due = _cause_of(now, event)
+    if due != event.cause:
+        by_rules, said = (_named(now, number) for number in (due, event.cause))
+        need(False, f"{event.kind} hangs on {by_rules} by the rules and on {said} in the record")
+
+
+def _cause_of(now: Standing, event: Event) -> int:
+    """Return the number of the event on which one hangs by the rules."""
+    if event.kind in FROM_OUTSIDE:
+        return NOBODY
+    if event.kind in PARTS:
+        work = now.works.get(event.task)
+        need(work is not None, f"nobody is at work on {now.names.task(event.task)}")
+        assert work is not None
+        return work.event
+    if event.kind == "broken":
+        need(event.task in now.breaks, f"{now.names.task(event.task)} does not break off")
+        return now.breaks[event.task]
+    if event.kind == "plan":
+        return now.count - 1
+    since = [now.robots[robot].since for robot in event.robots]
+    if event.kind == "found":
+        return since[0]
+    if event.kind == "moved":
+        looked = event.cause in [robot.since for robot in now.robots]
+        return event.cause if looked else NOBODY
+    if event.kind == "arrive" and _ends_walk(now, event):
+        return now.robots[event.robots[0]].walk
+    if event.kind == "over":
+        since = [robot.since for robot in now.robots]
+    elif event.kind == "serve":
+        since += [now.over_by[other] for other in now.before.get(event.task, ())
+                  if other in now.over_by]  # fmt: skip
+        since += now.opened.get(event.task, ())
+    if event.kind in ("walk", "arrive", "form", "serve"):
+        since.append(now.planned)
+    return _latest(now, since, event)
+
+
+def _ends_walk(now: Standing, event: Event) -> bool:
+    robot = now.robots[event.robots[0]]
+    return robot.is_walking and event.cause == robot.walk
+
+
+def _latest(now: Standing, candidates: Iterable[int], event: Event) -> int:
+    """Return the latest of some events if it is of this moment, else what has happened last."""
+    latest = max(candidates, default=NOBODY)
+    is_now = latest != NOBODY and now.events[latest].at == event.at
+    return latest if is_now or now.count == 0 else now.count - 1
+
+
+def _named(now: Standing, number: int) -> str:
+    if number == NOBODY:
+        return "nothing"
+    return f"event {number} ({now.events[number].kind})"

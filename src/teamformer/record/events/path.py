@@ -1,0 +1,88 @@
+"""The critical path of a record in continuous time: a walk along the causes of its events."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from teamformer.record.critical_path.stretches import (
+    CLOSED,
+    LINKED,
+    NEWS,
+    UNKNOWN,
+    Stretch,
+    in_order,
+)
+from teamformer.record.phases import (
+    CARRYING,
+    FORMING,
+    IDLE,
+    LOADING,
+    SERVING,
+    UNLOADING,
+    WAITING,
+    WALKING,
+)
+from teamformer.record.record import Record
+from teamformer.world.continuous.events import Event
+from teamformer.world.rules.constants import NOBODY
+
+LASTS = {
+    "walk": WALKING,
+    "form": FORMING,
+    "serve": SERVING,
+    "lift": CARRYING,
+    "unload": UNLOADING,
+}
+"""What goes on from an event until one that hung on it."""
+
+BEFORE = {"appear": UNKNOWN, "opens": CLOSED}
+"""What there was before an event that came from outside; before any other, older news."""
+
+
+def path_along_causes(record: Record) -> tuple[Stretch, ...]:
+    """Return the stretches that the end of a completed mission is the sum of, the first one first.
+
+    It is empty if the mission was not completed.
+    """
+    events = record.events
+    if not record.end.makespan or not events or events[-1].kind != "over":
+        return ()
+    return in_order(_stretches(record, events))
+
+
+def _stretches(record: Record, events: Sequence[Event]) -> Iterator[Stretch]:
+    """Yield the stretches, the last one first."""
+    now, follows, seen = events[-1], NOBODY, set[int]()
+    while now.cause != NOBODY and now.cause not in seen:
+        seen.add(now.cause)
+        cause = events[now.cause]
+        doing = _between(record, cause, now)
+        robot = _who(events, cause, now, follows)
+        if doing == LINKED:
+            yield Stretch(cause.at, now.at, LINKED, task=cause.task)
+        else:
+            about = cause.task if cause.kind in LASTS else now.task
+            yield Stretch(cause.at, now.at, doing, robot, about)
+        follows = robot if cause.at != now.at else follows
+        now = cause
+    yield Stretch(0, now.at, BEFORE.get(now.kind, NEWS), task=now.task)
+
+
+def _between(record: Record, cause: Event, event: Event) -> str:
+    """Return what went on between an event and its cause."""
+    if event.kind == "opens" and cause.task not in (NOBODY, event.task):
+        return LINKED
+    if cause.kind == "serve" and record.mission.tasks[cause.task].to is not None:
+        return LOADING
+    return LASTS.get(cause.kind, IDLE if event.task == NOBODY else WAITING)
+
+
+def _who(events: Sequence[Event], cause: Event, event: Event, follows: int) -> int:
+    """Return the robot that a stretch is told of: the one that the path goes on with, if it can be.
+
+    A team forms from when its last robot is there, so forming is told of that one.
+    """
+    if cause.kind == "form" and cause.cause != NOBODY:
+        return (*events[cause.cause].robots, NOBODY)[0]
+    robots = cause.robots or event.robots
+    return follows if follows in robots else (*robots, NOBODY)[0]

@@ -1,0 +1,115 @@
+"""What robots did from when to when, and what was done for tasks, as events say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from teamformer.record.phases import (
+    CARRYING,
+    FORMING,
+    IDLE,
+    LOADING,
+    LOST,
+    SERVING,
+    UNLOADING,
+    WAITING,
+    WALKING,
+)
+from teamformer.record.record import Record
+from teamformer.record.told.told_record import Robots, Run, ToldService
+from teamformer.world.continuous.events import Event
+from teamformer.world.rules.constants import NOBODY
+
+BEGINS = {
+    "walk": WALKING,
+    "form": FORMING,
+    "formed": WAITING,
+    "serve": SERVING,
+    "lift": CARRYING,
+    "unload": UNLOADING,
+    "done": IDLE,
+    "broken": IDLE,
+    "lost": LOST,
+    "back": IDLE,
+}
+"""What an event has its robots do from then on; `arrive` and `cancel` depend on the task."""
+
+OF_NO_TASK = (IDLE, LOST)
+
+
+class Runs:
+    """What each robot does now and the services of tasks, event by event.
+
+    `changed` are the robots that do something else since the latest event.
+    """
+
+    def __init__(self, record: Record) -> None:
+        robots = len(record.mission.robots)
+        self._loads = [task.to is not None for task in record.mission.tasks]
+        self._now = [Run(0, IDLE, NOBODY)] * robots
+        self.services: list[ToldService] = []
+        self.changed: set[int] = set()
+        self._open: dict[int, int] = {}  # task -> its row that goes on
+        self.over: set[int] = set()  # tasks
+
+    def now(self, robot: int) -> Run:
+        """Return what a robot does."""
+        return self._now[robot]
+
+    def go_on(self, event: Event) -> None:
+        """Take in an event."""
+        self.changed = set()
+        for robot in self._concerned(event):
+            self._do(robot, event)
+        match event.kind:
+            case "serve":
+                self._begin(event, LOADING if self._loads[event.task] else SERVING)
+            case "lift":
+                self._end(event.task, event.at, event.robots)
+                self._begin(event, CARRYING)
+            case "unload":
+                self._end(event.task, event.at, event.robots)
+                self._begin(event, UNLOADING)
+            case "done":
+                self._end(event.task, event.at, event.robots)
+            case "broken" | "cancel":
+                self._end(event.task, event.at)
+        if event.kind in ("done", "cancel"):
+            self.over.add(event.task)
+
+    def _concerned(self, event: Event) -> Iterable[int]:
+        """Return the robots that may do something else since an event."""
+        if event.kind not in ("cancel", "done"):
+            return event.robots
+        about = [robot for robot, run in enumerate(self._now) if run.task == event.task]
+        return sorted({*event.robots, *about})
+
+    def _do(self, robot: int, event: Event) -> None:
+        phase, task = BEGINS.get(event.kind, IDLE), event.task
+        if event.kind == "arrive" and task != NOBODY:
+            phase = WAITING
+        elif event.kind == "serve" and self._loads[task]:
+            phase = LOADING
+        elif event.kind not in (*BEGINS, "arrive", "cancel"):
+            return
+        self._now[robot] = Run(event.at, phase, NOBODY if phase in OF_NO_TASK else task)
+        self.changed.add(robot)
+
+    def _begin(self, event: Event, doing: str) -> None:
+        self._open[event.task] = len(self.services)
+        self.services.append(ToldService(event.task, doing, event.at, None, event.robots, ()))
+
+    def _end(self, task: int, when: float, robots: Robots = ()) -> None:
+        """End what is done for a task, if something is; by default by those who began it."""
+        if task in self._open:
+            row = self._open.pop(task)
+            known = self.services[row]
+            self.services[row] = known._replace(ended=when, robots=robots or known.begun_by)
+
+
+def add_run(row: list[Run], run: Run) -> None:
+    """Begin a run of a robot, unless it says the same; one that took no time is none."""
+    if row and row[-1].begun == run.begun:
+        row.pop()
+    if not row or row[-1][1:] != run[1:]:
+        row.append(run)

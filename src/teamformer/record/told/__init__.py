@@ -1,0 +1,1 @@
+"""What is told of a record: its parts, and the trees of files and messages that bring them."""

@@ -1,0 +1,138 @@
+"""A trial of a mission in continuous time: it runs as the coordinator plans, and all is told."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from teamformer.base.errors import TeamformerError
+from teamformer.base.kernels.clock import compiling_seconds, working_seconds
+from teamformer.methods.by_name import Method
+from teamformer.methods.central.in_hindsight import InHindsight
+from teamformer.methods.central.policy import Central
+from teamformer.mission.arrivals import with_arrivals
+from teamformer.mission.checks.costs import cost_of, parts_of_ends
+from teamformer.mission.checks.windows import latest_end
+from teamformer.mission.coordination import Coordinator, heeded_by, times_of
+from teamformer.mission.model import Mission
+from teamformer.record.record import Ending, Record
+from teamformer.world.continuous.course import COMPLETED, RUNNING, Course
+from teamformer.world.env import Tally
+
+INTERRUPTED = "interrupted"
+
+
+@dataclass(frozen=True)
+class ContinuousTrial:
+    """A course that has come to its end, or was broken off, and what the clock said of it."""
+
+    course: Course
+    method: Method
+    coordinator: Coordinator
+    planning_seconds: float
+    total_seconds: float
+    compiling_seconds: float
+    is_interrupted: bool
+
+    def record(self, mission: Mission, truth: Mission, seed: int) -> Record:
+        """Return the record; that of an uncertain mission has its truth."""
+        return Record(
+            mission=with_arrivals(mission, truth),
+            method=self.method.name,
+            seed=seed,
+            end=ending_of(self.course),
+            events=tuple(self.course.world.events),
+            lower_bound=self._bound(),
+            truth=truth if mission.has_surprises else None,
+            heeds=heeded_by(self.coordinator),
+        )
+
+    def _bound(self) -> float | None:
+        """Return what no plan is over before; None if nobody has worked it out."""
+        bound = self.coordinator.bound if isinstance(self.coordinator, InHindsight) else 0.0
+        return bound or None
+
+
+def run_continuous(
+    mission: Mission,
+    method: Method,
+    truth: Mission,
+    on_step: Callable[[Tally], None] | None = None,
+    keeps_interrupted: bool = False,
+) -> ContinuousTrial:
+    """Run one trial; Ctrl-C raises KeyboardInterrupt or, if it `keeps_interrupted`, ends it.
+
+    `on_step` is called after each moment. Raises `TeamformerError` for a method that plays steps.
+    """
+    begun, compiled, working = time.perf_counter(), compiling_seconds(), working_seconds()
+    coordinator = coordinator_of(method, truth)
+    planned = working_seconds() - working
+    is_told, is_interrupted = method.needs_everything, False
+    course = Course(truth if is_told else mission, truth, coordinator, is_told)
+    try:
+        course.begin()
+        while course.is_running:
+            course.go_on()
+            if on_step is not None:
+                on_step(_tally(course))
+    except KeyboardInterrupt:
+        if not keeps_interrupted:
+            raise
+        is_interrupted = True
+        course.break_off(INTERRUPTED)
+    return ContinuousTrial(
+        course,
+        method,
+        coordinator,
+        planning_seconds=planned + course.seconds,
+        total_seconds=time.perf_counter() - begun,
+        compiling_seconds=compiling_seconds() - compiled,
+        is_interrupted=is_interrupted,
+    )
+
+
+def coordinator_of(method: Method, truth: Mission) -> Coordinator:
+    """Return who plans a mission in continuous time; `central` plans by what it really is.
+
+    Raises `TeamformerError` for a method that only plays steps.
+    """
+    if isinstance(method.policy, Central):
+        return InHindsight(truth, method.policy)
+    if method.coordinator is None:
+        what = f"method '{method.name}' decides step by step, which continuous time does not have"
+        raise TeamformerError(what, "use plan, central or a coordinator of your own")
+    if "continuous" not in times_of(method.coordinator):
+        what = f"method '{method.name}' plans in steps, and the mission is in continuous time"
+        raise TeamformerError(what, "use plan, central or a coordinator of your own")
+    return method.coordinator
+
+
+def ending_of(course: Course) -> Ending:
+    """Return how a course has ended; its times are in the mission's unit."""
+    world, mission = course.world, course.world.truth
+    ends = {task: world.events[world.over[task]].at for task in sorted(world.done)}
+    late = {task: end - latest_end(mission.tasks[task].between) for task, end in ends.items()}
+    is_completed = course.status == COMPLETED
+    cost = None
+    if mission.cost is not None and is_completed:
+        parts = {"makespan": world.now, "travel": world.travel}
+        cost = cost_of(mission.cost, {**parts, **parts_of_ends(mission.tasks, ends)})
+    return Ending(
+        status=course.status,
+        makespan=world.now if is_completed else None,
+        tasks_done=len(world.done),
+        blocked_tasks=tuple(mission.tasks[task].name for task in course.blocked),
+        cost=cost,
+        late={mission.tasks[task].name: by for task, by in late.items() if by > 0},
+        broken_links=tuple(
+            (mission.tasks[gap.task].name, mission.tasks[gap.other].name)
+            for gap in course.links.broken(world)
+        ),
+    )
+
+
+def _tally(course: Course) -> Tally:
+    """Return how a trial stands, for a display of progress."""
+    status = RUNNING if course.is_running else course.status
+    return Tally(status, int(course.world.now), len(course.world.done), 0, 0, 0)

@@ -1,0 +1,205 @@
+// A record in continuous time as the page holds any record: the state at every tick, and what happened.
+
+import { rememberLast } from "./keeping.js";
+import { readMission } from "./mission.js";
+import { missionInSquares, squareOf, truthInSquares } from "./plane.js";
+import { laidOut, worldOfRoads } from "./roads.js";
+import { NOBODY } from "./state.js";
+import { AT_WORK, FORMING, LOST, WALKING, readTold, runsOf } from "./told.js";
+import { Track } from "./tracks.js";
+import { inTicks, tickFor } from "./ticks.js";
+
+const MOMENTS_KEPT = 40;
+const TRAIL = 30; // ticks
+
+// `tick` is that of a record beside which this one is shown.
+/** @returns {any} */
+export function framesOfEvents(/** @type {any} */ recorded, tick = tickFor(recorded.events.at(-1)?.[0] ?? 0)) {
+  const { mission, placeOf } = missionShown(recorded, tick);
+  const events = recorded.events.map(([at, kind, said]) => inPlace({ at: at / tick, kind, ...said }, tick, placeOf));
+  const until = events.at(-1)?.at ?? 0;
+  const none = mission.tasks.map(() => Infinity);
+  const history = {
+    record: { ...recorded, steps: [], start: [], ...plansOf(events) },
+    mission,
+    isContinuous: true,
+    last: Math.ceil(until - 1e-6),
+    until,
+    trail: TRAIL,
+    end: inTicksOf(recorded.end, tick),
+    lowerBound: recorded.lower_bound === null ? null : recorded.lower_bound / tick,
+    hasMessages: false,
+    keyframes: [],
+    latest: null,
+    events: [],
+    told: readTold({ ...recorded, told: toldInTicks(recorded.told, tick) }, mission),
+    doneAt: [...none],
+    overAt: [...none],
+    doers: mission.tasks.map(() => []),
+    shownAt: mission.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
+    foundAt: mission.tasks.map(({ within }) => (within ? Infinity : 0)),
+    moves: [],
+    absences: mission.robots.map(() => []),
+    headings: [],
+    leaving: new Map(),
+    tracks: mission.robots.map(({ at }) => new Track(at)),
+    grow() {},
+  };
+  for (const event of events) take(history, event);
+  history.at = rememberLast(MOMENTS_KEPT, (step) => standingAt(/** @type {any} */ (history), step));
+  return history;
+}
+
+// The mission with times in ticks and places in squares, and what gives the place of an event.
+function missionShown(/** @type {any} */ recorded, tick) {
+  const { world } = recorded.mission;
+  const timed = inTicks(recorded.mission, recorded.truth, tick);
+  if (world.roads) {
+    const { mission, truth, map } = laidOut(timed.mission, timed.truth, recorded.told);
+    const read = readMission(mission, truth, recorded.foresight, worldOfRoads(map));
+    return { mission: onClock(read, tick), placeOf: ([number]) => map.places[number] };
+  }
+  if (!world.plane) return { mission: onClock(readMission(timed.mission, timed.truth, recorded.foresight), tick), placeOf: (at) => at };
+  const square = squareOf(world);
+  const read = readMission(missionInSquares(timed.mission, square), truthInSquares(timed.truth, square), recorded.foresight);
+  return { mission: onClock(read, tick), placeOf: (at) => at.map((along) => along / square) };
+}
+
+function onClock(/** @type {Mission} */ mission, tick) {
+  Object.assign(mission.world, { stepSeconds: tick, isTimed: true, secondsUnit: "" });
+  return mission;
+}
+
+function inPlace(event, tick, placeOf) {
+  const { place, way, until } = event;
+  return {
+    ...event,
+    until: until === undefined ? event.at : until / tick,
+    place: place && placeOf(place),
+    way: way?.map(([at, passed]) => [at / tick, placeOf(passed)]),
+  };
+}
+
+function inTicksOf(/** @type {any} */ end, tick) {
+  return { ...end, makespan: end.makespan === null ? null : end.makespan / tick };
+}
+
+// What is told, with all times in ticks.
+function toldInTicks(told, tick) {
+  if (!told) return told;
+  const whens = (rows, places) => listOf(rows).map((row) => row.map((value, at) => (places.includes(at) && typeof value === "number" ? value / tick : value)));
+  const byRobot = (rows) => listOf(rows).map((own) => whens(own, [0]));
+  return {
+    ...told,
+    services: whens(told.services, [2, 3]),
+    phases: byRobot(told.phases),
+    path: whens(told.path, [0, 1]),
+  };
+}
+
+function listOf(value) {
+  return Array.isArray(value) ? value : [];
+}
+
+// The plans as records in steps have them: coalitions by the tasks of an order.
+function plansOf(events) {
+  const made = events.filter(({ kind }) => kind === "plan");
+  return {
+    orders: made.map(({ at, plan: [, tasks] }) => [at, tasks.map(([task]) => task)]),
+    plans: made.map(({ at, plan: [why, tasks] }) => [at, [why, tasks.map(([, robots]) => robots)]]),
+  };
+}
+
+// Take in an event: where robots go, and how tasks stand.
+function take(history, event) {
+  const { at, kind, robots = [], task, place, way } = event;
+  const { mission, tracks, moves, absences } = history;
+  const tell = (what, more = {}) => history.events.push({ step: Math.ceil(at - 1e-6), when: at, kind: what, ...(task === undefined ? {} : { task }), ...more });
+  switch (kind) {
+    case "walk":
+      for (const robot of robots) tracks[robot].setOut(at, way);
+      if (task !== undefined) tell("heads", { robots });
+      return;
+    case "form":
+      tell("forms", { robots });
+      return;
+    case "serve":
+      if (event.until > at || mission.tasks[task].to) tell("begins", { robots });
+      return;
+    case "lift":
+      for (const robot of robots) tracks[robot].setOut(at, way);
+      moves.push({ step: at, task, at: mission.tasks[task].to, isUp: true });
+      tell("taken", { robots });
+      return;
+    case "done":
+      history.doneAt[task] = history.overAt[task] = at;
+      history.doers[task] = robots;
+      if (mission.tasks[task].to) moves.push({ step: at, task, at: mission.tasks[task].to });
+      tell("done", { robots });
+      return;
+    case "broken":
+      if (place) moves.push({ step: at, task, at: place });
+      tell(place ? "left" : "broken", place ? { robots, at: place } : { robots });
+      return;
+    case "lost":
+      for (const robot of robots) {
+        tracks[robot].stop(at);
+        absences[robot].push({ from: at, to: Infinity, place: tracks[robot].placeAt(at) });
+      }
+      tell("lost", { robots });
+      return;
+    case "back":
+      for (const robot of robots) for (const absence of absences[robot].slice(-1)) absence.to = at;
+      tell("back", { robots });
+      return;
+    case "appear":
+      tell("appears");
+      return;
+    case "cancel":
+      history.overAt[task] = at;
+      tell("cancelled");
+      return;
+    case "know":
+      history.shownAt[task] = at;
+      tell("shown");
+      return;
+    case "found":
+      history.foundAt[task] = at;
+      tell("found");
+      moves.push({ step: at, task, at: place });
+      return;
+    case "moved":
+      moves.push({ step: at, task, at: place });
+  }
+}
+
+// How robots stand at a tick: those who form or work together are a team, and all others are alone.
+/** @returns {State} */
+function standingAt(/** @type {TrialHistory} */ history, step) {
+  const { mission, tracks = [] } = history;
+  const count = mission.robots.length;
+  const state = {
+    team: new Int32Array(count).fill(NOBODY),
+    x: new Float64Array(count),
+    y: new Float64Array(count),
+    task: new Int32Array(count).fill(NOBODY),
+  };
+  const teams = new Map();
+  for (let robot = 0; robot < count; robot++) {
+    const run = runsOf(history, robot).findLast(({ from }) => from <= step);
+    [state.x[robot], state.y[robot]] = tracks[robot].placeAt(step);
+    if (run?.phase === LOST) continue;
+    const isTogether = run && (run.phase === FORMING || AT_WORK.includes(run.phase));
+    if (isTogether && !teams.has(run.task)) teams.set(run.task, robot);
+    state.team[robot] = isTogether ? teams.get(run.task) : robot;
+    if (run) state.task[robot] = run.task;
+  }
+  return state;
+}
+
+// Where a team goes from a tick on, and when it is there; nothing if it stands.
+export function wayAhead(/** @type {TrialHistory} */ history, robot, step) {
+  const run = runsOf(history, robot).findLast(({ from }) => from <= step);
+  if (!run || ![WALKING, "carrying"].includes(run.phase)) return null;
+  return { places: history.tracks?.[robot].ahead(step, run.to) ?? [], until: run.to };
+}

@@ -1,0 +1,59 @@
+"""When robots stand still that are delayed: in whole units of time, as steps have it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from teamformer.mission.model import Robot
+
+MASK = 2**64 - 1
+
+
+class StandingStill:
+    """In which units of time each robot stands still, drawn from a seed that is part of the truth.
+
+    They are worked out as far as somebody asks, and stay the same whoever asks.
+    """
+
+    def __init__(self, robots: Sequence[Robot]) -> None:
+        self._robots = robots
+        self._states = [_first_state(r.delays.seed or 0) if r.delays else 0 for r in robots]
+        self._stands: list[list[bool]] = [[] for _ in robots]
+
+    def after(self, who: Iterable[int], begin: float, spent: float) -> float:
+        """Return when robots that walk together have walked so long, from a moment on.
+
+        They walk only in units of time in which none of them stands still.
+        """
+        delayed = [robot for robot in who if self._robots[robot].delays is not None]
+        if not delayed:
+            return begin + spent
+        now, left = begin, spent
+        while True:
+            unit = math.floor(now)
+            room = unit + 1 - now
+            if not any(self._is_still(robot, unit) for robot in delayed):
+                if left <= room:
+                    return now + left
+                left -= room
+            now = unit + 1.0
+
+    def _is_still(self, robot: int, unit: int) -> bool:
+        stands, delays = self._stands[robot], self._robots[robot].delays
+        assert delays is not None, "only those are asked about"
+        while len(stands) <= unit:
+            state = self._states[robot] = _next_state(self._states[robot])
+            stands.append((state >> 11) / 2**53 < delays.chance)
+        return stands[unit]
+
+
+def _first_state(seed: int) -> int:
+    return (seed * 2654435769 + 88172645463325252) % 2**64
+
+
+def _next_state(state: int) -> int:
+    """Return the state after this one: xorshift64, as kernels draw."""
+    state ^= state << 13 & MASK
+    state ^= state >> 7
+    return state ^ (state << 17 & MASK)

@@ -1,0 +1,61 @@
+"""How a plan goes on if nothing happens: from when on linked tasks may begin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from teamformer.mission.coordination import Known
+from teamformer.mission.parts.grid import Place
+from teamformer.world.continuous.ways import Ways
+from teamformer.world.rules.starts import FIRST, StartRules, Timed, time_tasks
+from teamformer.world.rules.waits import waits_at
+
+
+def foresee(
+    known: Known, ways: Ways, order: Sequence[int], robots_of: Mapping[int, Sequence[int]]
+) -> Timed:
+    """Return when open tasks start if they are done in an order by their robots.
+
+    Tasks before which robots wait for one another for ever start at no time (infinite).
+    """
+    tasks, robots = known.mission.tasks, known.mission.robots
+    waits = waits_at(known, order)
+
+    def place_after(robot: int, before: int) -> Place:
+        if before == FIRST:
+            return known.places[robot]
+        to = tasks[before].to
+        return tasks[before].at if to is None else to
+
+    def way(robot: int, before: int, task: int) -> float:
+        mover = robots[robot]
+        return ways.length(place_after(robot, before), tasks[task].at, mover.moves) / mover.speed
+
+    def site(robot: int, before: int) -> Place:
+        return known.came_from[robot] if before == FIRST else place_after(robot, before)
+
+    def takes(task: int, who: Sequence[int]) -> float:
+        wanted = tasks[task]
+        carried = 0.0
+        if wanted.to is not None:
+            movers = [robots[robot] for robot in who]
+            carried = max(
+                (ways.length(wanted.at, wanted.to, m.moves) / m.speed for m in movers), default=0.0
+            )
+        return wanted.duration + carried + wanted.unload
+
+    forming = known.mission.forming
+    rules = StartRules(
+        way, site, takes, known.free_at, waits.release, waits.before, waits.gaps, forming
+    )
+    return time_tasks(rules, order, robots_of)
+
+
+def holds_of(known: Known, timed: Timed) -> dict[int, float]:
+    """Return from when on tasks may begin whose starts are linked; none where nothing settles."""
+    tasks = known.mission.tasks
+    linked = {task.name for task in tasks if task.starts}
+    linked |= {name for task in tasks for name in task.starts}
+    starts = timed.start.items()
+    return {k: at for k, at in starts if tasks[k].name in linked and math.isfinite(at)}

@@ -1,0 +1,191 @@
+"""Robots that walk, and what happens to them, written down: the ground floor of the world."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from teamformer.mission.model import Mission
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.plane import Plane
+from teamformer.world.continuous.body import RealRobot, TeamWork, turning
+from teamformer.world.continuous.delays import StandingStill
+from teamformer.world.continuous.events import Event, Passed
+from teamformer.world.continuous.ways import Ways
+from teamformer.world.rules.constants import NOBODY
+
+LOSE, BRING_BACK, CALL_OFF, APPEAR, OPEN, ARRIVE, FINISH, EXPECT, LOOK, WAKE = range(10)
+"""What can be on the agenda; of what is due at one moment, what comes from outside is first."""
+
+Entry = tuple[float, int, int, int]
+"""When something is due, what, whom or which task it is about, and the event that it belongs to."""
+
+
+@dataclass
+class Happened:
+    """What a moment has brought: news, and what robots and tasks have to be looked at."""
+
+    news: dict[str, None] = field(default_factory=dict)  # in the order in which they came
+    robots: set[int] = field(default_factory=set)
+    tasks: set[int] = field(default_factory=set)
+
+    def __bool__(self) -> bool:
+        """Say whether anything has to be looked at."""
+        return bool(self.news or self.robots or self.tasks)
+
+
+class MovingWorld:
+    """Where robots are and go, what is on the agenda, and what has happened."""
+
+    def __init__(self, mission: Mission, truth: Mission, is_all_known: bool = False) -> None:
+        self.mission, self.truth = mission, truth
+        self.now = 0.0
+        self.events: list[Event] = []
+        self.bodies = [RealRobot((Passed(0.0, r.at),), r.at) for r in truth.robots]
+        self.works: dict[int, TeamWork] = {}  # by task
+        self.over: dict[int, int] = {}  # tasks that are done or called off, with the event
+        self.done: set[int] = set()
+        self.started: dict[int, float] = {}  # when the latest service of each began
+        self.served_by: dict[int, int] = {}  # the event with which it did
+        self.appeared = {
+            number for number, task in enumerate(truth.tasks) if task.appears == 0 or is_all_known
+        }
+        self.lies: dict[int, Place] = {}  # where loads were set down, by task
+        self.travel = 0.0  # time that robots have spent on their ways
+        self.ways, self.still = Ways(truth.world), StandingStill(truth.robots)
+        self.is_plane = isinstance(truth.world, Plane)
+        self.happened = Happened()
+        self.agenda: list[Entry] = []
+
+    @property
+    def next_time(self) -> float:
+        """Return when something is due next; infinite if nothing ever is."""
+        while self.agenda and not self.is_due(self.agenda[0]):
+            heapq.heappop(self.agenda)
+        return self.agenda[0][0] if self.agenda else math.inf
+
+    @property
+    def is_busy(self) -> bool:
+        """Say whether somebody is on the way, forms or is at work."""
+        return bool(self.works) or any(b.is_walking and not b.is_lost for b in self.bodies)
+
+    def take_happened(self) -> Happened:
+        """Return what has happened since this was last asked."""
+        happened, self.happened = self.happened, Happened()
+        return happened
+
+    def place_of(self, task: int) -> Place:
+        """Return where a task is, or its load lies."""
+        return self.lies.get(task, self.truth.tasks[task].at)
+
+    def is_at(self, robot: int, place: Place) -> bool:
+        """Say whether a robot stands at a place, and is neither lost nor at work."""
+        body = self.bodies[robot]
+        is_free = not body.is_lost and body.work == NOBODY
+        return is_free and not body.is_walking and body.way[0].place == place
+
+    def next_place(self, robot: int) -> Passed:
+        """Return where a robot can turn next, and when; where it is if it stands."""
+        return turning(self.bodies[robot].way, self.now, self.is_plane)[-1]
+
+    def set_out(self, robot: int, goal: Place | None, task: int, cause: int) -> None:
+        """Have a robot go to a task, home or, without a goal, to where it can stop next.
+
+        It stays if it is there already, or if no way leads there.
+        """
+        body, real = self.bodies[robot], self.truth.robots[robot]
+        body.task = task
+        stub = turning(body.way, self.now, self.is_plane)
+        start = stub[-1]
+        goal = start.place if goal is None else goal
+        if body.is_walking and body.way[-1].place == goal and self._heads_for(body) == task:
+            return
+        if not math.isfinite(self.ways.length(start.place, goal, real.moves)):
+            goal = start.place
+        stages = self.ways.stages(start.place, goal, real.moves)
+        way = (*stub, *self.passing((robot,), start.at, [(p, d / real.speed) for p, d in stages]))
+        if len(way) == 1:
+            stops = body.is_walking
+            self.stop_walking(body)
+            body.way = way
+            if task != NOBODY or stops:
+                body.since = self.tell("arrive", (robot,), task, cause, place=goal)
+                self.sense(robot)
+            return
+        self.stop_walking(body)
+        body.way = way
+        number = self.tell("walk", (robot,), task, cause, until=way[-1].at, way=way)
+        body.since = body.set_out = number
+        self.put(way[-1].at, ARRIVE, robot, number)
+
+    def tell(self, kind: str, robots: Sequence[int], task: int, cause: int, **said: object) -> int:
+        """Write down an event of this moment, and return its number."""
+        event = Event(self.now, kind, tuple(robots), task, cause=cause)
+        self.events.append(event._replace(**said))  # type: ignore[arg-type]
+        return len(self.events) - 1
+
+    def wake(self, at: float, task: int) -> None:
+        """Have a task looked at again at a moment."""
+        self.put(at, WAKE, task, NOBODY)
+
+    def cause_among(self, candidates: Iterable[int]) -> int:
+        """Return on which of some events something hangs that begins now: on the latest one.
+
+        If none of them is of this moment, it hangs on what has happened last.
+        """
+        latest = max(candidates, default=NOBODY)
+        is_now = latest != NOBODY and self.events[latest].at == self.now
+        return latest if is_now or not self.events else len(self.events) - 1
+
+    def put(self, at: float, what: int, which: int, stamp: int) -> None:
+        """Put something on the agenda."""
+        heapq.heappush(self.agenda, (at, what, which, stamp))
+
+    def note(self, news: str = "", robots: Iterable[int] = (), tasks: Iterable[int] = ()) -> None:
+        """Note what has happened at this moment, and what has to be looked at."""
+        if news:
+            self.happened.news[news] = None
+        self.happened.robots.update(robots)
+        self.happened.tasks.update(tasks)
+
+    def passing(
+        self, who: Sequence[int], begin: float, stages: Iterable[tuple[Place, float]]
+    ) -> tuple[Passed, ...]:
+        """Return when robots that go together pass places, each with the time on the way to it."""
+        after = self.still.after
+        return tuple(Passed(after(who, begin, spent), place) for place, spent in stages)
+
+    def _heads_for(self, body: RealRobot) -> int:
+        """Return the task that a robot has set out for."""
+        return self.events[body.set_out].task
+
+    def stop_walking(self, body: RealRobot) -> None:
+        """Count how long a robot has walked that walks no more, or another way."""
+        if body.is_walking:
+            self.travel += self.now - self.events[body.set_out].at
+
+    def arrive(self, robot: int) -> None:
+        """Let a robot be where it was going."""
+        body = self.bodies[robot]
+        self.stop_walking(body)
+        body.way = (body.way[-1],)
+        place, cause = body.way[0].place, body.set_out
+        body.since = self.tell("arrive", (robot,), body.task, cause, place=place)
+        self.note(robots=(robot,))
+        self.sense(robot)
+
+    def sense(self, robot: int) -> None:
+        """Let it be known what a robot finds where it is."""
+        raise NotImplementedError
+
+    def times(self, robot: int, here: Place, goal: Place) -> list[tuple[Place, float]]:
+        """Return the places on a robot's way, each with the time it takes there."""
+        real = self.truth.robots[robot]
+        stages = self.ways.stages(here, goal, real.moves)
+        return [(place, length / real.speed) for place, length in stages]
+
+    def is_due(self, entry: Entry) -> bool:
+        """Say whether an entry of the agenda still holds."""
+        raise NotImplementedError

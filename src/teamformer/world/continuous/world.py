@@ -1,0 +1,154 @@
+"""The physical world in continuous time: robots walk, form, serve and carry; things befall them.
+
+It knows what is physically so, and the truth; who may begin what is for those who command.
+Whatever happens is an event with its cause. Nothing happens between the entries of its agenda, and
+these are data, so a world is forked by copying it.
+"""
+
+from __future__ import annotations
+
+import copy
+import heapq
+
+from teamformer.mission.checks.windows import release_of
+from teamformer.mission.model import Mission
+from teamformer.world.continuous.body import turning
+from teamformer.world.continuous.moving import (
+    APPEAR,
+    ARRIVE,
+    BRING_BACK,
+    CALL_OFF,
+    EXPECT,
+    FINISH,
+    LOOK,
+    LOSE,
+    OPEN,
+    WAKE,
+    Entry,
+    Happened,
+)
+from teamformer.world.continuous.working import WorkingWorld
+from teamformer.world.rules.constants import NOBODY
+
+COPIED = (
+    "over",
+    "done",
+    "started",
+    "served_by",
+    "appeared",
+    "lies",
+    "unseen",
+    "believed",
+    "maybe",
+)
+"""What each world has a copy of."""
+
+
+class PhysicalWorld(WorkingWorld):
+    """All robots, tasks and loads; `advance` goes to the next moment at which something is due."""
+
+    def __init__(self, mission: Mission, truth: Mission, is_all_known: bool = False) -> None:
+        super().__init__(mission, truth, is_all_known)
+        self._put_what_is_to_come()
+
+    def fork(self) -> PhysicalWorld:
+        """Return a world in which the same has happened, and which goes its own way."""
+        twin = copy.copy(self)
+        twin.events, twin.agenda = list(self.events), list(self.agenda)
+        twin.bodies = [copy.copy(body) for body in self.bodies]
+        twin.works = {task: copy.copy(work) for task, work in self.works.items()}
+        for part in COPIED:
+            setattr(twin, part, copy.copy(getattr(self, part)))
+        twin.happened = copy.deepcopy(self.happened)
+        return twin
+
+    def advance(self) -> Happened:
+        """Go to the next moment and let all happen that is due then."""
+        self.now = self.next_time
+        while self.next_time <= self.now:
+            _, what, which, stamp = heapq.heappop(self.agenda)
+            self._let_happen(what, which, stamp)
+        return self.take_happened()
+
+    def _put_what_is_to_come(self) -> None:
+        for number, robot in enumerate(self.truth.robots):
+            for away in robot.absences:
+                self.put(away.lost, LOSE, number, NOBODY)
+                if away.back is not None:
+                    self.put(away.back, BRING_BACK, number, NOBODY)
+        for number, task in enumerate(self.truth.tasks):
+            if task.appears > 0:
+                self.put(task.appears, APPEAR, number, NOBODY)
+            if task.cancelled is not None:
+                self.put(task.cancelled, CALL_OFF, number, NOBODY)
+            if release_of(task) > task.appears:
+                self.put(release_of(task), OPEN, number, NOBODY)
+
+    def is_due(self, entry: Entry) -> bool:
+        """Say whether an entry of the agenda still holds."""
+        _, what, which, stamp = entry
+        if what in (ARRIVE, LOOK):
+            body = self.bodies[which]
+            return body.is_walking and body.set_out == stamp and not body.is_lost
+        if what in (FINISH, EXPECT):
+            return which in self.works and self.works[which].event == stamp
+        return which not in self.over if what in (CALL_OFF, OPEN, WAKE) else True
+
+    def _let_happen(self, what: int, which: int, stamp: int) -> None:
+        if what == LOSE:
+            self._lose(which)
+        elif what == BRING_BACK:
+            self._bring_back(which)
+        elif what == CALL_OFF:
+            self._call_off(which)
+        elif what == APPEAR:
+            self.appeared.add(which)
+            self.tell("appear", (), which, NOBODY)
+            self.note("task appeared", tasks=(which,))
+            for robot in range(len(self.bodies)):
+                self.sense(robot)
+        elif what == OPEN:
+            self.tell("opens", (), which, NOBODY)
+            self.note(tasks=(which,))
+        elif what == ARRIVE:
+            self.arrive(which)
+        elif what == FINISH:
+            self.finish_part(which)
+        elif what == EXPECT:
+            self.expect_anew(which)
+        elif what == LOOK:
+            self.look_around(which)
+        else:
+            self.note(tasks=(which,))
+
+    def _lose(self, robot: int) -> None:
+        body = self.bodies[robot]
+        if body.is_lost:
+            return
+        stub = turning(body.way, self.now, self.is_plane)
+        if body.work == NOBODY:
+            self.stop_walking(body)
+        body.way, body.rest = stub, stub[-1].at - self.now
+        body.is_lost, body.task = True, NOBODY
+        number = self.tell("lost", (robot,), NOBODY, NOBODY, place=stub[-1].place)
+        body.since = number
+        self.note("robot lost", robots=(robot,))
+        task, body.work = body.work, NOBODY
+        if task != NOBODY:
+            self.leave_work(task, robot, number)
+
+    def _bring_back(self, robot: int) -> None:
+        body = self.bodies[robot]
+        body.is_lost = False
+        place = body.way[-1].place
+        number = body.since = self.tell("back", (robot,), NOBODY, NOBODY, place=place)
+        if body.is_walking:
+            shift = self.now + body.rest - body.way[-1].at
+            self.stand(robot, tuple(p._replace(at=p.at + shift) for p in body.way), number)
+        self.note("robot back", robots=(robot,))
+
+    def _call_off(self, task: int) -> None:
+        number = self.over[task] = self.tell("cancel", (), task, NOBODY)
+        if task in self.works:
+            self.break_off(task, number)
+        self.note("task cancelled", tasks=(task,))

@@ -1,0 +1,119 @@
+"""When tasks in continuous time start by an order and coalitions, one task after the other.
+
+The plain rule: plans are timed by it, and whoever carries one out foresees by it how it goes on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+SAME = 1e-5
+"""By such a share of all time starts may go on to change, as times are rounded."""
+
+FIRST = -1
+"""What stands for the task before a robot's first one: it comes from where it is."""
+
+
+class Gap(NamedTuple):
+    """A task starts at least and at most so long after another one starts."""
+
+    task: int
+    other: int
+    least: float
+    most: float
+
+
+@dataclass(frozen=True)
+class StartRules:
+    """What decides when tasks start. `way`, `site` and `takes` are asked about these tasks only.
+
+    `way(robot, before, task)` is how long a robot takes to a task from the one before, or FIRST;
+    `site(robot, before)` the same for all that come from one place; `takes(task, robots)` how long
+    these do the task.
+    """
+
+    way: Callable[[int, int, int], float]
+    site: Callable[[int, int], Hashable]
+    takes: Callable[[int, Sequence[int]], float]
+    free: Sequence[float]  # by robot: when it can leave from where it is
+    release: Mapping[int, float]  # by task: it does not start before
+    before: Mapping[int, Sequence[int]]  # by task, if there are any: those that must have ended
+    gaps: Sequence[Gap] = ()
+    forming: float = 0.0  # what a coalition takes whose robots do not come from one site
+
+
+class Visit(NamedTuple):
+    """A robot comes to a task from the one before, or FIRST, and is there at a time."""
+
+    robot: int
+    before: int
+    arrive: float
+
+
+@dataclass(frozen=True)
+class Timed:
+    """When tasks start and how long they take, by number, and who comes to each; inf for never."""
+
+    start: dict[int, float]
+    takes: dict[int, float]
+    visits: dict[int, list[Visit]] = field(default_factory=dict)
+
+    def end(self, task: int) -> float:
+        """Return when a task ends."""
+        return self.start[task] + self.takes[task]
+
+
+def time_tasks(
+    rules: StartRules, order: Sequence[int], robots_of: Mapping[int, Sequence[int]]
+) -> Timed:
+    """Return when tasks start that are done in an order, each by its robots.
+
+    Where starts are linked all are timed again and again until nothing changes, as a task may wait
+    for one that comes later. In an order in which robots wait for one another for ever none starts.
+    """
+    came: dict[int, list[tuple[int, int]]] = {}
+    last: dict[int, int] = {}
+    for task in order:
+        came[task] = [(robot, last.get(robot, FIRST)) for robot in robots_of[task]]
+        last |= dict.fromkeys(robots_of[task], task)
+    timed = Timed(dict.fromkeys(order, 0.0), {k: rules.takes(k, robots_of[k]) for k in order})
+    gaps: dict[int, list[Gap]] = {}
+    for gap in rules.gaps:
+        gaps.setdefault(gap.task, []).append(gap)
+    for _ in range(len(order) + 1 if gaps else 1):
+        was = dict(timed.start)
+        for task in order:
+            timed.start[task] = max(timed.start[task], _ready(rules, timed, task, came[task]))
+            for _, other, least, most in gaps.get(task, ()):
+                timed.start[task] = max(timed.start[task], timed.start[other] + least)
+                timed.start[other] = max(timed.start[other], timed.start[task] - most)
+        if timed.start == was:
+            break
+    else:
+        if gaps and _differs(was, timed.start):
+            timed.start.update(dict.fromkeys(order, math.inf))
+    for task in order:  # a link may have moved the start of a task before
+        timed.visits[task] = [_visit(rules, timed, task, *one) for one in came[task]]
+    return timed
+
+
+def _ready(rules: StartRules, timed: Timed, task: int, came: Sequence[tuple[int, int]]) -> float:
+    """Return when a task can start, but for its links."""
+    arrive = [_visit(rules, timed, task, *one).arrive for one in came]
+    ready = max(rules.release[task], *arrive)
+    if rules.forming and len({rules.site(*one) for one in came}) > 1:
+        ready = max(ready, max(arrive) + rules.forming)
+    return max([ready, *(timed.end(other) for other in rules.before.get(task, ()))])
+
+
+def _visit(rules: StartRules, timed: Timed, task: int, robot: int, before: int) -> Visit:
+    left = rules.free[robot] if before == FIRST else timed.end(before)
+    return Visit(robot, before, left + rules.way(robot, before, task))
+
+
+def _differs(was: Mapping[int, float], now: Mapping[int, float]) -> bool:
+    latest = max(now.values(), default=0.0)
+    return any(start - was[task] > SAME * latest for task, start in now.items())

@@ -13,8 +13,8 @@ from typing import Any
 
 from teamformer.cli.terminal.addresses import HostAndPort
 from teamformer.files.mission_files import mission_from_tree
-from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.session import Session
+from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.live.workshop import Workshop
 from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Mission

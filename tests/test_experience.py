@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import teamformer as tf
-from teamformer.files.mission_files import read_mission, write_mission
+from teamformer.files.mission_files import mission_from_tree, read_mission, write_mission
 from teamformer.trials.advice.experience import Lesson
 from typed import teamformer
 
@@ -183,3 +183,42 @@ def test_the_verb_writes_the_mission_and_says_what_changed(
     empty.mkdir()
     assert teamformer("learn", str(file), str(empty), str(tmp_path / "other.yaml")) == 2
     assert f"{empty}: there is no record.json in this folder" in capsys.readouterr().err
+
+
+def on_the_clock(world: dict[str, object], near: object, far: object) -> tf.Mission:
+    """A robot and two tasks in continuous time, each of 1 to 9 units; one may need a second."""
+    tasks = [
+        {"name": name, "at": at, "needs": ["a"], "duration": [1, 9], "may_need": {"b": 0.5}}
+        for name, at in (("near", near), ("far", far))
+    ]
+    return mission_from_tree(
+        {
+            "teamformer": 1,
+            "time": "continuous",
+            "world": world,
+            "capabilities": ["a", "b"],
+            "robots": [{"at": near, "can": ["a", "b"]}],
+            "tasks": tasks,
+        }
+    )
+
+
+ROADS = {"roads": "place,yard,hall,dock\nyard,0,90,1\nhall,90,0,91\ndock,1,91,0\n"}
+
+
+@pytest.mark.parametrize(
+    "mission",
+    [on_the_clock({"grid": [100, 1]}, [0, 0], [99, 0]), on_the_clock(ROADS, "yard", "hall")],
+)
+def test_missions_in_continuous_time_are_learned_from(mission: tf.Mission) -> None:
+    """Near takes 2.5 and needs b, far takes 7.5 and does not, each of 30 times."""
+    real = [
+        replace(mission.tasks[0], lasts=None, may_need={}, duration=2.5, needs={"a": 1, "b": 1}),
+        replace(mission.tasks[1], lasts=None, may_need={}, duration=7.5),
+    ]
+    truth = replace(mission, tasks=tuple(real))
+    records = [tf.run(mission, truth=truth).record] * 30
+    near, far = tf.learn(mission, records).mission.tasks
+    assert near.lasts == (2.52, 2.52)  # the first 200th of 1 to 9 that is no less
+    assert far.lasts == (7.52, 7.52)
+    assert (near.may_need, far.may_need) == ({"b": 0.98}, {"b": 0.02})

@@ -21,7 +21,7 @@ from teamformer.fleet.rehearsal.faults import Faults, Order
 from teamformer.fleet.rehearsal.rehearse import play as rehearse
 from teamformer.live.running.incidents import NewTask
 from teamformer.live.running.messages import read_incident
-from teamformer.live.running.mission_with_past import RunningMission
+from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import load_method
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.mission.model import Arrivals, Mission, Robot, Task

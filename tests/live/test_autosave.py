@@ -39,7 +39,7 @@ from teamformer.live.running.incidents import (
     RobotBack,
     search_plan,
 )
-from teamformer.live.running.mission_with_past import RunningMission
+from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import load_method
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Known, Plan
@@ -66,7 +66,7 @@ def kept_while(folder: Path, deeds: Sequence[Happening | int | str], method: str
         elif isinstance(deed, int):
             for _ in range(deed):
                 mission.step()
-                autosave.step(mission)
+                autosave.move(mission)
         else:
             assert not isinstance(deed, str)
             mission.happen(deed)
@@ -133,7 +133,7 @@ def test_plans_of_an_operator_are_kept(tmp_path: Path) -> None:
     found = search_plan(mission.past(), seconds=0.1)
     for happening in (found, NewWeight("right", 99.0)):
         mission.step()
-        autosave.step(mission)
+        autosave.move(mission)
         mission.happen(happening)
         autosave.happen(mission)
     autosave.release()
@@ -142,7 +142,7 @@ def test_plans_of_an_operator_are_kept(tmp_path: Path) -> None:
     (_, taken), (_, weighed) = again.incidents
     assert isinstance(taken, PlanTakenOver)
     assert isinstance(weighed, NewWeight)
-    assert taken.text() == found.text()
+    assert taken.text(mission.source) == found.text(mission.source)
     assert weighed.plan == mission.incidents[1][1].plan  # type: ignore[union-attr]
 
 
@@ -159,7 +159,7 @@ def test_a_line_that_was_being_written_is_left_out(tmp_path: Path) -> None:
     autosave = Autosave(path, kept.identity)
     autosave.go_on()
     mission.step()
-    autosave.step(mission)
+    autosave.move(mission)
     assert path.read_text() == whole
     autosave.close()
     assert read_autosave(path).is_ended
@@ -199,7 +199,7 @@ def test_a_full_disk_is_told_once_and_the_mission_goes_on(tmp_path: Path) -> Non
     autosave.warn = told.append
     autosave.begin(mission)
     mission.step()
-    autosave.step(mission)
+    autosave.move(mission)
     autosave.close()
     (text,) = told
     assert text.startswith(

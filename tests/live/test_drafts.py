@@ -26,9 +26,10 @@ def test_an_empty_draft_says_what_it_lacks() -> None:
     ]
 
 
-def test_a_mission_in_continuous_time_is_no_draft_to_run() -> None:
-    with pytest.raises(TeamformerError, match="continuous time"):
-        read_draft(GOOD | {"time": "continuous"})
+def test_a_draft_may_be_in_continuous_time() -> None:
+    draft = GOOD | {"time": "continuous"}
+    assert problems_of(draft) == []
+    assert read_draft(draft).time == "continuous"
 
 
 @pytest.mark.parametrize("tree", [None, [], 3, {}, {"world": 3}, GOOD | {"robots": [7]}])

@@ -12,7 +12,7 @@ from small_worlds import late_pair, make, robot, task
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import mission_from_tree, read_mission
 from teamformer.live.running import forecasts
-from teamformer.live.running.forecasts import Forecast, forecast, possible_truth
+from teamformer.live.running.forecasts import Forecast, Unfinished, forecast
 from teamformer.live.running.incidents import (
     CancelledTask,
     Incident,
@@ -23,7 +23,8 @@ from teamformer.live.running.incidents import (
     RobotBack,
     search_plan,
 )
-from teamformer.live.running.mission_with_past import RunningMission
+from teamformer.live.steps.futures import possible_truth
+from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.central.policy import Central
 from teamformer.methods.scripted.join_fitting import JoinFitting
@@ -97,7 +98,7 @@ def test_a_forecast_is_what_then_comes() -> None:
     other = mission()
     play(other, {5: lose})
     assert other.tally().status == "infeasible"
-    assert disturbed == Forecast(1, (), other.tally(), ends_of_tasks(other))
+    assert disturbed == Forecast(1, (), Unfinished("infeasible", other.steps), ends_of_tasks(other))
     assert None in disturbed.done_at
 
 
@@ -199,7 +200,7 @@ def test_a_lost_robot_is_brought_back_and_lost_again() -> None:
     assert run.tally().status == "infeasible"
     run.happen(RobotBack(name))
     assert run.step().back == (0,)
-    with pytest.raises(TeamformerError, match="is back since step 2"):
+    with pytest.raises(TeamformerError, match="came back in step 2 already"):
         run.happen(RobotBack(name))
     run.happen(LostRobot(name))
     assert run.step().lost == (0,)
@@ -361,7 +362,7 @@ def test_a_longer_search_is_never_worse_and_its_gain_is_what_comes() -> None:
 def test_a_search_that_nobody_waits_for_ends_at_once() -> None:
     found = search_plan(planned().past(), seconds=3600, is_over=lambda: True)
     assert found.forecast.otherwise is not None
-    assert (found.forecast.ends, found.forecast.otherwise.steps) == ((), 0)  # nor is it played
+    assert (found.forecast.ends, found.forecast.otherwise.end) == ((), 0)  # nor is it played
 
 
 def test_only_a_shared_plan_can_be_another() -> None:

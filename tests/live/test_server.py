@@ -25,8 +25,8 @@ from teamformer.cli.terminal.addresses import HostAndPort, address_of
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.running.incidents import Incident
-from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.what_if import IsOver, WhatIf, what_if
+from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.live.workshop import Workshop
 from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Mission

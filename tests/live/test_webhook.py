@@ -19,9 +19,9 @@ from teamformer.base.errors import TeamformerError
 from teamformer.live.running.alarm import Alarm, troubles_of
 from teamformer.live.running.alerts import Alert
 from teamformer.live.running.incidents import LostRobot, RobotBack
-from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.serving.webhook import Webhook
 from teamformer.live.session import Session
+from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Mission
 

@@ -10,8 +10,8 @@ from small_worlds import make, robot, task
 from teamformer.files.mission_files import read_mission
 from teamformer.live.running.forecasts import Forecast, forecast
 from teamformer.live.running.incidents import CancelledTask, Incident, LostRobot, NewTask
-from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.what_if import WhatIf, luck_of, what_if
+from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import Method, load_method
 from teamformer.mission.coordination import Coordinator, Known, Plan
 from teamformer.mission.model import Mission

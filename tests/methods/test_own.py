@@ -11,7 +11,7 @@ from teamformer.base.errors import TeamformerError
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.files.mission_files import read_mission
 from teamformer.live.running.incidents import LostRobot, NewTask
-from teamformer.live.running.mission_with_past import RunningMission
+from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import load_method
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial

@@ -19,7 +19,7 @@ from teamformer.mission.orders import in_order
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.trials.advice.advise import advise_on
 from teamformer.trials.advice.changes import changes_of
-from teamformer.trials.advice.measuring import PlannedSearch, search, searched
+from teamformer.trials.advice.measuring import PlannedSearch, goes_as_planned, search, searched
 from teamformer.trials.advice.suggestions import Advice
 from teamformer.trials.noise import Noise
 from teamformer.viewer.advice_page import advice_page
@@ -293,3 +293,38 @@ def test_the_command_writes_no_page_over_a_mission(
     assert teamformer("advise", str(file), str(file)) == 2
     assert "mission.yaml: the advice is a page" in capsys.readouterr().err
     assert file.read_bytes() == before
+
+
+def test_a_mission_in_continuous_time_to_which_something_happens_is_run() -> None:
+    """One of two is lost at 2 on its way to the task at 9: the other comes from 0, at 9 + 1.
+
+    Planned beforehand it would take 4: nobody foresees a loss.
+    """
+    robots = (
+        tf.Robot("far", (0, 0), {"a": 1}),
+        tf.Robot("near", (5, 0), {"a": 1}, absences=(Absence(2.0),)),
+    )
+    tasks = (tf.Task("t", (9, 0), {"a": 1}, duration=1.0),)
+    mission = Mission("lost", tf.Grid(20, 1), ("a",), robots, tasks, time="continuous")
+    assert not goes_as_planned(mission)
+    assert goes_as_planned(replace(mission, robots=robots[:1]))
+    advice = advise_on(mission, PLENTY)
+    assert (advice.makespan, advice.written) == (12.0, 12.0)  # it sets out once the other is lost
+    gains = {it.change: it.gain for it in advice.suggestions}
+    assert gains["near is not lost"] == 7.0
+
+
+def test_what_is_not_known_in_continuous_time_is_luck_of_what_is_drawn() -> None:
+    """A robot at its task of 2 to 6: so long each search takes, and no change is sure to help."""
+    tasks = (tf.Task("t", (0, 0), {"a": 1}, duration=4.0, lasts=(2.0, 6.0)),)
+    mission = Mission(
+        "unsure",
+        tf.Grid(9, 1),
+        ("a",),
+        (tf.Robot("r", (0, 0), {"a": 1}),),
+        tasks,
+        time="continuous",
+    )
+    advice = advise_on(mission, PLENTY)
+    assert 2 <= advice.least < advice.makespan < advice.most <= 6
+    assert advice.helpful == ()

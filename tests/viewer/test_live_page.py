@@ -19,9 +19,9 @@ from teamformer.base.errors import TeamformerError
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.keeping.autosave import Autosave, Identity
 from teamformer.live.running.incidents import Incident
-from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.what_if import IsOver, WhatIf, what_if
 from teamformer.live.session import Session
+from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.live.workshop import Workshop
 from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.scripted.join_fitting import JoinFitting

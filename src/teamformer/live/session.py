@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import time
 from collections.abc import Callable
 from functools import partial
@@ -25,6 +26,7 @@ from teamformer.live.running.incidents import (
     note_of_plans,
     search_plan,
 )
+from teamformer.live.running.live_mission import LiveMission
 from teamformer.live.running.messages import (
     Message,
     read_incident,
@@ -32,12 +34,13 @@ from teamformer.live.running.messages import (
     read_search,
     read_speed,
 )
-from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.running.page_trees import (
     Tree,
     done_at_to_tree,
+    felt_at,
     forecast_to_tree,
-    news_of_step,
+    moment_text,
+    news_of_move,
     record_so_far,
     what_happened,
 )
@@ -52,8 +55,8 @@ from teamformer.record.telling.latest import LatestTold
 AT_ONCE = 0.3
 """Seconds within which a step is made without a word; what takes longer is told to be planned."""
 
-Moment = tuple[int, int]
-"""Steps made, and how often the mission has been changed."""
+Moment = tuple[float, int]
+"""The time of a mission, and how often it has been changed."""
 
 FORECAST, BOUND, SEARCH = "forecast", "bound", "search"
 """What is worked out beside the conversation for all pages; what one has weighed is its own."""
@@ -64,7 +67,7 @@ class Session:
 
     def __init__(
         self,
-        mission: RunningMission,
+        mission: LiveMission,
         folder: Path,
         speed: float,
         has_editor: bool = False,
@@ -89,15 +92,16 @@ class Session:
         self._offer: tuple[Moment, PlanTakenOver] | None = None
 
     async def run(self) -> None:
-        """Make steps while the mission plays, until cancelled."""
+        """Let time pass while the mission plays, until cancelled."""
         due = time.monotonic()
         while True:
             if not self.is_playing:
                 self._wake.clear()
                 await self._wake.wait()
                 due = time.monotonic()
-            await self.step()
-            due = max(due + 1 / self.speed, time.monotonic() - 1 / self.speed)
+            seconds, units = self.mission.beat(self.speed)
+            await self.move(units)
+            due = max(due + seconds, time.monotonic() - seconds)
             with contextlib.suppress(TimeoutError):  # a page that acts need not wait for the step
                 self._wake.clear()
                 await asyncio.wait_for(self._wake.wait(), max(0.0, due - time.monotonic()))
@@ -125,17 +129,16 @@ class Session:
         """Do what a page asks for, or tell it why not."""
         await or_refuse(watcher, self._do(watcher, text))
 
-    async def step(self) -> None:
-        """Make one step, if there is one, and tell everybody."""
+    async def move(self, units: float | None = None) -> None:
+        """Make a step, or let so much time pass, and tell everybody; by default to what is next."""
         async with self.lock:
             if not self.mission.is_running:
                 self._pause()
                 return
-            telling = asyncio.get_running_loop().call_later(
-                AT_ONCE, self._tell_planning, f"step {self.mission.steps + 1}"
-            )
+            upcoming = moment_text(self.mission.source, math.floor(self.mission.now) + 1)
+            telling = asyncio.get_running_loop().call_later(AT_ONCE, self._tell_planning, upcoming)
             try:
-                await asyncio.to_thread(self.mission.step)
+                await asyncio.to_thread(self.mission.move, units)
             except TeamformerError as error:  # of a policy that is the user's own
                 self._tell_all("refused", {"text": str(error)})
                 self._pause()
@@ -143,9 +146,9 @@ class Session:
             finally:
                 telling.cancel()
                 self._planning_is_over()
-            self._autosave.step(self.mission)
+            self._autosave.move(self.mission)
             self._alarm.look(self.mission)
-            self._tell_all("step", await asyncio.to_thread(news_of_step, self.mission, self._told))
+            self._tell_all(*await asyncio.to_thread(news_of_move, self.mission, self._told))
         if not self.mission.is_running:
             self._pause()
         elif self.mission.has_shown_more:
@@ -159,15 +162,16 @@ class Session:
         The lock is held meanwhile. That it has happened is told before robots have planned for it.
         """
         self.mission.mission_with(incident)
-        text = f"step {self.mission.steps + incident.steps_later}: {incident.text()}"
         self._happening = incident
-        self._tell_planning(text)
+        self._tell_planning(self._text_of(self.mission.now, incident))
         try:
             await asyncio.to_thread(self.mission.happen, incident)
             self._autosave.happen(self.mission)
             self._planning = ""
+            text, source = self._text_of(*self.mission.incidents[-1]), self.mission.source
             record = self._record()
-            record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
+            if source.time == "steps":
+                record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
             news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
             self._tell_all("incident", news | self._state())
         finally:
@@ -181,7 +185,9 @@ class Session:
         async with self.lock:
             incident = self.mission.undo()
             self._autosave.undo()
-            back = f"Undone: {incident.text()}. The mission is back at step {self.mission.steps}."
+            source = self.mission.source
+            back = moment_text(source, self.mission.now)
+            back = f"Undone: {incident.text(source)}. The mission is back at {back}."
             self._tell_another_past(back)
 
     async def restart(self) -> None:
@@ -232,9 +238,9 @@ class Session:
             await works[command]()
         elif command == "step":
             self._pause()
-            await self.step()
+            await self.move()
         elif command == "speed":
-            self.speed = read_speed(message)
+            self.speed = read_speed(message, self.mission.source.time)
             self._wake.set()
             self._tell_all("state", self._state())
         elif command == "happen":
@@ -331,8 +337,14 @@ class Session:
                 raise TeamformerError("the mission has gone on since then; plan anew")
             await self.happen(plan)
 
+    def _text_of(self, at: float, happening: Happening) -> str:
+        """Return what happened at a time, with when it is felt, as words."""
+        source = self.mission.source
+        when = moment_text(source, felt_at(source, at, happening))
+        return f"{when}: {happening.text(source)}"
+
     def _moment(self) -> Moment:
-        return self.mission.steps, self._changes
+        return self.mission.now, self._changes
 
     def _predict(self) -> None:
         """Work out the mission's end in the background; only incidents change it."""
@@ -384,6 +396,7 @@ class Session:
         return {
             "id": self._autosave.id,
             "is_playing": self.is_playing,
+            "now": self.mission.now,
             "speed": self.speed,
             "watchers": len(self.watchers),
             **what_happened(self.mission, self._happening),

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import mission_to_tree
 from teamformer.live.drawing.drafts import (
     EMPTY,
     EXAMPLE,
@@ -27,8 +28,8 @@ from teamformer.live.drawing.drafts import (
 from teamformer.live.keeping.autosave import NAME, Autosave, Identity
 from teamformer.live.keeping.resuming import Kept, StartMission, play_again
 from teamformer.live.running.alarm import OnAlerts
+from teamformer.live.running.live_mission import LiveMission
 from teamformer.live.running.messages import Message, read_files, read_message
-from teamformer.live.running.mission_with_past import RunningMission
 from teamformer.live.serving.watchers import Watcher, Watchers
 from teamformer.live.session import AT_ONCE, Session
 from teamformer.mission.model import Mission
@@ -63,7 +64,7 @@ class Workshop:
         self._lock = asyncio.Lock()
         self._start, self._folder, self._speed = start, folder, speed
         self._draft = draft or (Draft(EXAMPLE) if kept is None else kept.identity.draft)
-        self._mission, self._kept = mission, kept
+        self._mission, self._kept = mission if kept is None else kept.mission, kept
         self._say, self._on_alerts = say, on_alerts
         self._is_starting = mission is not None or kept is not None
         self._refusal = ""  # why the latest mission could not be started
@@ -182,8 +183,11 @@ class Workshop:
             watcher.say("editor", draft)
 
     def _tell_starting(self, *watchers: Watcher) -> None:
+        tree, source = self._draft.tree, self._mission
+        if not can_be_drawn(tree) and source is not None:  # roads have names for places
+            tree = mission_to_tree(source)
         for watcher in watchers:
-            watcher.say("starting", {"mission": self._draft.tree, "text": self._doing})
+            watcher.say("starting", {"mission": tree, "text": self._doing})
 
     async def _run(self, source: Mission) -> None:
         """Begin a mission, and have all pages come to it; or tell them why it cannot be run."""
@@ -203,7 +207,7 @@ class Workshop:
                 autosave.go_on()
                 self._have_run(mission, autosave)
 
-    async def _made(self, start: Callable[[], RunningMission], doing: str) -> RunningMission | None:
+    async def _made(self, start: Callable[[], LiveMission], doing: str) -> LiveMission | None:
         """Return a mission once it is made; or tell all pages why it cannot be, and return None."""
         if self.session is not None:
             raise TeamformerError("another page has run a mission already")
@@ -224,9 +228,10 @@ class Workshop:
             self._say(f"the mission is ready after {took:.1f} s; the page starts it")
         return mission
 
-    def _have_run(self, mission: RunningMission, autosave: Autosave) -> None:
+    def _have_run(self, mission: LiveMission, autosave: Autosave) -> None:
         """Let time pass for a mission, and have all pages come to it."""
-        self.session = Session(mission, self._folder, self._speed, True, autosave, self._on_alerts)
+        speed, has_editor = mission.usual_speed(self._speed), can_be_drawn(self._draft.tree)
+        self.session = Session(mission, self._folder, speed, has_editor, autosave, self._on_alerts)
         self._clock = asyncio.create_task(self.session.run())
         self._have_all_come_again()
 
@@ -234,6 +239,8 @@ class Workshop:
         """End the mission that runs, and have all pages come back to its drawing."""
         if self.session is None:
             raise TeamformerError("this is the drawing already")
+        if not self.session.has_editor:
+            raise TeamformerError("the editor draws no roads")
         async with self._lock, self.session.lock:
             self._watchers |= self.session.watchers
             self._end_session()
@@ -259,12 +266,12 @@ class Workshop:
         self._watchers.clear()
 
 
-async def _start_apart(start: Callable[[], RunningMission]) -> RunningMission:
+async def _start_apart(start: Callable[[], LiveMission]) -> LiveMission:
     """Make a mission, with its first plan, in a thread that does not keep Ctrl-C waiting."""
     loop = asyncio.get_running_loop()
-    made: asyncio.Future[RunningMission] = loop.create_future()
+    made: asyncio.Future[LiveMission] = loop.create_future()
 
-    def tell(mission: RunningMission | None, error: BaseException | None) -> None:
+    def tell(mission: LiveMission | None, error: BaseException | None) -> None:
         if made.done():  # nobody waits any more
             return
         if mission is None:
@@ -273,7 +280,7 @@ async def _start_apart(start: Callable[[], RunningMission]) -> RunningMission:
             made.set_result(mission)
 
     def work() -> None:
-        mission: RunningMission | None = None
+        mission: LiveMission | None = None
         error: BaseException | None = None
         try:
             mission = start()

@@ -16,6 +16,7 @@ from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.coordination import Coordinator, heeded_by, times_of
 from teamformer.mission.model import Mission
+from teamformer.mission.truth import truth_until
 from teamformer.record.record import Ending, Record
 from teamformer.world.continuous.course import COMPLETED, RUNNING, Course
 from teamformer.world.env import Tally
@@ -35,18 +36,9 @@ class ContinuousTrial:
     compiling_seconds: float
     is_interrupted: bool
 
-    def record(self, mission: Mission, truth: Mission, seed: int) -> Record:
+    def record(self, mission: Mission, seed: int) -> Record:
         """Return the record; that of an uncertain mission has its truth."""
-        return Record(
-            mission=with_arrivals(mission, truth),
-            method=self.method.name,
-            seed=seed,
-            end=ending_of(self.course),
-            events=tuple(self.course.world.events),
-            lower_bound=self._bound(),
-            truth=truth if mission.has_surprises else None,
-            heeds=heeded_by(self.coordinator),
-        )
+        return record_of(self.course, mission, self.method.name, seed, self._bound())
 
     def _bound(self) -> float | None:
         """Return what no plan is over before; None if nobody has worked it out."""
@@ -89,6 +81,26 @@ def run_continuous(
         total_seconds=time.perf_counter() - begun,
         compiling_seconds=compiling_seconds() - compiled,
         is_interrupted=is_interrupted,
+    )
+
+
+def record_of(
+    course: Course, mission: Mission, method: str, seed: int, bound: float | None = None
+) -> Record:
+    """Return the record of a course; that of an uncertain mission has what has shown of its truth.
+
+    Breakdowns that were yet to come are not part of it.
+    """
+    truth, now = course.world.truth, course.world.now
+    return Record(
+        mission=with_arrivals(mission, truth),
+        method=method,
+        seed=seed,
+        end=ending_of(course),
+        events=tuple(course.world.events),
+        lower_bound=bound,
+        truth=truth_until(mission, truth, now) if mission.has_surprises else None,
+        heeds=heeded_by(course.coordinator),
     )
 
 

@@ -77,7 +77,7 @@ def run_trial(
     if mission.time == "continuous":
         ran = run_continuous(mission, method, truth, on_step, keeps_interrupted)
         return PlayedTrial(
-            ran.record(mission, truth, seed),
+            ran.record(mission, seed),
             planning_seconds=ran.planning_seconds,
             decision_seconds=0.0,
             total_seconds=ran.total_seconds,

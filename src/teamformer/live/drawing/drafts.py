@@ -18,7 +18,7 @@ from teamformer.files.mission_files import mission_from_tree, mission_to_tree, r
 from teamformer.files.trees.writer import world_to_tree
 from teamformer.files.yaml import reader, writer
 from teamformer.live.drawing.comments import rewrite
-from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.checks.rules import rules_not_run
 from teamformer.mission.keys.kinds import INFINITE
 from teamformer.mission.model import Mission
 
@@ -67,7 +67,7 @@ FILE_NAME = re.compile(r"[\w-][\w .-]{0,99}\.(yaml|yml|json)")
 def problems_of(tree: object) -> list[Tree]:
     """Return what is wrong with a draft, each with its place in the tree; nothing if it is good."""
     try:
-        problems = list(rules_not_played(mission_from_tree(tree)))
+        problems = list(rules_not_run(mission_from_tree(tree)))
     except MissionError as error:
         problems = list(error.problems)
     return [{"where": list(p.where), "message": p.message} for p in problems]

@@ -18,9 +18,8 @@ from teamformer.base.whole_files import own_number
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.running.happening_trees import happening_to_tree
-from teamformer.live.running.mission_with_past import RunningMission
+from teamformer.live.running.live_mission import LiveMission
 from teamformer.live.running.page_trees import Tree
-from teamformer.record.files.writing import step_to_tree
 
 NAME = "autosave.jsonl"
 """The file's name, in the folder of results."""
@@ -53,7 +52,7 @@ class Autosave:
         """Return the mission's own name, by which pages know that it is another."""
         return "" if self._identity is None else self._identity.id
 
-    def begin(self, mission: RunningMission) -> None:
+    def begin(self, mission: LiveMission) -> None:
         """Begin the file anew with a mission before its first step."""
         self._open("w")
         if self._identity is not None:
@@ -71,13 +70,15 @@ class Autosave:
         """Go on with the file of a mission that was played again from it."""
         self._open("a")
 
-    def step(self, mission: RunningMission) -> None:
-        """Write down the latest step."""
-        self._write({"step": step_to_tree(mission.latest)}, mission)
+    def move(self, mission: LiveMission) -> None:
+        """Write down the latest step, or what has happened in the time that has passed last."""
+        self._write(mission.latest, mission)
 
-    def happen(self, mission: RunningMission) -> None:
+    def happen(self, mission: LiveMission) -> None:
         """Write down the latest incident."""
-        self._write({"happen": happening_to_tree(mission.incidents[-1][1])}, mission)
+        self._write(
+            {"happen": happening_to_tree(mission.incidents[-1][1], mission.source)}, mission
+        )
 
     def undo(self) -> None:
         """Write down that the latest incident was undone."""
@@ -95,11 +96,12 @@ class Autosave:
                 self._file.close()
             self._file = None
 
-    def _write(self, entry: Tree, mission: RunningMission | None = None) -> None:
-        """Write a line, with the plans that were made in the latest step of a mission."""
+    def _write(self, entry: Tree, mission: LiveMission | None = None) -> None:
+        """Write a line, with the plans that were made in the latest move of a mission."""
         if self._file is None:
             return
-        plans = [] if mission is None else [vars(plan) for plan in mission.latest_plans]
+        made = [] if mission is None else mission.latest_plans
+        plans = [{"at": at} | vars(plan) for at, plan in made]
         line = json.dumps(entry | {"plans": plans} if plans else entry, default=own_number)
         try:
             self._file.write(f"{line}\n")

@@ -17,13 +17,12 @@ from teamformer.files.mission_files import mission_from_tree
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.keeping.autosave import NAME, VERSION, Identity
 from teamformer.live.running.happening_trees import happening_from_tree, plan_from_tree
-from teamformer.live.running.mission_with_past import RunningMission
-from teamformer.live.running.page_trees import Tree
+from teamformer.live.running.live_mission import LiveMission
+from teamformer.live.running.page_trees import Tree, moment_text
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
-from teamformer.record.files.writing import step_to_tree
 
-StartMission = Callable[..., RunningMission]
+StartMission = Callable[..., LiveMission]
 """Has a mission run, by the plans that were made for it before, if any were."""
 
 NOT_FOUND = "name the file that a live mission kept: OUT/autosave.jsonl"
@@ -40,7 +39,7 @@ class Kept:
     method: str
     seed: int
     mission: Mission
-    first_plans: tuple[Plan, ...]
+    first_plans: tuple[tuple[float, Plan], ...]
     entries: tuple[Tree, ...]
     is_ended: bool  # it was not cut off
 
@@ -51,8 +50,11 @@ class Kept:
 
     def text(self) -> str:
         """Return what there is to go on with, as words."""
-        happened = len(self.entries) - self.steps
+        happened = sum("happen" in entry for entry in self.entries)
+        times = [entry["now"] for entry in self.entries if "now" in entry]
         what = f"{self.steps} step{'s' * (self.steps != 1)}"
+        if self.mission.time == "continuous":
+            what = moment_text(self.mission, max(times, default=0))
         if happened:
             what += f" and {happened} incident{'s' * (happened != 1)}"
         return f"mission '{self.mission.name}', {what}"
@@ -81,7 +83,7 @@ def read_autosave(path: Path) -> Kept:
             method=header["method"],
             seed=header["seed"],
             mission=mission_from_tree(header["mission"]),
-            first_plans=tuple(_plans_of(header)),
+            first_plans=tuple(_plans_of(header, 0)),
             entries=tuple(_without_undone(rows[1:])),
             is_ended="end" in rows[-1],
         )
@@ -117,12 +119,12 @@ def _read_line(path: Path, number: int, line: str) -> Tree:
     return row
 
 
-def play_again(kept: Kept, start: StartMission) -> RunningMission:
+def play_again(kept: Kept, start: StartMission) -> LiveMission:
     """Return a mission as it stood when it was cut off; no plan is made again that is in the file.
 
     Raises TeamformerError where a step comes out as another than it was.
     """
-    plans: list[tuple[int, Plan]] = [(0, plan) for plan in kept.first_plans]
+    plans = list(kept.first_plans)
     mission = start(kept.mission, plans)
     with _refusing_other_content(kept.path):
         for entry in kept.entries:
@@ -132,24 +134,30 @@ def play_again(kept: Kept, start: StartMission) -> RunningMission:
 
 
 def _play_entry(
-    kept: Kept, mission: RunningMission, entry: Tree, plans: list[tuple[int, Plan]]
+    kept: Kept, mission: LiveMission, entry: Tree, plans: list[tuple[float, Plan]]
 ) -> None:
-    """Have a step or an incident come again; `plans` are those that the mission is not to make."""
-    at = mission.steps + ("step" in entry)
-    plans[:] = [row for row in plans if row[0] < at] + [(at, it) for it in _plans_of(entry)]
+    """Have a move or an incident come again; `plans` are those that the mission is not to make."""
+    at = mission.now + ("step" in entry)
+    plans[:] = [row for row in plans if row[0] < at] + list(_plans_of(entry, at))
     if "happen" in entry:
         mission.happen(happening_from_tree(entry["happen"], mission.source))
-    elif not mission.is_running or _as_read(step_to_tree(mission.step())) != entry["step"]:
+        return
+    told = {key: value for key, value in entry.items() if key != "plans"}
+    if _as_read(mission.again(told)) != told:
+        when = moment_text(mission.source, max(at, mission.now))
         raise TeamformerError(
-            f"{kept.path}: step {at} comes out otherwise than it did, so that the mission "
+            f"{kept.path}: {when} comes out otherwise than it did, so that the mission "
             "cannot go on",
             "use the version of Teamformer that it ran by; a method that plans by the clock "
             "may find another plan",
         )
 
 
-def _plans_of(entry: Tree) -> Iterator[Plan]:
-    return (plan_from_tree(tree) for tree in entry.get("plans", ()))
+def _plans_of(entry: Tree, at: float) -> Iterator[tuple[float, Plan]]:
+    """Yield the plans of a line with when they were made: at `at`, if it does not say."""
+    for tree in entry.get("plans", ()):
+        fields = {key: value for key, value in tree.items() if key != "at"}
+        yield tree.get("at", at), plan_from_tree(fields)
 
 
 def _as_read(tree: Tree) -> Any:

@@ -1,28 +1,18 @@
 """How a mission ends if nothing more happens: played ahead, in many futures where it is uncertain.
 
-A future is a truth that could be behind what has been seen so far. It is drawn, the past is played
-again in it, and where that comes out as it did the mission is played to its end.
+A future is a truth that could be behind what has been seen so far, and the mission is played to its
+end in it. How that is done depends on its time: `live/steps` and `live/continuous` do it.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
-import numpy as np
-
-from teamformer.methods.by_name import Method
-from teamformer.methods.coordinators.replayed import Replayed
-from teamformer.mission.arrivals import once_appeared
-from teamformer.mission.coordination import Coordinator, Plan
-from teamformer.mission.model import Absence, Mission, Robot, Task
-from teamformer.mission.parts.grid import Grid, Place
-from teamformer.mission.truth import draw_absences, draw_truth
-from teamformer.trials.trial import decide
-from teamformer.world.env import Decision, Tally, TeamFormation
-from teamformer.world.rules.constants import NOBODY
+from teamformer.mission.coordination import Plan
+from teamformer.mission.model import Mission
 
 SAMPLES = 40
 """Futures at most."""
@@ -31,59 +21,93 @@ SECONDS = 20.0
 """For all futures together."""
 
 BAND = (0.1, 0.9)
-"""The parts of the futures that have ended by the two steps of a band."""
+"""The parts of the futures that have ended by the two moments of a band."""
+
+IsOver = Callable[[], bool]
+"""Says that nobody wants to know any more."""
 
 
-@dataclass(frozen=True)
-class Past:
-    """The present of a mission, and how it came about."""
-
-    mission: Mission
-    env: TeamFormation
-    begin: Callable[[], Method]
-    decisions: Sequence[Decision]
-    plans: Sequence[tuple[int, Plan]]  # taken over after so many steps
-
-    def with_plan(self, plan: Plan) -> Past:
-        """Return the same if a plan were taken over now."""
-        env, steps = self.env.fork(), self.env.tally().steps
-        env.take_over_plan(plan)
-        return replace(self, env=env, plans=(*self.plans, (steps, plan)))
+def never() -> bool:
+    """Say that somebody still wants to know."""
+    return False
 
 
 class Played(NamedTuple):
-    """A future that was played: its end, and by task the step in which it was done, or NOBODY."""
+    """A future that was played: how and when it ended, and by task when it was done, or None.
 
-    tally: Tally
-    done_at: Sequence[int]
+    Times are in steps or, in continuous time, in the mission's unit, here as everywhere below.
+    """
+
+    status: str
+    end: float
+    done_at: Sequence[float | None]
+
+
+class Past(Protocol):
+    """The present of a mission, and how it came about."""
+
+    @property
+    def mission(self) -> Mission:
+        """Return the mission with all that has happened to it."""
+
+    @property
+    def tasks(self) -> tuple[int, int]:
+        """Return how many tasks there are that everybody may know of, and how many in all.
+
+        Those that are to appear at random yet are the last.
+        """
+
+    @property
+    def is_planned(self) -> bool:
+        """Say whether robots go by plans of a coordinator."""
+
+    def play_ahead(self, is_over: IsOver) -> Played:
+        """Play to the end, or until nobody wants to know any more."""
+
+    def future(self, seed: int) -> Past | None:
+        """Return the present under a truth that is drawn; None if the past would be another."""
+
+    def with_plan(self, plan: Plan) -> Past:
+        """Return the same if a plan were taken over now."""
+
+    def search_plan(self, seconds: float, seed: int, is_over: IsOver) -> Plan:
+        """Search for a better plan from the present on; it is never worse than the one in force."""
+
+
+class Unfinished(NamedTuple):
+    """How a mission ended that was not completed, and when."""
+
+    status: str
+    end: float
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """How a mission ends, in one future or several: steps, the fastest first, of those done.
+    """How a mission ends, in one future or several: the ends of those done, the first one first.
 
-    `done_at` has for each task the mean step in which it is done, over the futures in which it is;
+    `done_at` has for each task the mean time at which it is done, over the futures in which it is;
     None if it is in none.
     """
 
     futures: int
-    ends: tuple[int, ...]
-    otherwise: Tally | None = None  # of one that is not done
+    ends: tuple[float, ...]
+    otherwise: Unfinished | None = None  # of one that is not done
     done_at: tuple[float | None, ...] = ()
 
-    def text(self) -> str:
-        """Return how it ends as words."""
+    def text(self, unit: str = " steps") -> str:
+        """Return how it ends as words; `unit` stands behind times."""
         is_sure = self.futures == len(self.ends)
         part = "" if is_sure else f" in {len(self.ends)} of {self.futures} futures"
         if not self.ends:
             assert self.otherwise is not None
-            return f"{self.otherwise.status} after {self.otherwise.steps} steps"
+            return f"{self.otherwise.status} after {self.otherwise.end:g}{unit}"
         low, high = self.band
-        return f"done after {low if low == high else f'{low} to {high}'} steps{part}"
+        when = f"{low:g}" if low == high else f"{low:g} to {high:g}"
+        return f"done after {when}{unit}{part}"
 
     @property
-    def band(self) -> tuple[int, int]:
-        """Return the steps after which a tenth and nine tenths of the futures done are done."""
+    def band(self) -> tuple[float, float]:
+        """Return the times by which a tenth and nine tenths of the futures done are done."""
         low, high = (self.ends[int(part * (len(self.ends) - 1) + 0.5)] for part in BAND)
         return low, high
 
@@ -94,174 +118,35 @@ class Forecast:
 
     @property
     def mean(self) -> float:
-        """Return the mean steps of the futures that are done."""
+        """Return the mean end of the futures that are done."""
         return sum(self.ends) / len(self.ends)
 
 
-def replayed(env: TeamFormation, coordinator: Coordinator | None) -> Coordinator | None:
-    """Return a coordinator that gives the plans of an environment again while the same happens."""
-    return None if coordinator is None else Replayed(env.plans(), coordinator)
-
-
-def play_ahead(
-    env: TeamFormation, method: Method, is_over: Callable[[], bool] = lambda: False
-) -> Played:
-    """Play an environment to its end, or until nobody wants to know any more; return how it is."""
-    while env.is_running[0] and not is_over():
-        env.step(decide(env, method, env.view()))
-    return Played(env.tally(), env.worlds.tasks["done_at"][0].tolist())
-
-
-def forecast(
-    past: Past, is_over: Callable[[], bool] = lambda: False, seconds: float = SECONDS
-) -> Forecast:
+def forecast(past: Past, is_over: IsOver = never, seconds: float = SECONDS) -> Forecast:
     """Return how the mission ends; `is_over` says that nobody wants to know any more."""
     if not past.mission.has_surprises:
-        return _summed_up([play_ahead(past.env.fork(), past.begin(), is_over)], past.env)
+        return _summed_up([past.play_ahead(is_over)], past)
     until = time.monotonic() + seconds
     played: list[Played] = []
     for seed in range(SAMPLES):
-        env = _future(past, seed)
-        if env is not None:
-            played.append(play_ahead(env, past.begin(), is_over))
+        future = past.future(seed)
+        if future is not None:
+            played.append(future.play_ahead(is_over))
         if played and (is_over() or time.monotonic() > until):
             break
-    return _summed_up(played or [play_ahead(past.env.fork(), past.begin())], past.env)
+    return _summed_up(played or [past.play_ahead(never)], past)
 
 
-def _summed_up(played: Sequence[Played], now: TeamFormation) -> Forecast:
+def _summed_up(played: Sequence[Played], now: Past) -> Forecast:
     """Return how plays of the present end; those tasks count that have appeared by now."""
-    tallies = [one.tally for one in played]
-    done = sorted(tally.steps for tally in tallies if tally.status == "completed")
-    others = [tally for tally in tallies if tally.status != "completed"]
-    known = _tasks_known(now)
+    done = sorted(one.end for one in played if one.status == "completed")
+    others = [Unfinished(one.status, one.end) for one in played if one.status != "completed"]
+    known, count = now.tasks
     rows = zip(*(one.done_at[:known] for one in played), strict=True)
-    done_at = tuple(_mean([step for step in steps if step != NOBODY]) for steps in rows)
-    unknown = (None,) * (len(now.missions[0].tasks) - known)
-    return Forecast(len(tallies), tuple(done), others[0] if others else None, done_at + unknown)
+    done_at = tuple(_mean([end for end in ends if end is not None]) for ends in rows)
+    unknown = (None,) * (count - known)
+    return Forecast(len(played), tuple(done), others[0] if others else None, done_at + unknown)
 
 
-def _tasks_known(env: TeamFormation) -> int:
-    """Return how many tasks there are but for those that are to appear at random yet.
-
-    They are the last.
-    """
-    steps, tasks = env.tally().steps, env.missions[0].tasks
-    return sum(not task.has_arrived or task.appears <= steps for task in tasks)
-
-
-def _mean(steps: Sequence[int]) -> float | None:
-    return sum(steps) / len(steps) if steps else None
-
-
-def _future(past: Past, seed: int) -> TeamFormation | None:
-    """Return the present under a truth that is drawn; None if the past would have been another."""
-    truth = possible_truth(past.mission, past.env, seed)
-    coordinator = replayed(past.env, past.begin().coordinator)
-    env = TeamFormation([past.mission], truths=[truth], coordinator=coordinator)
-    for made, decision in enumerate([*past.decisions, None]):
-        for plan in (plan for steps, plan in past.plans if steps == made):
-            env.take_over_plan(plan)
-        if decision is None:
-            break
-        view = env.view()
-        if not env.is_running[0] or len(view.slot) != len(decision.wanted):
-            return None
-        env.step(decision)
-    if not _looks_alike(env, past.env):
-        return None
-    luck = env.worlds.robots["luck"]  # who stands still from now on, nobody knows
-    luck[:] = np.random.default_rng(seed).integers(1, 2**63, size=luck.shape)
-    return env
-
-
-def _looks_alike(one: TeamFormation, other: TeamFormation) -> bool:
-    """Say whether two environments stand alike, as far as anybody can see."""
-    fields = {
-        "teams": ("x", "y", "size", "serves"),
-        "tasks": ("is_open", "served", "done_at", "shown_at", "found_at", "x", "y"),
-        "robots": ("team",),
-    }
-    known = {"tasks": _tasks_known(other)}
-    return all(
-        np.array_equal(
-            getattr(one.worlds, part)[name][:, : known.get(part)],
-            getattr(other.worlds, part)[name][:, : known.get(part)],
-        )
-        for part, names in fields.items()
-        for name in names
-    )
-
-
-def possible_truth(mission: Mission, env: TeamFormation, seed: int) -> Mission:
-    """Draw a truth that could be behind what has been seen in an environment so far."""
-    drawn, known = draw_truth(mission, seed), env.truths[0]
-    rng, steps = np.random.default_rng(seed), env.tally().steps
-    seen = env.worlds.tasks[0]
-    tasks = (
-        _possible_task(task, other, real, seen[number], _places_left(env, number), rng)
-        for number, (task, other, real) in enumerate(
-            zip(mission.tasks, drawn.tasks, known.tasks, strict=False)  # these have no arrivals
-        )
-    )
-    now = once_appeared(mission, known, steps)
-    arrived = known.tasks[len(mission.tasks) : len(now.tasks)]
-    later = draw_truth(now, seed).tasks[len(now.tasks) :]
-    robots = (
-        _possible_robot(mission, robot, real, steps, rng)
-        for robot, real in zip(mission.robots, known.robots, strict=True)
-    )
-    return replace(drawn, tasks=(*tasks, *arrived, *later), robots=tuple(robots))
-
-
-def _possible_task(
-    task: Task,
-    drawn: Task,
-    real: Task,
-    seen: np.void,
-    places: Sequence[Place],
-    rng: np.random.Generator,
-) -> Task:
-    """Return a task as it could be.
-
-    Where it is once it is found, else in one of the places left; what it needs once that is shown;
-    how long it takes once it is done, or its load taken up.
-    """
-    at = drawn.at
-    if task.within:
-        at = real.at if seen["found_at"] != NOBODY else places[int(rng.integers(len(places)))]
-    needs = real.needs if seen["shown_at"] != NOBODY else drawn.needs
-    duration = drawn.duration
-    if seen["done_at"] != NOBODY or seen["taken_at"] != NOBODY:
-        duration = real.duration
-    elif task.lasts is not None and seen["served"] > 0:
-        shortest, longest = map(int, task.lasts)
-        duration = int(rng.integers(max(shortest, seen["served"] + 1), longest + 1))
-    return task.once_known(at, needs, duration)
-
-
-def _places_left(env: TeamFormation, task: int) -> list[Place]:
-    """Return where a task may be whose place is not known."""
-    along = int if isinstance(env.missions[0].world, Grid) else float
-    spots = env.worlds.spots[0]
-    left = spots[task][spots[task]["is_possible"]] if len(spots) else ()
-    return [(along(spot["x"]), along(spot["y"])) for spot in left]
-
-
-def _possible_robot(
-    mission: Mission, robot: Robot, real: Robot, steps: int, rng: np.random.Generator
-) -> Robot:
-    """Return a robot as it could be: lost and back when it was, and later when nobody knows."""
-    if robot.breaks is None:
-        return real
-    been = [away for away in real.absences if away.lost <= steps]
-    if been and been[-1].back is None:
-        return replace(real, absences=tuple(been))
-    sound_from = steps
-    if been and robot.breaks.repair is not None and (been[-1].back or 0) > steps:
-        lost, (shortest, longest) = int(been[-1].lost), map(int, robot.breaks.repair)
-        least = max(shortest, steps + 1 - lost)
-        sound_from = lost + int(rng.integers(least, longest, endpoint=True))
-        been[-1] = Absence(been[-1].lost, sound_from)
-    later = draw_absences(robot.breaks, mission.step_limit, rng, sound_from)
-    return replace(real, absences=(*been, *later))
+def _mean(ends: Sequence[float]) -> float | None:
+    return sum(ends) / len(ends) if ends else None

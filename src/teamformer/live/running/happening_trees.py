@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from teamformer.live.running.forecasts import Forecast
+from teamformer.live.running.forecasts import Forecast, Unfinished
 from teamformer.live.running.incidents import (
     CancelledTask,
     Happening,
@@ -17,14 +17,16 @@ from teamformer.live.running.messages import read_incident
 from teamformer.live.running.page_trees import Tree
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
-from teamformer.world.env import Tally
+from teamformer.mission.parts.roads import Roads
 
 
-def happening_to_tree(happening: Happening) -> Tree:
+def happening_to_tree(happening: Happening, mission: Mission) -> Tree:
     """Return what happens as the message of a page has it, with the plan that it brings."""
     match happening:
         case NewTask():
-            return {"task": vars(happening) | {"needs": dict(happening.needs)}}
+            place, world = happening.at, mission.world
+            at = world.places[int(place[0])] if isinstance(world, Roads) else place
+            return {"task": vars(happening) | {"at": at, "needs": dict(happening.needs)}}
         case LostRobot():
             return {"lost": happening.robot}
         case CancelledTask():
@@ -63,12 +65,14 @@ def _forecast_to_tree(found: Forecast) -> Tree:
     """Return what is told of a forecast in words."""
     other = found.otherwise
     told = {"futures": found.futures, "ends": found.ends}
-    return told | {"otherwise": None if other is None else vars(other)}
+    ended = None if other is None else {"status": other.status, "steps": other.end}
+    return told | {"otherwise": ended}
 
 
 def _forecast_from_tree(tree: Tree) -> Forecast:
     other = tree["otherwise"]
-    return Forecast(tree["futures"], tuple(tree["ends"]), None if other is None else Tally(**other))
+    ended = None if other is None else Unfinished(other["status"], other["steps"])
+    return Forecast(tree["futures"], tuple(tree["ends"]), ended)
 
 
 def _tuples(value: Any) -> Any:

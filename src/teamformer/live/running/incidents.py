@@ -2,28 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from teamformer.base.errors import MissionError, TeamformerError
-from teamformer.live.running.forecasts import Forecast, Past, forecast
-from teamformer.mission.coordination import Coordinator, Plan
-from teamformer.mission.model import Absence, Mission, Robot, Task
+from teamformer.live.running.forecasts import Forecast, IsOver, Past, forecast, never
+from teamformer.mission.coordination import Coordinator, Known, Plan
+from teamformer.mission.model import Absence, Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import Counts, describe
 from teamformer.mission.parts.grid import Place
-from teamformer.planning.steps.longer_search import search_longer
-from teamformer.world.env import TeamFormation
+from teamformer.mission.parts.roads import Roads
 
 SEARCHES = 4
 """Plans that are searched for, each from other random numbers, and played: the best play counts."""
 
 
-class _Told:
-    """Something that happens. Records have it `steps_later` steps after the latest step.
+@dataclass(frozen=True)
+class Present:
+    """A mission as it stands when something happens to it; times as missions have them.
 
-    If all is planned as well as can be, a mission ends no sooner by what `can_only_delay` it, and
-    no later by what `can_only_hasten` it.
+    What appears now does so at `now`. Whatever else happens is felt `next`: in steps with the next
+    step, in continuous time at once.
+    """
+
+    now: float
+    next: float
+    truth: Mission
+    ends: Mapping[int, float]  # of the tasks that are done
+    is_planned: bool  # robots go by plans of a coordinator
+
+    def told(self, when: float) -> str:
+        """Return a moment as words."""
+        return f"in step {when:g}" if self.truth.time == "steps" else f"at {when:g}"
+
+
+class _Told:
+    """Something that happens.
+
+    In steps, records have it `steps_later` steps after the latest step. If all is planned as well
+    as can be, a mission ends no sooner by what `can_only_delay` it, and no later by what
+    `can_only_hasten` it.
     """
 
     steps_later: ClassVar[int] = 0
@@ -40,16 +59,16 @@ class NewTask(_Told):
     at: Place
     needs: Counts
     name: str
-    duration: int = 0
+    duration: float = 0
 
-    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+    def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission in which this has happened."""
-        task = Task(self.name, self.at, dict(self.needs), self.duration, now.tally().steps)
+        task = Task(self.name, self.at, dict(self.needs), self.duration, now.now)
         return _checked(mission, tasks=(*mission.tasks, task))
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
-        place = f"[{self.at[0]}, {self.at[1]}]"
+        place = place_text(mission.world, self.at)
         return f"task {self.name} at {place} that needs {describe(self.needs)}"
 
 
@@ -62,18 +81,19 @@ class LostRobot(_Told):
 
     robot: str
 
-    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+    def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission in which the robot is lost in the next step."""
-        number, steps = _number_of(mission.robots, self.robot, "robot"), now.tally().steps
-        been = [away for away in now.truths[0].robots[number].absences if away.lost <= steps]
+        number = _number_of(mission.robots, self.robot, "robot")
+        been = _absences_so_far(now, number)
         last = been[-1] if been else None
-        if last is not None and (last.back is None or last.back > steps + 1):
-            raise TeamformerError(f"robot '{self.robot}' was lost in step {last.lost} already")
-        if last is not None and last.back == steps + 1:  # it is not back after all
+        if last is not None and (last.back is None or last.back > now.next):
+            when = now.told(last.lost)
+            raise TeamformerError(f"robot '{self.robot}' was lost {when} already")
+        if last is not None and last.back == now.next:  # it is not back after all
             return _with_absences(mission, number, (*been[:-1], Absence(last.lost)))
-        return _with_absences(mission, number, (*been, Absence(steps + 1)))
+        return _with_absences(mission, number, (*been, Absence(now.next)))
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
         return f"robot {self.robot} lost"
 
@@ -87,20 +107,20 @@ class RobotBack(_Told):
 
     robot: str
 
-    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+    def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission in which the robot is back in the next step."""
-        number, steps = _number_of(mission.robots, self.robot, "robot"), now.tally().steps
-        absences = now.truths[0].robots[number].absences
-        been = [away for away in absences if away.lost <= steps]
+        number = _number_of(mission.robots, self.robot, "robot")
+        been = _absences_so_far(now, number)
         if not been:
             raise TeamformerError(f"robot '{self.robot}' is not lost")
-        if been[-1].back is not None and been[-1].back <= steps:
-            raise TeamformerError(f"robot '{self.robot}' is back since step {been[-1].back}")
+        back = been[-1].back
+        if back is not None and back <= now.now:
+            raise TeamformerError(f"robot '{self.robot}' came back {now.told(back)} already")
         later = mission.robots[number].absences[len(been) :]
-        again = (*been[:-1], replace(been[-1], back=steps + 1), *later)
+        again = (*been[:-1], replace(been[-1], back=now.next), *later)
         return _with_absences(mission, number, again)
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
         return f"robot {self.robot} back"
 
@@ -114,15 +134,15 @@ class CancelledTask(_Told):
 
     task: str
 
-    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+    def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission in which the task is called off in the next step."""
-        number, steps = _number_of_undone(mission, self.task, now), now.tally().steps
+        number = _number_of_undone(mission, self.task, now)
         task = mission.tasks[number]
-        if task.cancelled is not None and task.cancelled <= steps + 1:
+        if task.cancelled is not None and task.cancelled <= now.next:
             raise TeamformerError(f"task '{self.task}' was called off already")
-        return _with_task(mission, number, replace(task, cancelled=steps + 1))
+        return _with_task(mission, number, replace(task, cancelled=now.next))
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
         return f"task {self.task} called off"
 
@@ -135,25 +155,25 @@ class NewWeight(_Told):
     weight: float
     plan: Plan | None = None
 
-    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+    def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission in which the task has always had this weight."""
         number = _number_of_undone(mission, self.task, now)
         if mission.cost is None:
             raise TeamformerError("this mission has no cost, so weights change nothing")
-        if not now.is_coordinated[0]:
+        if not now.is_planned:
             raise TeamformerError(
                 "with this method robots follow no plan that a weight could change"
             )
         return self._weighed(mission, number)
 
-    def planned(self, now: TeamFormation, coordinator: Coordinator) -> NewWeight:
-        """Return the same with the plan that a coordinator makes of it."""
-        known = replace(now.known(), news=("task appeared",))
+    def planned(self, known: Known, plan: Plan | None, coordinator: Coordinator) -> NewWeight:
+        """Return the same with what a coordinator makes of the plan in force because of it."""
         number = _number_of(known.mission.tasks, self.task, "task")
         mission = self._weighed(known.mission, number)
-        return replace(self, plan=coordinator.update(replace(known, mission=mission), now.plan()))
+        asked = replace(known, news=("task appeared",), mission=mission)
+        return replace(self, plan=coordinator.update(asked, plan))
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return the incident as words."""
         return f"task {self.task} has the weight {self.weight:g}"
 
@@ -172,16 +192,25 @@ class PlanTakenOver(_Told):
     forecast: Forecast
     without: Forecast  # how the mission was to end before
 
-    def apply(self, mission: Mission, now: TeamFormation) -> Mission:
+    def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission as it is: it holds no plans."""
         return mission
 
-    def text(self) -> str:
+    def text(self, mission: Mission) -> str:
         """Return what happened as words."""
-        return f"plan of central taken over: {self.forecast.text()}; before: {self.without.text()}"
+        unit = " steps" if mission.time == "steps" else ""
+        found, before = (it.text(unit) for it in (self.forecast, self.without))
+        return f"plan of central taken over: {found}; before: {before}"
 
 
 Happening = Incident | PlanTakenOver
+
+
+def place_text(world: World, place: Place) -> str:
+    """Return a place as words: the name of one on roads."""
+    if isinstance(world, Roads):
+        return world.places[int(place[0])]
+    return f"[{place[0]}, {place[1]}]"
 
 
 def plan_of(happening: Happening) -> Plan | None:
@@ -199,22 +228,19 @@ def note_of_plans(happenings: Iterable[Happening]) -> str:
     )
 
 
-def search_plan(
-    past: Past, seconds: float, is_over: Callable[[], bool] = lambda: False
-) -> PlanTakenOver:
+def search_plan(past: Past, seconds: float, is_over: IsOver = never) -> PlanTakenOver:
     """Search for a better plan from the present on, as `central` does; say what it would gain.
 
     `is_over` says that nobody wants to know any more.
     """
-    if not past.env.is_coordinated[0]:
+    if not past.is_planned:
         raise TeamformerError(
             "with this method robots follow no plan that could be made anew; "
             "run the mission with the method 'plan'"
         )
-    known, old = past.env.known(), past.env.plan()
     searches = 1 if past.mission.has_surprises else SEARCHES
     plans = [
-        search_longer(known, old, seconds / searches, seed, is_over)
+        past.search_plan(seconds / searches, seed, is_over)
         for seed in range(searches)
         if seed == 0 or not is_over()
     ]
@@ -226,6 +252,10 @@ def search_plan(
     return replace(best, without=forecast(past, is_over))
 
 
+def _absences_so_far(now: Present, robot: int) -> list[Absence]:
+    return [away for away in now.truth.robots[robot].absences if away.lost <= now.now]
+
+
 def _number_of(those: Sequence[Robot | Task], name: str, what: str) -> int:
     number = next((number for number, it in enumerate(those) if it.name == name), None)
     if number is None:
@@ -233,11 +263,11 @@ def _number_of(those: Sequence[Robot | Task], name: str, what: str) -> int:
     return number
 
 
-def _number_of_undone(mission: Mission, name: str, now: TeamFormation) -> int:
+def _number_of_undone(mission: Mission, name: str, now: Present) -> int:
     number = _number_of(mission.tasks, name, "task")
-    done_in = now.ends().get(number)
-    if done_in is not None:
-        raise TeamformerError(f"task '{name}' was done in step {done_in}")
+    ended = now.ends.get(number)
+    if ended is not None:
+        raise TeamformerError(f"task '{name}' was done {now.told(ended)}")
     return number
 
 

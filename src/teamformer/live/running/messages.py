@@ -29,6 +29,7 @@ COMMANDS = (
     *("check", "open", "new", "run"),
 )
 SLOWEST, FASTEST = 0.1, 1000.0  # steps a second
+LEAST_RATE, HIGHEST_RATE = 1e-6, 1e6  # units of time a second
 LONGEST_SEARCH = 120.0  # seconds
 
 WITH_A_NAME: Mapping[str, Callable[[str], Incident]] = {
@@ -54,9 +55,10 @@ def read_message(text: str) -> Message:
     return message
 
 
-def read_speed(message: Message) -> float:
-    """Return the steps a second that a message asks for."""
-    return _read_number(message, "speed", SLOWEST, FASTEST)
+def read_speed(message: Message, time: str) -> float:
+    """Return the steps a second that a message asks for, in continuous time the units."""
+    bounds = (SLOWEST, FASTEST) if time == "steps" else (LEAST_RATE, HIGHEST_RATE)
+    return _read_number(message, "speed", *bounds)
 
 
 def read_search(message: Message) -> float:
@@ -113,4 +115,4 @@ def read_incident(message: Message, mission: Mission) -> Incident:
         text = "; ".join(problem.message for problem in error.problems)
         keys = dict.fromkeys(str(key) for it in error.problems for key in it.where[2:3])
         raise TaskRefusedError(text, tuple(keys)) from None
-    return NewTask(task.at, task.needs, task.name, int(task.duration))
+    return NewTask(task.at, task.needs, task.name, task.duration)

@@ -8,12 +8,11 @@ robots and tasks, with the incident and without, say how much ends differ by suc
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 
-from teamformer.live.running.forecasts import Forecast, forecast
+from teamformer.live.running.forecasts import Forecast, IsOver, forecast
 from teamformer.live.running.incidents import Incident
-from teamformer.live.running.mission_with_past import RunningMission
+from teamformer.live.running.live_mission import LiveMission
 from teamformer.live.running.page_trees import Tree, forecast_to_tree
 from teamformer.trials.noise import Noise
 
@@ -23,15 +22,12 @@ ORDERS = 6
 SECONDS = 20.0
 """For all of these together."""
 
-IsOver = Callable[[], bool]
-"""Says that nobody wants to know any more."""
-
 
 @dataclass(frozen=True)
 class WhatIf:
     """How a mission would end with an incident, and without it."""
 
-    now: RunningMission
+    now: LiveMission
     incident: Incident
     found: Forecast
     without: Forecast
@@ -39,7 +35,7 @@ class WhatIf:
     def to_tree(self) -> Tree:
         """Return it as pages are told; `is_planned` says that they are told of luck later."""
         ends = forecast_to_tree(self.found) | {"without": forecast_to_tree(self.without)}
-        about = {"text": self.incident.text(), "at": self.now.steps}
+        about = {"text": self.incident.text(self.now.source), "at": self.now.now}
         return ends | about | {"is_planned": self.now.is_planned}
 
     @property
@@ -52,7 +48,7 @@ class WhatIf:
         return (more < 0 and incident.can_only_delay) or (more > 0 and incident.can_only_hasten)
 
 
-def what_if(now: RunningMission, incident: Incident, is_over: IsOver) -> WhatIf:
+def what_if(now: LiveMission, incident: Incident, is_over: IsOver) -> WhatIf:
     """Return how a mission would end with an incident, and without it."""
     without = forecast(now.past(), is_over)
     return WhatIf(now, incident, forecast(now.past_with(incident), is_over), without)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from teamformer.files.schema import mission_schema
-from teamformer.live.running.messages import FASTEST, LONGEST_SEARCH, SLOWEST
+from teamformer.live.running.messages import HIGHEST_RATE, LEAST_RATE, LONGEST_SEARCH
 from teamformer.mission.keys.task_keys import LARGEST_WEIGHT, SMALLEST_WEIGHT
 
 Schema = dict[str, Any]
@@ -13,6 +13,7 @@ Schema = dict[str, Any]
 TEXT: Schema = {"type": "string"}
 NUMBER: Schema = {"type": "number"}
 STEPS: Schema = {"type": "integer", "minimum": 0}
+TIME: Schema = {"type": "number", "minimum": 0}  # steps, or units of continuous time
 YES: Schema = {"type": "boolean"}
 ANY: Schema = {}
 TREE: Schema = {"type": "object"}
@@ -63,13 +64,13 @@ INCIDENT: Schema = {
 def said_by_pages() -> list[Schema]:
     """Return the messages of a page, `{"do": ...}`, in the order of the commands."""
     seconds = {"type": "number", "minimum": 0, "maximum": LONGEST_SEARCH, "default": 10}
-    speed = {"type": "number", "minimum": SLOWEST, "maximum": FASTEST}
+    speed = {"type": "number", "minimum": LEAST_RATE, "maximum": HIGHEST_RATE}
     files = {"beside": {"type": "object", "additionalProperties": TEXT}}
     drawn = {"mission": ANY} | DRAWN
     plain = {
         "play": "start the mission, or go on with it",
         "pause": "pause the mission",
-        "step": "make one step",
+        "step": "make one step; in continuous time go on until something happens",
         "stop": "end what this page asked by what_if, and the search for a plan",
         "take_over": "follow the plan that was found last",
         "undo": "go back to just before the latest incident",
@@ -79,7 +80,7 @@ def said_by_pages() -> list[Schema]:
     }
     return [
         *(message("do", name, about, {}) for name, about in plain.items()),
-        message("do", "speed", "set the steps per second", {"speed": speed}),
+        message("do", "speed", "set the steps, or units of time, per second", {"speed": speed}),
         message("do", "happen", "make an incident happen", {}) | INCIDENT,
         message("do", "what_if", "say what an incident would cost or gain", {}) | INCIDENT,
         message("do", "replan", "search for a better plan", {}, {"seconds": seconds}),
@@ -100,9 +101,10 @@ STATE: Schema = {
 }
 MAY_BE_OF_A_STATE: Schema = {
     "id": TEXT,
-    "undo_to": or_none(STEPS),
+    "now": TIME,
+    "undo_to": or_none(TIME),
     "leaving": list_of(TEXT),
-    "saved_at": or_none(STEPS),
+    "saved_at": or_none(TIME),
     "planning": TEXT,
     "has_editor": YES,
     "is_fleet": YES,
@@ -117,7 +119,7 @@ def said_by_the_server() -> list[Schema]:
     recorded = {"record": TREE} | STATE
     problem = {"type": "object", "properties": {"where": list_of(ANY), "message": TEXT}}
     outlook = {"steps": NUMBER, "done_at": list_of(or_none(NUMBER))}
-    compared = {"without": TREE, "at": STEPS}
+    compared = {"without": TREE, "at": TIME}
     return [
         *_of_drawings(problem),
         message("kind", "begun", "load the page again: a mission has begun or ended", {}),
@@ -128,11 +130,16 @@ def said_by_the_server() -> list[Schema]:
             {"at": STEPS, "step": TREE, "told": TREE},
         ),
         message(
+            *("kind", "moment", "continuous time that has passed, and what has happened in it"),
+            {"now": TIME, "from": STEPS, "events": list_of(list_of(ANY))},
+            {"told": TREE, "end": TREE},
+        ),
+        message(
             *("kind", "incident", "something has happened"),
             {"text": TEXT} | recorded,
             {"is_loss": YES} | MAY_BE_OF_A_STATE,
         ),
-        message("kind", "bound", "no plan takes fewer steps", {"lower_bound": STEPS}),
+        message("kind", "bound", "no plan takes fewer steps", {"lower_bound": TIME}),
         message("kind", "forecast", "when the mission will end", FORECAST, outlook),
         message(
             "kind",

@@ -1,4 +1,4 @@
-"""Plans that were made before, given again when the same happens at the same step."""
+"""Plans that were made before, given again when the same happens at the same time."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by
 class Replayed:
     """Gives the plans of a history; where something else happens it asks another coordinator.
 
-    `plans` has the steps made and the plan from then on. So a past is played again without being
-    planned again.
+    `plans` has the steps made, or the time, and the plan from then on. So a past is played again
+    without being planned again.
     """
 
-    plans: Sequence[tuple[int, Plan]]
+    plans: Sequence[tuple[float, Plan]]
     coordinator: Coordinator
 
     @property
@@ -25,9 +25,9 @@ class Replayed:
         return heeded_by(self.coordinator)
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
-        """Return the plan that was made at this step after this news, or a new one."""
-        for step, made in self.plans:
-            is_same = step == known.step and made.why == known.news
+        """Return the plan that was made now after this news, or a new one."""
+        for at, made in self.plans:
+            is_same = at == known.now and made.why == known.news
             if is_same and set(known.possible_tasks) <= set(made.order):
                 return made
         return self.coordinator.update(known, plan)

@@ -82,17 +82,19 @@ def solve(
     seed: int = 0,
     workers: int = 2,
     start: CoalitionPlan | None = None,
+    is_over: Callable[[], bool] = lambda: False,
 ) -> Solution | None:
     """Return the best plan found in so many seconds; None where `plan_together` finds none.
 
     It begins with the shared plan, or with `start` if that is better, and ends early if a plan is
-    proven. The main thread only waits, so that Ctrl-C reaches it.
+    proven, or if it `is_over` because nobody waits for it. The main thread only waits, so that
+    Ctrl-C reaches it.
     """
     begun = time.perf_counter()
     shared = plan_together(problem, seed)
     if shared is None:
         return None
-    race = Race(partial(judge, problem), shared, begun, begun + time_limit)
+    race = Race(partial(judge, problem), shared, begun, begun + time_limit, is_over)
     first = (time.perf_counter() - begun, shared.worth)
     if start is not None:
         race.offer(measuring(problem)(start))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from teamformer.mission.parts.layout import Layout
@@ -37,6 +37,34 @@ def news_to_tree(news: ToldOfStep) -> Tree:
         "phases": [[robot, _run(run)] for robot, run in news.runs],
         "texts": list(news.texts),
     }
+
+
+def added_to_tree(before: ToldRecord, after: ToldRecord) -> Tree:
+    """Return what is told of events and was not told before the latest, as pages are told.
+
+    There is a path only if the mission has ended.
+    """
+    known = len(before.services)
+    services = [
+        [row, _service(service)]
+        for row, service in enumerate(after.services)
+        if row >= known or service != before.services[row]
+    ]
+    tree: Tree = {
+        "services": services,
+        "phases": [[robot, _run(run)] for robot, run in _added(before.runs, after.runs)],
+        "texts": list(after.texts[len(before.texts) :]),
+    }
+    return tree | {"path": path_to_tree(after.path)} if after.path else tree
+
+
+def _added(
+    before: Sequence[Sequence[Run]], after: Sequence[Sequence[Run]]
+) -> Iterator[tuple[int, Run]]:
+    """Yield what each robot has more than before."""
+    for robot, row in enumerate(after):
+        for run in row[len(before[robot]) :]:
+            yield robot, run
 
 
 def path_to_tree(path: Iterable[Stretch]) -> list[list[Any]]:

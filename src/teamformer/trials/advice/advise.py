@@ -16,7 +16,13 @@ from teamformer.mission.model import Mission
 from teamformer.planning.continuous.rules import warm_up
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.trials.advice.changes import changes_of
-from teamformer.trials.advice.measuring import Found, PlannedSearch, Progress, searched
+from teamformer.trials.advice.measuring import (
+    Found,
+    PlannedSearch,
+    Progress,
+    goes_as_planned,
+    searched,
+)
 from teamformer.trials.advice.suggestions import Advice, Suggestion
 from teamformer.trials.noise import Noise
 
@@ -41,8 +47,9 @@ def advise_on(
 
     No search begins that is not expected to end in time, but for the first three of the mission
     itself. Every change is searched once before any is searched again, first those that the
-    mission's critical path is about. What is not known of a mission is taken as it is to be
-    expected. Raises `TeamformerError` for a mission that is not completed.
+    mission's critical path is about. What is not known of a mission in steps is taken as it is to
+    be expected; in continuous time each search draws it. Raises `TeamformerError` for a mission
+    that is not completed.
     """
     if mission.time == "continuous":
         warm_up()
@@ -128,7 +135,7 @@ class _Measuring:
             return
         self._failed.add(about)
         if about == self._own:
-            is_planned = self._mission.time == "continuous"
+            is_planned = self._mission.time == "continuous" and goes_as_planned(self._mission)
             verb = f"plan MISSION --method {DEFAULT}" if is_planned else "run MISSION"
             raise TeamformerError(
                 f"{self._mission.name}: not all tasks are done by {self._method}, "

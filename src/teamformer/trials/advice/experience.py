@@ -17,8 +17,10 @@ import numpy as np
 
 from teamformer.base.array_types import Floats
 from teamformer.base.errors import TeamformerError
-from teamformer.mission.model import Mission, Task, default_step_limit
+from teamformer.mission.model import Mission, Task, World, default_step_limit
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.layout import layout_of
+from teamformer.mission.parts.roads import Roads
 from teamformer.record.record import Record
 
 NEAR = (1 / 32, 1 / 16, 1 / 8, 1 / 4, np.inf)
@@ -32,6 +34,9 @@ LEFT_OUT = 0.05
 
 FEWEST = 1.0
 """If fewer tasks than this told a duration, its range stays as the file has it."""
+
+PARTS, PLACES = 200, 6
+"""In continuous time ranges begin and end at such parts of what the file says, rounded."""
 
 SURE = 0.01
 """No chance that is learned is nearer to 0 or to 1."""
@@ -74,33 +79,61 @@ def learn(mission: Mission, records: Sequence[Record]) -> Experience:
                 f"the record of '{record.mission.name}' is of another world than the mission",
                 "name records of missions at the same site",
             )
-    side = max(mission.world.width, mission.world.height)
+    site = _site_of(mission.world)
     cases = [case for record in records for case in _cases(record)]
-    durations = _Past([case for case in cases if case.cap is None], side)
+    durations = _Past([case for case in cases if case.cap is None], site)
     caps = sorted({cap for task in mission.tasks for cap in task.may_need})
-    needs = {cap: _Past([case for case in cases if case.cap == cap], side) for cap in caps}
-    told = [_told(task, durations, needs) for task in mission.tasks]
+    needs = {cap: _Past([case for case in cases if case.cap == cap], site) for cap in caps}
+    is_whole = mission.time == "steps"
+    told = [_told(task, durations, needs, is_whole) for task in mission.tasks]
     is_usual = mission.step_limit == default_step_limit(mission)
     limit = 0 if is_usual else mission.step_limit
     learned = replace(mission, tasks=tuple(task for task, _ in told), step_limit=limit)
     return Experience(learned, tuple(lesson for _, lessons in told for lesson in lessons))
 
 
+@dataclass(frozen=True)
+class _Site:
+    """How long the longer side of a world is, and where its places lie in a plane."""
+
+    side: float
+    spots: Sequence[Place] | None = None  # of roads, by number
+
+    def spot(self, at: Place) -> Place:
+        """Return where a place lies."""
+        return at if self.spots is None else self.spots[int(at[0])]
+
+
+def _site_of(world: World) -> _Site:
+    """Return how near places are to one another; on roads as their map has them."""
+    if not isinstance(world, Roads):
+        return _Site(max(world.width, world.height))
+    layout = layout_of(world)
+    return _Site(max(layout.width, layout.height), layout.places)
+
+
 def _told(
-    task: Task, durations: _Past, needs: Mapping[str, _Past]
+    task: Task, durations: _Past, needs: Mapping[str, _Past], is_whole: bool
 ) -> tuple[Task, Sequence[Lesson]]:
-    """Return a task as the past shows it, and what was learned of it."""
+    """Return a task as the past shows it, and what was learned of it; in steps all is whole."""
     lasts, may_need, lessons = task.lasts, dict(task.may_need), []
     if task.lasts is not None:
-        first, last = map(int, task.lasts)
-        lasts, weight = durations.range_of(task, (first, last))
-        said, found = (f"{least} to {most}" for least, most in (task.lasts, lasts))
+        lasts, weight = durations.range_of(task, _values(*task.lasts, is_whole))
+        said, found = (f"{least:g} to {most:g}" for least, most in (task.lasts, lasts))
         lessons.append(Lesson(task.name, "duration", said, found, weight))
     for cap, chance in task.may_need.items():
         may_need[cap], weight = needs[cap].chance_of(task, chance)
         said, found = f"{chance:g}", f"{may_need[cap]:g}"
         lessons.append(Lesson(task.name, f"may need {cap}", said, found, weight))
     return replace(task, lasts=lasts, may_need=may_need), lessons
+
+
+def _values(least: float, most: float, is_whole: bool) -> Sequence[float]:
+    """Return the durations that a range may begin or end with, ascending."""
+    if is_whole:
+        return range(int(least), int(most) + 1)
+    values: list[float] = np.linspace(least, most, PARTS + 1).round(PLACES).tolist()
+    return values
 
 
 @dataclass(frozen=True)
@@ -117,7 +150,9 @@ class _Case:
 def _cases(record: Record) -> Iterator[_Case]:
     """Return what a record shows of durations and needs that were not known."""
     done = {task for step in record.steps for task, _ in step.done}
+    done |= {event.task for event in record.events if event.kind == "done"}
     seen = {task for step in record.steps for task in step.shown}
+    seen |= {event.task for event in record.events if event.kind == "know"}
     both = zip(record.mission.tasks, record.true_mission.tasks, strict=True)
     for number, (task, true) in enumerate(both):
         needed = frozenset(true.needs)
@@ -132,30 +167,31 @@ def _cases(record: Record) -> Iterator[_Case]:
 class _Past:
     """Tasks of the past, and how they count for another one."""
 
-    def __init__(self, cases: Sequence[_Case], side: float) -> None:
-        self._cases = cases
-        self._at = np.array([case.at for case in cases], np.float64).reshape(-1, 2)
+    def __init__(self, cases: Sequence[_Case], site: _Site) -> None:
+        self._cases, self._site, side = cases, site, site.side
+        spots = [site.spot(case.at) for case in cases]
+        self._at = np.array(spots, np.float64).reshape(-1, 2)
         self._value = np.array([case.value for case in cases], np.float64)
         caps = {cap for case in cases for cap in case.needs}
         self._lacking = {cap: np.array([cap not in c.needs for c in cases]) for cap in caps}
         ways = [(share * side, is_alike) for share, is_alike in product(NEAR, (False, True))]
         self._way = min(ways, key=lambda way: self._error(*way)) if cases else ways[0]
 
-    def range_of(self, task: Task, lasts: tuple[int, int]) -> tuple[tuple[int, int], float]:
-        """Return what a duration may be, within what is said of it, and how many tasks told it."""
-        least, most = lasts
+    def range_of(self, task: Task, values: Sequence[float]) -> tuple[tuple[float, float], float]:
+        """Return what a duration may be, out of some values, and how many tasks told it."""
+        least, most = values[0], values[-1]
         weight = self._weights(task.at, task.needs.keys(), *self._way)
         weight *= (least <= self._value) & (self._value <= most)
         if weight.sum() < FEWEST:
-            return lasts, float(weight.sum())
-        values = range(least, most + 1)
+            return (least, most), float(weight.sum())
 
-        def share_up_to(value: int) -> float:
-            told = weight[self._value <= value].sum()
-            return float((value - least + 1) / len(values) + told) / (1 + float(weight.sum()))
+        def share_up_to(place: int) -> float:
+            told = weight[self._value <= values[place]].sum()
+            return float((place + 1) / len(values) + told) / (1 + float(weight.sum()))
 
-        first = bisect_right(values, LEFT_OUT, key=share_up_to)
-        last = bisect_left(values, 1 - LEFT_OUT, key=share_up_to)
+        places = range(len(values))
+        first = bisect_right(places, LEFT_OUT, key=share_up_to)
+        last = bisect_left(places, 1 - LEFT_OUT, key=share_up_to)
         return (values[first], values[last]), float(weight.sum())
 
     def chance_of(self, task: Task, said: float) -> tuple[float, float]:
@@ -168,7 +204,7 @@ class _Past:
 
     def _weights(self, at: Place, needs: Set[str], near: float, is_alike: bool) -> Floats:
         """Return how much each task counts, from 0 to 1."""
-        away = ((self._at - np.asarray(at)) ** 2).sum(axis=1)
+        away = ((self._at - np.asarray(self._site.spot(at))) ** 2).sum(axis=1)
         weight: Floats = np.exp(-0.5 * away / near**2)
         for cap in needs if is_alike else ():
             weight[self._lacking.get(cap, slice(None))] = 0

@@ -22,8 +22,9 @@ def advise(mission: Mission, seconds: float = 60.0, workers: int = 1) -> Advice:
     taught to each kind that lacks it, each task left out. Each change is planned several times.
     `seconds` is how long all of it may take; changes that there was no time for are in
     `unmeasured`. If `workers` is more than 1, this many processes work side by side, and a script
-    needs `if __name__ == "__main__":`. Missions in steps are run by the default method, and
-    missions in continuous time are planned by `plan`. Raises `TeamformerError` for a mission that
+    needs `if __name__ == "__main__":`. Missions in steps are run by the default method.
+    Missions in continuous time are planned by `plan`, or run if something happens in them that no
+    plan knows. Raises `TeamformerError` for a mission that
     is not completed.
 
     >>> advice = tf.advise(tf.load("examples/four-robots.yaml"), seconds=20)

@@ -153,7 +153,7 @@ interface TrialHistory {
   leaving: Map<number, Absence>;
   at(step: number): State;
   sitesAfter(count: number): Site[];
-  grow(change: StepTree, told: any, end?: End): void;
+  grow(change: any, told?: any, end?: End): void; // in continuous time what a message says
   curves?: { made: number; open: number[]; idle: number[]; way: number[] };
   expected?: (number | null)[];
   isContinuous?: boolean; // steps are then ticks, and times have fractions

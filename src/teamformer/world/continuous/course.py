@@ -14,11 +14,12 @@ from dataclasses import replace
 from teamformer.base.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.windows import release_of
-from teamformer.mission.coordination import IDLE, Coordinator, Known, heeded_by
+from teamformer.mission.coordination import IDLE, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers
 from teamformer.mission.parts.reach import totals_there
 from teamformer.mission.precedence import tasks_before
+from teamformer.world.continuous.another_truth import under
 from teamformer.world.continuous.events import PlanMade, PlannedTask
 from teamformer.world.continuous.following import PlanFollower
 from teamformer.world.continuous.foresight import foresee, holds_of
@@ -48,6 +49,7 @@ class Course:
         self.mission, self.coordinator = mission, coordinator
         self.world = PhysicalWorld(mission, truth, is_told_all)
         self.follower = PlanFollower(mission)
+        self.plans: tuple[tuple[float, Plan], ...] = ()  # all that were made, and when
         self.status, self.blocked = RUNNING, tuple[int, ...]()
         self.seconds = 0.0
         self._heeds = {"start", IDLE, *heeded_by(coordinator)}
@@ -61,6 +63,18 @@ class Course:
         twin = copy.copy(self)
         twin.world, twin.follower = self.world.fork(), self.follower.fork()
         twin.links = self.links.fork()
+        return twin
+
+    def under(self, mission: Mission, truth: Mission) -> Course:
+        """Return a fork to which from now on happens what another truth says, as the world has it.
+
+        So something befalls a mission that runs, and so it goes on in one of several futures.
+        """
+        twin = self.fork()
+        twin.mission = with_arrivals(mission, truth)
+        twin.world = under(self.world, twin.mission, truth)
+        twin.follower = self.follower.fork(twin.mission)
+        twin._before, twin._after = tasks_before(twin.mission.tasks), _followers(twin.mission)
         return twin
 
     @property
@@ -84,10 +98,27 @@ class Course:
             return
         self._act(self.world.advance())
 
+    def go_until(self, when: float) -> None:
+        """Let time pass, for as long as the mission runs."""
+        while self.is_running and min(self.world.next_time, self.mission.step_limit) <= when:
+            self.go_on()
+        if self.is_running:
+            self.world.now = when
+
+    def take_over(self, plan: Plan) -> None:
+        """Go by a plan that an operator has chosen."""
+        known = self.known((TAKEN_OVER,))
+        self._follow(plan, known)
+        self._command(range(len(self.mission.robots)), ())
+
     def break_off(self, status: str) -> None:
         """End the mission as it stands."""
         if self.is_running:
             self._end(status)
+
+    def rest(self) -> Plan:
+        """Return what is left of the plan in force."""
+        return self.follower.rest(self.world)
 
     def known(self, news: tuple[str, ...] = ()) -> Known:
         """Return what everybody knows now."""
@@ -112,10 +143,13 @@ class Course:
             self._plan(heard)
         elif self.links.gaps and (happened.news or self.links.is_off(self.world, happened.tasks)):
             self._hold_links()
-        robots = range(len(self.mission.robots)) if heard else sorted(happened.robots)
-        if not heard and (happened.tasks & self.world.over.keys()):
-            robots = range(len(self.mission.robots))
-        looked_at = happened.tasks | self._waiting_for(happened.tasks)
+        is_for_all = heard or happened.tasks & self.world.over.keys()
+        robots = range(len(self.mission.robots)) if is_for_all else sorted(happened.robots)
+        self._command(robots, happened.tasks | self._waiting_for(happened.tasks))
+
+    def _command(self, robots: Iterable[int], tasks: Iterable[int]) -> None:
+        """Send robots where they are to go, and let tasks begin that may."""
+        looked_at = set(tasks)
         looked_at |= {self._send(robot) for robot in robots} - {NOBODY}
         while looked_at:
             looked_at = self._waiting_for(self._let_begin(looked_at))
@@ -146,19 +180,23 @@ class Course:
 
     def _plan(self, news: tuple[str, ...]) -> None:
         """Ask for a plan and go by it."""
-        world, follower = self.world, self.follower
         known = self.known(news)
-        old = None if follower.plan is None else follower.rest(world)
+        old = None if self.follower.plan is None else self.rest()
         asked = working_seconds()
         plan = self.coordinator.update(known, old)
         self.seconds += working_seconds() - asked
+        self._follow(plan, known)
+
+    def _follow(self, plan: Plan, known: Known) -> None:
+        """Go by a plan that was made because of the news of a moment."""
         refuse_unfit(known, plan)
-        plan = replace(plan, why=news)
+        plan, world = replace(plan, why=known.news), self.world
         ends = plan.ends or (None,) * len(plan.order)
         rows = map(PlannedTask, plan.order, plan.coalitions, ends)
         cause = NOBODY if not world.events else world.cause_among([])
-        made = PlanMade(news, tuple(rows))
-        follower.take(plan, world.tell("plan", (), NOBODY, cause, plan=made))
+        made = PlanMade(known.news, tuple(rows))
+        self.follower.take(plan, world.tell("plan", (), NOBODY, cause, plan=made))
+        self.plans = (*self.plans, (world.now, plan))
         if self.links.gaps:
             self._hold_links(known)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Iterable, Sequence
 
@@ -20,6 +21,12 @@ class StandingStill:
         self._robots = robots
         self._states = [_first_state(r.delays.seed or 0) if r.delays else 0 for r in robots]
         self._stands: list[list[bool]] = [[] for _ in robots]
+
+    def fork(self) -> StandingStill:
+        """Return another one that says the same, for somebody who asks at the same time."""
+        twin = copy.copy(self)
+        twin._states, twin._stands = list(self._states), [list(row) for row in self._stands]
+        return twin
 
     def after(self, who: Iterable[int], begin: float, spent: float) -> float:
         """Return when robots that walk together have walked so long, from a moment on.

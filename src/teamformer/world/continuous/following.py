@@ -29,9 +29,11 @@ class PlanFollower:
         self._routes: list[list[int]] = [[] for _ in mission.robots]
         self._scouts: dict[int, int] = {}
 
-    def fork(self) -> PlanFollower:
-        """Return another one that goes its own way."""
+    def fork(self, mission: Mission | None = None) -> PlanFollower:
+        """Return another one that goes its own way, perhaps in a mission that has changed."""
         twin = copy.copy(self)
+        if mission is not None:
+            twin._mission, twin._before = mission, tasks_before(mission.tasks)
         twin._routes = [list(route) for route in self._routes]
         twin._scouts = dict(self._scouts)
         return twin

@@ -95,13 +95,18 @@ class MovingWorld:
 
         It stays if it is there already, or if no way leads there.
         """
-        body, real = self.bodies[robot], self.truth.robots[robot]
+        body = self.bodies[robot]
         body.task = task
         stub = turning(body.way, self.now, self.is_plane)
-        start = stub[-1]
-        goal = start.place if goal is None else goal
+        goal = stub[-1].place if goal is None else goal
         if body.is_walking and body.way[-1].place == goal and self._heads_for(body) == task:
             return
+        self.go(robot, stub, goal, cause)
+
+    def go(self, robot: int, stub: tuple[Passed, ...], goal: Place, cause: int) -> None:
+        """Have a robot go to its task or elsewhere, from the next place of the way it is on."""
+        body, real = self.bodies[robot], self.truth.robots[robot]
+        task, start = body.task, stub[-1]
         if not math.isfinite(self.ways.length(start.place, goal, real.moves)):
             goal = start.place
         stages = self.ways.stages(start.place, goal, real.moves)

@@ -49,7 +49,7 @@ class SeekingWorld(MovingWorld):
             return
         if self.maybe:
             self.look_around(robot)
-            self._plan_looks(robot, body)
+            self.plan_looks(robot)
         if self.unseen and not body.is_walking:
             self._learn_needs(robot, body.way[0].place)
 
@@ -87,10 +87,11 @@ class SeekingWorld(MovingWorld):
         """Have a robot go somewhere, and look around where its way tells something."""
         super().set_out(robot, goal, task, cause)
         if self.maybe:
-            self._plan_looks(robot, self.bodies[robot])
+            self.plan_looks(robot)
 
-    def _plan_looks(self, robot: int, body: RealRobot) -> None:
+    def plan_looks(self, robot: int) -> None:
         """Put on the agenda when a robot on its way first sees where tasks are, or may be."""
+        body = self.bodies[robot]
         if not body.is_walking or body.is_lost:
             return
         for task in self.maybe:

@@ -111,9 +111,9 @@ class WorkingWorld(SeekingWorld):
         work = self.works[task]
         is_delayed = any(self.truth.robots[robot].delays for robot in work.robots)
         all_done = None if is_delayed else work.all_done  # the same sum as plans have
-        self._carry(task, (Passed(self.now, self.place_of(task)),), work.event, all_done)
+        self.carry(task, (Passed(self.now, self.place_of(task)),), work.event, all_done)
 
-    def _carry(
+    def carry(
         self, task: int, stub: tuple[Passed, ...], cause: int, all_done: float | None = None
     ) -> None:
         """Let a team go on with a load, from the next place of a way; `all_done` if it is known."""
@@ -188,7 +188,7 @@ class WorkingWorld(SeekingWorld):
         if work.part == FORMING or not self.covers(work.robots, task):
             self.break_off(task, cause)
         elif work.part == CARRYING:
-            self._carry(task, turning(work.way, self.now, self.is_plane), work.event)
+            self.carry(task, turning(work.way, self.now, self.is_plane), work.event)
 
     def break_off(self, task: int, cause: int) -> None:
         """Let a team leave its work; a load lies where it was passing last."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 import heapq
+from collections.abc import Iterator
 
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
@@ -49,7 +50,8 @@ class PhysicalWorld(WorkingWorld):
 
     def __init__(self, mission: Mission, truth: Mission, is_all_known: bool = False) -> None:
         super().__init__(mission, truth, is_all_known)
-        self._put_what_is_to_come()
+        self._reached = 0.0  # all has happened that was due until then
+        self.put_what_is_to_come()
 
     def fork(self) -> PhysicalWorld:
         """Return a world in which the same has happened, and which goes its own way."""
@@ -59,30 +61,36 @@ class PhysicalWorld(WorkingWorld):
         twin.works = {task: copy.copy(work) for task, work in self.works.items()}
         for part in COPIED:
             setattr(twin, part, copy.copy(getattr(self, part)))
+        twin.still = self.still.fork()
         twin.happened = copy.deepcopy(self.happened)
         return twin
 
     def advance(self) -> Happened:
         """Go to the next moment and let all happen that is due then."""
-        self.now = self.next_time
+        self.now = self._reached = self.next_time
         while self.next_time <= self.now:
             _, what, which, stamp = heapq.heappop(self.agenda)
             self._let_happen(what, which, stamp)
         return self.take_happened()
 
-    def _put_what_is_to_come(self) -> None:
+    def put_what_is_to_come(self) -> None:
+        """Put on the agenda what comes from outside and has not happened."""
+        self.agenda += [entry for entry in self._from_outside() if entry[0] > self._reached]
+        heapq.heapify(self.agenda)
+
+    def _from_outside(self) -> Iterator[Entry]:
         for number, robot in enumerate(self.truth.robots):
             for away in robot.absences:
-                self.put(away.lost, LOSE, number, NOBODY)
+                yield away.lost, LOSE, number, NOBODY
                 if away.back is not None:
-                    self.put(away.back, BRING_BACK, number, NOBODY)
+                    yield away.back, BRING_BACK, number, NOBODY
         for number, task in enumerate(self.truth.tasks):
             if task.appears > 0:
-                self.put(task.appears, APPEAR, number, NOBODY)
+                yield task.appears, APPEAR, number, NOBODY
             if task.cancelled is not None:
-                self.put(task.cancelled, CALL_OFF, number, NOBODY)
+                yield task.cancelled, CALL_OFF, number, NOBODY
             if release_of(task) > task.appears:
-                self.put(release_of(task), OPEN, number, NOBODY)
+                yield release_of(task), OPEN, number, NOBODY
 
     def is_due(self, entry: Entry) -> bool:
         """Say whether an entry of the agenda still holds."""

@@ -19,7 +19,7 @@ from teamformer.cli.verbs.missions.run import chosen_method
 from teamformer.files.drawn.smallest import smallest_mission
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
-from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.checks.rules import rules_not_run
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
 
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from teamformer.fleet.observer.session import ObserverSession
     from teamformer.live.keeping.resuming import StartMission
     from teamformer.live.running.alarm import OnAlerts
-    from teamformer.live.running.mission_with_past import RunningMission
+    from teamformer.live.running.live_mission import LiveMission
     from teamformer.live.workshop import Workshop
 
 SPEED = 4.0
-"""Steps a second at first; the page changes it."""
+"""Steps a second at first; the page changes it. In continuous time it depends on the mission."""
 
 TIME_LIMIT = 10.0
 """Seconds that a method may plan."""
@@ -144,11 +144,13 @@ def _prepare_to_go_on(
 
 def _starting(method: str | None, seed: int) -> StartMission:
     """Return what makes missions: by a method, or by the one that suits each if none is named."""
-    from teamformer.live.running.mission_with_past import RunningMission
+    from teamformer.live.continuous.running_course import RunningCourse
+    from teamformer.live.steps.mission_with_past import RunningMission
 
-    def start(mission: Mission, plans: Sequence[tuple[int, Plan]] = ()) -> RunningMission:
+    def start(mission: Mission, plans: Sequence[tuple[float, Plan]] = ()) -> LiveMission:
         chosen = chosen_method(method, mission, TIME_LIMIT).name
-        return RunningMission(mission, lambda: load_method(chosen, TIME_LIMIT), seed, plans)
+        running = RunningCourse if mission.time == "continuous" else RunningMission
+        return running(mission, lambda: load_method(chosen, TIME_LIMIT), seed, plans)
 
     return start
 
@@ -158,7 +160,7 @@ def _prepare(path: Path | None, options: LiveOptions, on_alerts: OnAlerts) -> tu
     from teamformer.live.drawing.drafts import Draft, draft_of_file
     from teamformer.live.workshop import Workshop
 
-    mission = None if path is None else read_mission(path, rules_not_played)
+    mission = None if path is None else read_mission(path, rules_not_run)
     chosen = chosen_method(options.method, mission or smallest_mission(), TIME_LIMIT)
     compile_ahead([chosen], mission)
     start = _starting(options.method, options.seed)

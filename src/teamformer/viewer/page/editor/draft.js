@@ -191,7 +191,9 @@ function drawnName(/** @type {MissionTree} */ tree, /** @type {Thing} */ thing) 
 }
 
 // A record in which nothing has happened yet, so that the map can draw a draft.
+/** @returns {any} */
 export function recordOfDraft(/** @type {MissionTree} */ tree) {
+  if (tree.world.roads) return { mission: tree, method: "", seed: 0, events: [], now: 0, end: { status: "running", makespan: null }, lower_bound: null };
   const starts = tree.robots.map(({ at }, robot) => [robot, [robot], ...at]);
   const robots = tree.robots.map((robot, number) => ({ ...robot, name: drawnName(tree, { robot: number }) }));
   const tasks = tree.tasks.map((task, number) => shownTask(task, drawnName(tree, { task: number })));

@@ -27,9 +27,15 @@ export class LiveApp extends App {
   }
 
   // The steps as the server told them are kept, for planes are drawn in other lengths.
-  load(/** @type {RecordTree} */ record) {
-    /** @type {StepTree[]} */ this.steps = [...record.steps];
+  load(/** @type {any} */ record) {
+    /** @type {StepTree[]} */ this.steps = [...(record.steps ?? [])];
+    this.known = record.events?.length ?? 0; // events
     super.load(record);
+  }
+
+  // The present, which in continuous time lies within a tick.
+  present() {
+    return this.history.until ?? this.history.last;
   }
 
   clock() {
@@ -52,11 +58,13 @@ export class LiveApp extends App {
     if (!this.link.send(message)) notify("The server is not there; nothing was done. Trying again …");
   }
 
-  hear(message) {
+  hear(told) {
+    const message = timesInTicks(told, this.player.tick);
     const { kind } = message;
     if ("is_playing" in message) this.tellPlanning(message.planning ?? ""); // before other notices
     if (kind === "mission") this.reopen(message);
     if (kind === "step") this.take(message);
+    if (kind === "moment") this.takeMoment(told);
     if (kind === "incident") this.change(message);
     if (kind === "bound") this.learnBound(message.lower_bound);
     if ("is_playing" in message) this.takeState(message);
@@ -70,10 +78,10 @@ export class LiveApp extends App {
   }
 
   // The whole mission so far: the line was down, it begins anew, or an incident was undone.
-  reopen({ record, text, id }) {
+  reopen({ record, text, id, now }) {
     const { selection, options } = this;
     const isOther = this.state.id !== undefined && this.state.id !== id;
-    this.load(record);
+    this.load({ ...record, now });
     Object.assign(this, { selection: this.knows(selection) ? selection : {}, options });
     this.showAll();
     this.state.alerts = []; // the banner is told anew
@@ -104,23 +112,39 @@ export class LiveApp extends App {
     if (end) this.tellEnd();
   }
 
+  // Time that has passed, and what has happened in it; what does not follow is of a line that broke.
+  takeMoment(/** @type {Message} */ news) {
+    const { history } = this;
+    if (news.from !== this.known) return;
+    this.known += news.events.length;
+    history.grow(news);
+    this.follow();
+    if (news.end) this.tellEnd();
+  }
+
   tellEnd() {
     const { mission, end } = this.history;
-    const text = noticeText(this.history) || `${capitalised(describeOutcome(mission.world, end))}.`;
+    const text = noticeText(this.history) || `${capitalised(describeOutcome(mission.world, this.outcome()))}.`;
     notify(text, end.status === "completed" ? "good" : "");
   }
 
+  // How the mission has ended, and when.
+  outcome() {
+    const { end, isContinuous } = this.history;
+    return isContinuous ? { ...end, steps: this.present() } : end;
+  }
+
   // An incident changes what is known; of the past, only what the latest step led to.
-  change({ record, text, is_loss: isLoss }) {
+  change({ record, text, is_loss: isLoss, now }) {
     const { selection, options } = this;
-    const steps = this.steps.slice(0, -record.steps.length || undefined).concat(record.steps);
-    this.load({ ...record, steps });
+    if (this.history.isContinuous) this.load({ ...record, now });
+    else this.load({ ...record, steps: this.steps.slice(0, -record.steps.length || undefined).concat(record.steps) });
     Object.assign(this, { selection, options });
     showHeader(this);
     this.follow();
     this.panel.forget();
     this.panel.taskIsAdded();
-    notify(`Incident in ${text}.`, isLoss ? "" : "plain");
+    notify(`Incident ${this.history.isContinuous ? "at" : "in"} ${text}.`, isLoss ? "" : "plain");
   }
 
   // By task, the step in which it will be done if nothing more happens.
@@ -147,7 +171,8 @@ export class LiveApp extends App {
     document.body.classList.toggle("of-fleet", is_fleet);
     const { robots } = this.history.mission;
     leave(this.history, leaving.map((name) => robots.findIndex((robot) => robot.name === name)));
-    Object.assign(this.player, { isPlaying: is_playing, speed });
+    this.player.isPlaying = is_playing;
+    this.clock().hearSpeed(speed);
     this.panel.show();
     this.show(true);
   }
@@ -208,12 +233,13 @@ export class LiveApp extends App {
   // A free place opens the form of a new task there.
   pick(/** @type {Thing} */ thing, place) {
     const at = this.freePlace(place);
-    if (Object.keys(thing).length || !at) return this.select(thing);
+    if (Object.keys(thing).length || at === null) return this.select(thing);
     this.panel.askForTask(at);
   }
 
   freePlace(/** @type {Place} */ [x, y]) {
     const { world } = this.history.mission;
+    if (world.roads) return placeNear(world, [x, y]);
     if (world.isPlane) {
       const at = [x, y].map((along) => Number((along * world.square).toFixed(2)));
       return x >= 0 && y >= 0 && x <= world.width && y <= world.height ? at : null;
@@ -224,12 +250,12 @@ export class LiveApp extends App {
 
   actionsFor(robot) {
     if (this.state.isFleet) return []; // its robots are lost and back by themselves
-    const { last, mission, record } = this.history;
+    const { last, mission, record, isContinuous } = this.history;
     const name = robotName(mission, robot);
     const isGone = isLost(this.history, robot, last);
     const isLeaving = this.history.leaving.has(robot);
     const { back = [] } = record.mission.robots[robot]; // a step, or a list if several
-    if (isLeaving || (isGone && [back].flat().includes(last + 1))) {
+    if (!isContinuous && (isLeaving || (isGone && [back].flat().includes(last + 1)))) {
       const what = isLeaving ? "is out of the mission" : "is there again";
       return [element("p", { class: "muted" }, `${name} ${what} from the next step on.`)];
     }
@@ -247,9 +273,10 @@ export class LiveApp extends App {
 
   // An open task can be called off and, in a mission with a cost, get another weight.
   actionsForTask(task) {
-    const { last, mission } = this.history;
+    const { last, mission, isContinuous } = this.history;
     const { name, cancelled } = mission.tasks[task];
-    if (this.state.isFleet || isOver(this.history, task, last) || cancelled <= last + 1) return [];
+    const isCalledOff = !isContinuous && cancelled <= last + 1;
+    if (this.state.isFleet || isOver(this.history, task, last) || isCalledOff) return [];
     const incident = { cancelled: name };
     return [
       element(
@@ -291,7 +318,7 @@ export class LiveApp extends App {
   // The address names the step only while one looks back.
   address() {
     const parts = new URLSearchParams(super.address());
-    if (this.player.isFollowing) parts.delete("step");
+    if (this.player.isFollowing) for (const key of ["step", "time"]) parts.delete(key);
     return parts.toString();
   }
 
@@ -303,6 +330,27 @@ export class LiveApp extends App {
   open() {
     notify("This page shows a live mission; put the record beside it, or open it with `view`.");
   }
+}
+
+// A message with its times in ticks, if there are ticks; what a moment brings is counted so by the history.
+function timesInTicks(/** @type {Message} */ message, /** @type {number | null} */ tick) {
+  if (tick === null || message.kind === "moment") return message;
+  const span = (time) => (typeof time === "number" ? time / tick : time);
+  const timed = Object.fromEntries(TIMES.filter((key) => key in message).map((key) => [key, span(message[key])]));
+  for (const key of ["band", "done_at"]) if (message[key]) timed[key] = message[key].map(span);
+  if (message.incidents) timed.incidents = message.incidents.map(([at, text]) => [span(at), text]);
+  if (message.without) timed.without = timesInTicks(message.without, tick);
+  return { ...message, ...timed };
+}
+
+// The keys of messages that hold times, but for `now`, which records have in the mission's unit.
+const TIMES = ["undo_to", "saved_at", "steps", "at", "lower_bound"];
+
+// The name of the place of roads that is nearest to a point; null if none is near.
+function placeNear(/** @type {World} */ { roads, width, height }, /** @type {Place} */ [x, y]) {
+  const away = (roads?.places ?? []).map((place) => Math.hypot(place[0] - x, place[1] - y));
+  const nearest = away.indexOf(Math.min(...away));
+  return away[nearest] <= Math.max(width, height) / 20 ? roads?.names[nearest] : null;
 }
 
 // What the server may take long for, by what is asked.

@@ -10,7 +10,7 @@ import { StartingApp } from "./starting.js";
 
 // What each first word of the server makes of the page.
 const APPS = {
-  mission: (message) => new LiveApp(message.record, server),
+  mission: ({ record, now }) => new LiveApp({ ...record, now }, server),
   editor: (message) => new EditorApp(message, server),
   starting: (message) => new StartingApp(message),
 };

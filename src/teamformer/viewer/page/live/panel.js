@@ -7,7 +7,9 @@ import { describeAt } from "../record/words.js";
 import { alertItems } from "./alerts.js";
 
 // The fields of the form for each key of a task in a file.
-const FIELDS_OF_KEYS = { at: "[name=x], [name=y]", needs: ".needs", name: "[name=title]", duration: "[name=duration]" };
+const FIELDS_OF_KEYS = { at: "[name=x], [name=y], [name=place]", needs: ".needs", name: "[name=title]", duration: "[name=duration]" };
+
+const LEAST = 1e-6; // what times differ by that are the same
 
 export class MissionPanel {
   constructor(/** @type {LiveApp} */ app, /** @type {HTMLElement} */ box) {
@@ -74,8 +76,8 @@ export class MissionPanel {
     const { state, history } = this.app;
     const step = Number(state.undoTo);
     const go = () => this.app.ask({ do: "undo" });
-    if (step === history.last) return go();
-    const since = describeSpan(history.mission.world, history.last - step);
+    if (step === this.app.present()) return go();
+    const since = describeSpan(history.mission.world, this.app.present() - step);
     this.doubt(`This also undoes the ${since} made since then.`, `Go back to ${describeMoment(history.mission.world, step)}`, go);
   }
 
@@ -101,7 +103,7 @@ export class MissionPanel {
 
   hasNothingToLose() {
     const { history, state } = this.app;
-    return state.savedAt === history.last || (history.last === 0 && !state.incidents.length);
+    return state.savedAt === this.app.present() || (history.last === 0 && !state.incidents.length);
   }
 
   // A question before what cannot be taken back; the answer that changes nothing comes first.
@@ -132,7 +134,7 @@ export class MissionPanel {
     const { world } = history.mission;
     stopWork(this.outlook);
     if (state.isFleet) this.outlook.textContent = "";
-    else if (history.end.status !== "running") this.outlook.textContent = `${capitalised(describeOutcome(world, history.end))}.`;
+    else if (history.end.status !== "running") this.outlook.textContent = `${capitalised(describeOutcome(world, this.app.outcome()))}.`;
     else if (this.ahead) this.outlook.textContent = `If nothing more happens: ${describeOutcome(world, this.ahead)}.`;
     else showWork(this.outlook, "Working out how it ends …");
   }
@@ -151,7 +153,7 @@ export class MissionPanel {
     const more = message.steps - message.without.steps;
     stopWork(this.answer);
     const mean = message.band ? " on average" : "";
-    const change = more === 0 ? "no later" : `${describeSpan(world, Number(Math.abs(more).toFixed(1)))} ${more > 0 ? "later" : "earlier"}${mean}`;
+    const change = Math.abs(more) < LEAST ? "no later" : `${describeSpan(world, Number(Math.abs(more).toFixed(1)))} ${more > 0 ? "later" : "earlier"}${mean}`;
     this.answer.textContent = `As of ${describeMoment(world, message.at)}, with ${message.text}: ${end}, ${change}.`;
     this.offer.replaceChildren();
     if (message.kind === "offer") this.propose(more);
@@ -175,7 +177,7 @@ export class MissionPanel {
     const by = steps && describeSpan(this.app.history.mission.world, Number(steps.toFixed(1)));
     const others = by ? `Other searches for plans differ by up to ${by}` : "Other searches find plans that end alike";
     const isSure = Math.abs(this.more) > steps;
-    const so = isLuck || this.more === 0 ? "" : isSure ? ": this is more than luck" : ": this may be luck";
+    const so = isLuck || Math.abs(this.more) < LEAST ? "" : isSure ? ": this is more than luck" : ": this may be luck";
     const ownLuck = this.more < 0 ? "the mission could end as soon without it" : "the mission need not end later by it";
     const parts = [];
     if (isLuck) parts.push(`This is luck of the search: ${ownLuck}.`);
@@ -208,7 +210,7 @@ export class MissionPanel {
 
   // A plan that would end the mission sooner can be taken over, for as long as nothing goes on.
   propose(more) {
-    if (more >= 0) {
+    if (more > -LEAST) {
       this.answer.textContent += " Nothing to gain.";
       return;
     }
@@ -229,10 +231,10 @@ export class MissionPanel {
     const { mission } = this.app.history;
     if (this.form.hidden || !this.form.elements.length) this.fill(mission);
     this.form.hidden = false;
-    const [x, y] = this.placeFields();
-    if (at) [x.value, y.value] = at;
+    const fields = this.placeFields();
+    if (at) [at].flat().forEach((along, number) => (fields[number].value = along));
     this.mark();
-    (at ? allIn(this.form, ".needs")[0] : x).focus({ preventScroll: true });
+    (at ? allIn(this.form, ".needs")[0] : fields[0]).focus({ preventScroll: true });
     this.form.scrollIntoView({ block: "nearest" });
   }
 
@@ -240,17 +242,20 @@ export class MissionPanel {
     const number = (name, properties) =>
       element("input", { type: "number", name, step: world.isPlane ? "any" : "1", ...properties });
     const row = (text, input) => element("label", {}, text, input);
+    const place = world.roads
+      ? [row("Where", element("select", { name: "place" }, ...world.roads.names.map((name) => element("option", { value: name }, name))))]
+      : [row("x", number("x", { required: "" })), row("y", number("y", { required: "" }))];
     const needs = capabilities.map((name, cap) =>
       row(name, element("input", { type: "number", class: "needs", name: `cap ${cap}`, min: 0, step: "any", value: 0 })),
     );
     this.form.replaceChildren(
-      element("fieldset", {}, element("legend", {}, "Place"), row("x", number("x", { required: "" })), row("y", number("y", { required: "" }))),
+      element("fieldset", {}, element("legend", {}, "Place"), ...place),
       element("fieldset", {}, element("legend", {}, "Needs"), ...needs),
       element(
         "div",
         { class: "pair" },
         row("Name", element("input", { type: "text", name: "title", maxlength: 200, placeholder: "a free name" })),
-        row("Duration, steps", element("input", { type: "number", name: "duration", min: 0, step: 1, value: 0 })),
+        row(world.isTimed && !world.secondsUnit ? "Duration" : "Duration, steps", element("input", { type: "number", name: "duration", min: 0, step: this.app.history.isContinuous ? "any" : 1, value: 0 })),
       ),
       element(
         "div",
@@ -260,29 +265,29 @@ export class MissionPanel {
         act("Cancel", () => this.close()),
       ),
     );
-    for (const name of ["x", "y"]) {
-      this.form.elements[name].addEventListener("input", () => this.mark());
-    }
+    for (const field of this.placeFields()) field.addEventListener("input", () => this.mark());
   }
 
+  // Fields for x and y, or one for the name of a place of roads.
   placeFields() {
-    return ["x", "y"].map((name) => this.form.elements[name]);
+    return ["x", "y", "place"].map((name) => this.form.elements[name]).filter(Boolean);
   }
 
   // The place of the form on the map.
   mark() {
     const [x, y] = this.placeFields();
-    const { square } = this.app.history.mission.world;
+    const { square, roads } = this.app.history.mission.world;
+    if (roads) return this.app.select({ place: roads.places[roads.names.indexOf(x.value)] });
     /** @type {Place} */ const place = [Number(x.value) / square, Number(y.value) / square];
     this.app.select(x.value === "" || y.value === "" ? {} : { place });
   }
 
   task() {
     /** @type {Record<string, any>} */ const { elements } = this.form;
-    const { capabilities } = this.app.history.mission;
+    const { capabilities, world } = this.app.history.mission;
     const counts = capabilities.map((name, cap) => [name, Number(elements[`cap ${cap}`].value)]);
     /** @type {MissionTree} */ const task = {
-      at: this.placeFields().map(({ value }) => Number(value)),
+      at: world.roads ? this.placeFields()[0].value : this.placeFields().map(({ value }) => Number(value)),
       needs: Object.fromEntries(counts.filter(([, count]) => count)),
       duration: Number(elements.duration.value),
     };

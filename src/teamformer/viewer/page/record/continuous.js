@@ -5,25 +5,27 @@ import { readMission } from "./mission.js";
 import { missionInSquares, squareOf, truthInSquares } from "./plane.js";
 import { laidOut, worldOfRoads } from "./roads.js";
 import { NOBODY } from "./state.js";
-import { AT_WORK, FORMING, LOST, WALKING, readTold, runsOf } from "./told.js";
+import { AT_WORK, FORMING, LOST, WALKING, hearTold, readTold, runsOf } from "./told.js";
 import { Track } from "./tracks.js";
 import { inTicks, tickFor } from "./ticks.js";
 
 const MOMENTS_KEPT = 40;
 const TRAIL = 30; // ticks
+const UNPLANNED = 100; // units that a mission is to take whose plan does not say
 
-// `tick` is that of a record beside which this one is shown.
+// `tick` is that of a record beside which this one is shown. The record of a mission that runs says what
+// time it is `now`, and has ticks for the time that its first plan takes.
 /** @returns {any} */
-export function framesOfEvents(/** @type {any} */ recorded, tick = tickFor(recorded.events.at(-1)?.[0] ?? 0)) {
+export function framesOfEvents(/** @type {any} */ recorded, tick = tickFor(lengthOf(recorded))) {
   const { mission, placeOf } = missionShown(recorded, tick);
   const events = recorded.events.map(([at, kind, said]) => inPlace({ at: at / tick, kind, ...said }, tick, placeOf));
-  const until = events.at(-1)?.at ?? 0;
+  const until = recorded.now === undefined ? (events.at(-1)?.at ?? 0) : recorded.now / tick;
   const none = mission.tasks.map(() => Infinity);
   const history = {
     record: { ...recorded, steps: [], start: [], ...plansOf(events) },
     mission,
     isContinuous: true,
-    last: Math.ceil(until - 1e-6),
+    last: tickAt(until),
     until,
     trail: TRAIL,
     end: inTicksOf(recorded.end, tick),
@@ -43,11 +45,47 @@ export function framesOfEvents(/** @type {any} */ recorded, tick = tickFor(recor
     headings: [],
     leaving: new Map(),
     tracks: mission.robots.map(({ at }) => new Track(at)),
-    grow() {},
+    grow: (/** @type {any} */ news) => growBy(/** @type {any} */ (history), news, tick, placeOf),
   };
   for (const event of events) take(history, event);
-  history.at = rememberLast(MOMENTS_KEPT, (step) => standingAt(/** @type {any} */ (history), step));
+  keepStates(history);
   return history;
+}
+
+function keepStates(history) {
+  history.at = rememberLast(MOMENTS_KEPT, (step) => standingAt(history, step));
+}
+
+// How long a record is; of a mission that runs, how long it is to be by its first plan.
+function lengthOf({ now, events }) {
+  if (now === undefined) return events.at(-1)?.[0] ?? 0;
+  const [, tasks] = events.find(([, kind]) => kind === "plan")?.[2].plan ?? [[], []];
+  const ends = tasks.map(([, , end]) => end ?? 0);
+  return Math.max(...ends, 0) || Math.max(now, UNPLANNED);
+}
+
+// The tick in which a moment is shown that lies within it.
+function tickAt(moment) {
+  return Math.ceil(moment - 1e-6);
+}
+
+// More of a mission that runs: it is later, something has happened, it has ended.
+function growBy(/** @type {TrialHistory} */ history, { now, events, told, end }, tick, placeOf) {
+  const rows = events.map(([at, kind, said]) => inPlace({ at: at / tick, kind, ...said }, tick, placeOf));
+  for (const event of rows) take(history, event);
+  const { orders, plans } = plansOf(rows);
+  history.record.orders.push(...orders);
+  history.record.plans?.push(...plans);
+  if (told) hearTold(history.told, newsInTicks(told, tick));
+  history.until = now / tick;
+  history.last = tickAt(history.until);
+  if (end) {
+    history.end = history.record.end = inTicksOf(end, tick);
+    history.events.push({ step: history.last, when: history.until, kind: "end" });
+  }
+  history.told.runs.clear();
+  history.leaving = new Map(); // scenes are worked out anew
+  keepStates(history);
 }
 
 // The mission with times in ticks and places in squares, and what gives the place of an event.
@@ -97,6 +135,17 @@ function toldInTicks(told, tick) {
   };
 }
 
+// What is told of a moment: rows with their numbers, or with their robots.
+function newsInTicks(told, tick) {
+  const at = ([key, row], places) => [key, row.map((value, place) => (places.includes(place) && typeof value === "number" ? value / tick : value))];
+  return {
+    ...told,
+    services: told.services.map((row) => at(row, [2, 3])),
+    phases: told.phases.map((row) => at(row, [0])),
+    path: (told.path ?? []).map(([from, to, ...rest]) => [from / tick, to / tick, ...rest]),
+  };
+}
+
 function listOf(value) {
   return Array.isArray(value) ? value : [];
 }
@@ -114,7 +163,7 @@ function plansOf(events) {
 function take(history, event) {
   const { at, kind, robots = [], task, place, way } = event;
   const { mission, tracks, moves, absences } = history;
-  const tell = (what, more = {}) => history.events.push({ step: Math.ceil(at - 1e-6), when: at, kind: what, ...(task === undefined ? {} : { task }), ...more });
+  const tell = (what, more = {}) => history.events.push({ step: tickAt(at), when: at, kind: what, ...(task === undefined ? {} : { task }), ...more });
   switch (kind) {
     case "walk":
       for (const robot of robots) tracks[robot].setOut(at, way);

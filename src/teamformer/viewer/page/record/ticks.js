@@ -1,7 +1,7 @@
 // Continuous time on the page: its clock goes in ticks, a round part of the mission's unit, and all times
 // that the page holds are in ticks, with fractions where something happens between two of them.
 
-const TICKS = 600; // about so many in a mission
+export const TICKS = 600; // about so many in a mission
 
 // The round part of a unit in which a record is shown: 1, 2 or 5 of a power of ten.
 export function tickFor(length) {

@@ -54,11 +54,12 @@ function partsOf(/** @type {any[][]} */ rows, robot, from, to) {
 
 // What a robot did in all steps, worked out once for each length of the record.
 /** @returns {Run[]} */
-export function runsOf(/** @type {TrialHistory} */ { told, last, until = last }, robot) {
+export function runsOf(/** @type {TrialHistory} */ history, robot) {
+  const { told, last } = history;
   const known = told.runs.get(robot);
   if (known?.last === last) return known.runs;
   /** @type {Run[]} */ const runs = [];
-  for (const { from, to, row } of partsOf(told.phases, robot, 0, until)) {
+  for (const { from, to, row } of partsOf(told.phases, robot, 0, endOf(history))) {
     const [run, phase, task] = [runs.at(-1), PHASES[row[1]], row[2] ?? NOBODY];
     if (run?.phase === phase && run.task === task) run.to = to; // alone, then with others
     else runs.push({ from, to, phase, task });
@@ -67,16 +68,27 @@ export function runsOf(/** @type {TrialHistory} */ { told, last, until = last },
   return runs;
 }
 
-// What a robot does after a step; after the last one, what it did in that. Nothing if nobody tells.
+// Until when all is told: a little later than now, if a mission runs in continuous time, so that what
+// begins now is told.
+function endOf(/** @type {TrialHistory} */ { isContinuous, end, last, until = last }) {
+  return isContinuous && end.status === "running" ? until + INSTANT : until;
+}
+
+const INSTANT = 1e-6; // ticks
+
+// What a robot does after a step; after the last one, what it did in that or, while the mission runs in
+// continuous time, what it does. Nothing if nobody tells.
 export function runAfter(/** @type {TrialHistory} */ history, robot, step) {
-  const made = Math.min(step, history.last - 1);
+  const { last, until = last } = history;
+  const made = endOf(history) > until ? Math.min(step, until) : Math.min(step, last - 1);
   return runsOf(history, robot).find(({ from, to }) => from <= made && made < to);
 }
 
 // The reasons for what a robot does after a step, as a sentence without its end: those for what it does
 // next or, where that goes without saying, for what it did.
-export function reasonFor(/** @type {TrialHistory} */ { told, last }, robot, step) {
-  const parts = partsOf(told.phases, robot, Math.max(0, step - 1), Math.min(step + 1, last));
+export function reasonFor(/** @type {TrialHistory} */ history, robot, step) {
+  const { told } = history;
+  const parts = partsOf(told.phases, robot, Math.max(0, step - 1), Math.min(step + 1, endOf(history)));
   const reasons = parts.map(({ row }) => row.slice(3).map((text) => told.texts[text]).join("; "));
   return reasons.findLast((reason) => reason) ?? "";
 }

@@ -18,17 +18,18 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from teamformer.base.errors import TeamformerError
-from teamformer.live.running.forecasts import Past, replayed
 from teamformer.live.running.incidents import (
     Happening,
     Incident,
     NewWeight,
     PlanTakenOver,
+    Present,
     plan_of,
 )
+from teamformer.live.steps.futures import PastInSteps, replayed
 from teamformer.methods.by_name import Method
 from teamformer.methods.coordinators.reordered import Reordered
 from teamformer.methods.coordinators.replayed import Replayed
@@ -38,6 +39,7 @@ from teamformer.mission.coordination import Coordinator, Plan
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.record.files.writing import step_to_tree
 from teamformer.record.record import Record, Step
 from teamformer.trials.recorder import Recorder
 from teamformer.trials.trial import begin, decide
@@ -68,12 +70,12 @@ class RunningMission:
         mission: Mission,
         make_method: MakeMethod,
         seed: int,
-        plans: Sequence[tuple[int, Plan]] = (),
+        plans: Sequence[tuple[float, Plan]] = (),
     ) -> None:
         if make_method().needs_everything:
             mission = draw_truth(mission, seed)
         self.source, self.seed = mission, seed
-        self.incidents: list[tuple[int, Happening]] = []
+        self.incidents: list[tuple[float, Happening]] = []
         self.drawn = mission  # before anything happened
         self._make_method = make_method
         self._method = self._begin()
@@ -97,19 +99,29 @@ class RunningMission:
         return self.tally().steps
 
     @property
+    def now(self) -> float:
+        """Return how many steps have been made."""
+        return self.steps
+
+    @property
+    def status(self) -> str:
+        """Return `running`, or how the mission has ended."""
+        return self.tally().status
+
+    @property
     def is_running(self) -> bool:
         """Say whether there is a next step."""
         return bool(self._env.is_running[0])
 
     @property
-    def latest(self) -> Step:
-        """Return what the latest step changed."""
-        return self._recorder.latest
+    def latest(self) -> dict[str, Any]:
+        """Return what the latest step changed, as autosaves have it."""
+        return {"step": step_to_tree(self._recorder.latest)}
 
     @property
-    def latest_plans(self) -> list[Plan]:
+    def latest_plans(self) -> list[tuple[float, Plan]]:
         """Return the plans that were made since the step before the latest."""
-        return [plan for made, plan in self._env.plans() if made == self.steps]
+        return [(made, plan) for made, plan in self._env.plans() if made == self.steps]
 
     @property
     def truth(self) -> Mission:
@@ -124,12 +136,34 @@ class RunningMission:
         """Return the step in which each task was done that was, by number."""
         return self._env.ends()
 
+    def usual_speed(self, speed: float) -> float:
+        """Return the steps a second to begin with."""
+        return speed
+
+    def beat(self, speed: float) -> tuple[float, float]:
+        """Return how many seconds there are between two steps at so many steps a second; a step."""
+        return 1 / speed, 1.0
+
+    def move(self, units: float | None = None) -> None:
+        """Make a step."""
+        self.step()
+
+    def again(self, latest: dict[str, Any]) -> dict[str, Any]:
+        """Make a step again, and return what it has changed; nothing if there is none to make.
+
+        Raises KeyError for what is not told of a step.
+        """
+        if latest["step"] is None or not self.is_running:
+            return {}
+        self.step()
+        return self.latest
+
     @property
     def has_shown_more(self) -> bool:
         """Say whether the latest step has told something of an uncertain mission."""
         if not self.source.has_surprises:
             return False
-        latest = self.latest
+        latest = self._recorder.latest
         shown = latest.shown or latest.found or latest.moved or latest.done
         tasks = self._env.missions[0].tasks
         has_arrived = any(it.has_arrived and it.appears == self.steps for it in tasks)
@@ -141,7 +175,7 @@ class RunningMission:
         self._env.step(decision)
         self._decisions.append(decision)
         self._recorder.step()
-        return self.latest
+        return self._recorder.latest
 
     def happen(self, incident: Happening) -> None:
         """Let an incident happen now; TeamformerError says why it cannot, and nothing changes."""
@@ -179,7 +213,7 @@ class RunningMission:
         if isinstance(happening, PlanTakenOver):
             return self.source
         known = once_appeared(self.source, self._env.truths[0], self.steps)
-        return happening.apply(known, self._env)
+        return happening.apply(known, self._present())
 
     def work_out_bound(self) -> int | None:
         """Return the steps that no plan can beat, as `run` tells them; the record has them then."""
@@ -205,30 +239,36 @@ class RunningMission:
         now._env, now._recorder = self._env.fork(), copy.copy(self._recorder)
         return now
 
-    def past(self) -> Past:
+    def past(self) -> PastInSteps:
         """Return the present and how it came about, to play it ahead while the mission goes on."""
         plans = _plans_of(self.incidents)
-        return Past(self.source, self._env.fork(), self._begin, tuple(self._decisions), plans)
+        return PastInSteps(
+            self.source, self._env.fork(), self._begin, tuple(self._decisions), plans
+        )
 
     @property
     def is_planned(self) -> bool:
         """Say whether robots go by plans of a coordinator, which searches for them."""
         return self._method.coordinator is not None
 
-    def past_planned_anew(self, order: int) -> Past:
+    def past_planned_anew(self, order: int) -> PastInSteps:
         """Return the present with a plan that is made now, in another order of robots and tasks."""
         known = replace(self._env.known(), news=("task appeared",))
         plan = self._coordinator(order).update(known, self._env.plan())
         return self.past().with_plan(plan)
 
-    def past_with(self, incident: Incident, order: int = 0) -> Past:
+    def past_with(self, incident: Incident, order: int = 0) -> PastInSteps:
         """Return the present as it would be if an incident happened now.
 
         What then follows is planned in an order of robots and tasks.
         """
         happening, env, _, mission = self._changed(incident, order)
         plans = _plans_of([*self.incidents, (self.steps, happening)])
-        return Past(mission, env, self._begin, tuple(self._decisions), plans)
+        return PastInSteps(mission, env, self._begin, tuple(self._decisions), plans)
+
+    def _present(self) -> Present:
+        is_planned = bool(self._env.is_coordinated[0])
+        return Present(self.steps, self.steps + 1, self.truth, self.ends(), is_planned)
 
     def _begin(self) -> Method:
         method = self._make_method()
@@ -254,7 +294,9 @@ class RunningMission:
         """Return what happens, with its plan, and the mission as it would stand if it did now."""
         mission = self.mission_with(happening)
         if isinstance(happening, NewWeight) and happening.plan is None:
-            happening = happening.planned(self._env, self._coordinator(order))
+            happening = happening.planned(
+                self._env.known(), self._env.plan(), self._coordinator(order)
+            )
         coordinator = self._coordinator(order) if self.is_planned else None
         env = self._stage(mission, replayed(self._env, coordinator))
         recorder = Recorder(env)
@@ -272,9 +314,9 @@ class RunningMission:
         return happening, env, recorder, mission
 
 
-def _plans_of(incidents: Sequence[tuple[int, Happening]]) -> list[tuple[int, Plan]]:
+def _plans_of(incidents: Sequence[tuple[float, Happening]]) -> list[tuple[int, Plan]]:
     """Return the plans that incidents brought, with the steps made then."""
-    plans = ((steps, plan_of(happening)) for steps, happening in incidents)
+    plans = ((int(steps), plan_of(happening)) for steps, happening in incidents)
     return [(steps, plan) for steps, plan in plans if plan is not None]
 
 

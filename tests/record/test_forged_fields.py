@@ -1,7 +1,7 @@
 """Records of every kind of mission are legal as they are, and not once a field of them is forged.
 
 What a forgery cannot be told from is a legal record of other decisions, or of another plan
-(docs/reference/record.md, "What `check` guarantees"); such changes are left out, each where it
+(docs/reference/check.md); such changes are left out, each where it
 says so.
 """
 

@@ -13,7 +13,12 @@ from rich.table import Table
 from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import require
 from teamformer.base.whole_files import write_whole
-from teamformer.bench.others.instances import Instance, collections_in, read_instances
+from teamformer.bench.others.instances import (
+    Instance,
+    collections_in,
+    read_instances,
+    reported_of,
+)
 from teamformer.bench.others.one_robot_worlds import draw_instances
 from teamformer.bench.others.published import Reported, read_reported
 from teamformer.bench.others.report import (
@@ -33,6 +38,9 @@ from teamformer.mission.checks.links import is_linked
 from teamformer.planning.continuous.rules import KNOW_COSTS, PLANNERS, warm_up
 
 ROWS, REPORT = "rows.jsonl", "report.md"
+
+LEARNED = ("teamformer-tasks",)
+"""Learned methods that give out tasks in continuous time, too; a folder of such a training does."""
 
 WORLDS = 2
 """Worlds that are drawn of each setting, if not said otherwise."""
@@ -55,7 +63,7 @@ class Asked:
     def reported(self) -> dict[str, tuple[Reported, ...]]:
         """Return what others report of each folder of instances."""
         inner = [path for folder in self.folders for path in collections_in(folder)]
-        return {path.resolve().name: read_reported(path) for path in inner}
+        return {path.resolve().name: read_reported(path) + reported_of(path) for path in inner}
 
 
 def bench_others(
@@ -69,8 +77,8 @@ def bench_others(
     is_asked = bool(methods)
     methods = methods or tuple(PLANNERS)
     for method in methods:
-        if method not in (*PLANNERS, *PEERS):
-            hint = f"use {', '.join((*PLANNERS, *PEERS))}"
+        if method not in (*PLANNERS, *LEARNED, *PEERS) and not Path(method).is_dir():
+            hint = f"use {', '.join((*PLANNERS, *LEARNED, *PEERS))}"
             raise TeamformerError(f"--methods {method} is unknown here", hint)
         if method in LIBRARIES:
             require("peers", LIBRARIES[method])

@@ -140,7 +140,7 @@ def _draw_task(rng: np.random.Generator, world: World, number: int) -> Task:
 class RandomPlans:
     """Plans any order and any able coalitions, anew at each news; now and then some tasks wait."""
 
-    heeds = (*UNFORESEEN, "task done", IDLE)
+    heeds = (*UNFORESEEN, "task done")
 
     def __init__(self, seed: int) -> None:
         self._seed = seed

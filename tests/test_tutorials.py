@@ -84,7 +84,7 @@ def is_run(block: Block) -> bool:
 
 
 def other_pages() -> list[Path]:
-    found = [page for folder in OTHERS for page in sorted(folder.glob("*.md"))]
+    found = [page for folder in OTHERS for page in sorted(folder.rglob("*.md"))]
     return [page for page in found if any(is_run(block) for block in blocks_of(page))]
 
 

@@ -7,10 +7,15 @@ from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.bodies.body import Report
 from teamformer.fleet.fleet_mission import FleetMission
-from teamformer.fleet.messages import Message, Notice, Post
+from teamformer.fleet.messages import OPERATOR, Message, Notice, Post
+from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.planner import CoordinatedPlanner
+from teamformer.fleet.rehearsal.faults import Faults
+from teamformer.fleet.rehearsal.play import Rehearsal
 
 PLANNER = CoordinatedPlanner()
+
+UNDISTURBED = Faults()
 
 
 def pair() -> FleetMission:
@@ -47,3 +52,42 @@ def opened(mission: FleetMission, sender: int, notices: list[Notice]) -> list[Me
     messages = [post.open(post.seal(sender, notice)) for notice in notices]
     assert all(messages), post.dropped
     return [message for message in messages if message is not None]
+
+
+class Watched(Rehearsal):
+    """A rehearsal that somebody hears who looks once a step, from some second on.
+
+    Who comes late is told by every agent what was done before.
+    """
+
+    def __init__(
+        self, mission: FleetMission, since: float = 0.0, faults: Faults = UNDISTURBED
+    ) -> None:
+        self.watch = Watch(mission)
+        self._since, self._has_begun = since, since == 0.0
+        self._onlooker = Post(mission.number, mission.robots)
+        super().__init__(mission, PLANNER, plan_of(mission), faults)
+
+    def _send(self, robot: int, notice: Notice) -> None:
+        super()._send(robot, notice)
+        if self.now >= self._since:
+            self._hear(robot, notice)
+
+    def _hear(self, robot: int, notice: Notice) -> None:
+        heard = self._onlooker.open(self._onlooker.seal(robot, notice))
+        assert heard is not None
+        if not self._has_begun:
+            self._come()
+        while self._has_begun and len(self.watch.steps) < int(self.now / self.mission.step):
+            self.watch.step()
+        self.watch.hear(heard)
+
+    def _come(self) -> None:
+        """Begin once everybody has been heard for a beat."""
+        for me, agent in enumerate(self.agents):
+            if agent is not None:
+                note = agent.knowledge.note_for_onlookers()
+                self.watch.hear(Message(1, self.mission.number, me, OPERATOR, note))
+        if self.now >= self._since + self.mission.timers.beat:
+            self._has_begun = True
+            self.watch.begin(self.now)

@@ -6,21 +6,20 @@ from pathlib import Path
 
 import pytest
 
-from fleets import PLANNER, pair, plan_of, trio
+from fleets import PLANNER, Watched, pair, plan_of, trio
 from small_worlds import make, robot, task
 from teamformer.files.mission_files import read_mission
 from teamformer.fleet.fleet_mission import FleetMission
-from teamformer.fleet.messages import Notice, Post
-from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import record_of, team_changes
+from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.model import Absence
 from teamformer.record.happenings import events
 from teamformer.record.record import Record
+from teamformer.record.snapshots.teams_seen import team_changes
 from teamformer.trials.trial import run_trial
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -96,23 +95,6 @@ def test_who_leaves_a_team_that_loses_its_lowest_robot_parts_from_it_before() ->
     """In a step robots join before others are lost: 7 was in team 3, and is in team 2 after."""
     changes = team_changes({2: (2,), 3: (3, 7)}, {2: (2, 7)}, [3])
     assert changes == ((((3,), (7,)),), ((7, 2),))
-
-
-class Watched(Rehearsal):
-    """A rehearsal that somebody hears who looks once a step."""
-
-    def __init__(self, mission: FleetMission) -> None:
-        self.watch = Watch(mission)
-        self._onlooker = Post(mission.number, mission.robots)
-        super().__init__(mission, PLANNER, plan_of(mission), Faults())
-
-    def _send(self, robot: int, notice: Notice) -> None:
-        super()._send(robot, notice)
-        heard = self._onlooker.open(self._onlooker.seal(robot, notice))
-        assert heard is not None
-        while len(self.watch.steps) < int(self.now / self.mission.step):
-            self.watch.step()
-        self.watch.hear(heard)
 
 
 @pytest.mark.parametrize("mission", [pair(), trio(), relay()], ids=["pair", "trio", "relay"])

@@ -20,7 +20,7 @@ from teamformer.fleet.rehearsal.checker import Checker
 from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import Deed, record_of, teams_shown
+from teamformer.fleet.rehearsal.record import record_of
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Trace, Worked
 from teamformer.mission.model import Mission, Robot, Task
@@ -29,6 +29,8 @@ from teamformer.mission.parts.plane import Plane
 from teamformer.record.files.reading import read_record
 from teamformer.record.files.writing import save_record
 from teamformer.record.record import TaskAt, TeamAt
+from teamformer.record.snapshots.deeds import Deed
+from teamformer.record.snapshots.teams_seen import teams_shown
 from teamformer.world.rules.constants import NOBODY
 
 

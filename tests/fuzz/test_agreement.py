@@ -19,6 +19,7 @@ import pytest
 from hypothesis import strategies as st
 
 from browsers import Opened
+from fleets import Watched
 from live_server import serving
 from methods import METHODS
 from missions import SEEDS, continuous_missions, missions
@@ -241,6 +242,7 @@ def test_outputs_of_rehearsals_agree(
     rehearsal, outcome, _ = play(fleet, stage.plan, faults, trace)
     record = record_of(rehearsal, outcome, trace.events, faults.seed)
     save_record(record, folder / "record.json")
+    assert typed("check", folder / "record.json") == DONE
     lines = assert_all_agree(page, Outputs(folder, with_gif=False))
     names = [robot.name for robot in record.mission.robots]
     really = sorted(
@@ -308,6 +310,31 @@ def _bars_of_rehearsal(page: Any, folder: Path, mission: Mission, crash: Crash) 
     save_record(record_of(rehearsal, outcome, trace.events, 0), folder / "record.json")
     assert_all_agree(page, Outputs(folder, with_gif=False))
     return bars_of(folder)
+
+
+@pytest.mark.parametrize("since", [0.0, 2.0, 5.0])
+def test_outputs_of_a_fleet_that_carries_watched_from_the_middle_agree(
+    tmp_path: Path, page: Any, since: float
+) -> None:
+    """Two carry t0 from 3 to 9, from second 3 on, which takes six."""
+    robots = [robot("a", 3), robot("a", 3), robot("a", 17)]
+    load = replace(task_at("aa", 3, duration=2), to=(9, 0), unload=1)
+    mission = make(robots, [load, task_at("a", 12), task_at("aa", 15)])
+    rehearsal = Watched(FleetMission(mission), since)
+    rehearsal.run(300.0)
+    for _ in range(4):
+        rehearsal.watch.step()
+    save_record(rehearsal.watch.record(), tmp_path / "record.json")
+    lines = assert_all_agree(page, Outputs(tmp_path, with_gif=False))
+    done = {line.task: line.robots for line in lines if line.kind == "done"}
+    names = [one.name for one in mission.robots]
+    assert done == {
+        rehearsal.world.tasks[key].name: ", ".join(names[it] for it in deed.robots)
+        for key, deed in rehearsal.world.done.items()
+    }
+    bars = [bar for bar in bars_of(tmp_path) if bar.phase == "carrying"]
+    assert {(bar.robot, bar.task) for bar in bars} == {("r0", "t0"), ("r1", "t0")}
+    assert typed("check", tmp_path / "record.json") == DONE
 
 
 @fuzzed(6, "plan FILE --method plan --out FOLDER, and with --json", mission=continuous_missions())

@@ -17,6 +17,7 @@ from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.record.files.reading import read_record
 from teamformer.record.files.writing import save_record
+from teamformer.record.referee import judge as judge_record
 from watching import fuzzed, noted
 
 
@@ -46,4 +47,6 @@ def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) 
     assert traces[0].events == traces[1].events
     record = record_of(rehearsal, outcome, traces[1].events, faults.seed)
     save_record(record, folder / "record.json")
-    assert read_record(folder / "record.json") == record
+    read = read_record(folder / "record.json")
+    assert read == record
+    assert judge_record(read).findings == ()

@@ -220,6 +220,10 @@ def test_what_the_rules_make_of_decisions_is_legal(record: Record) -> None:
             "orders has a row of step 7, but only 2 were made",
         ),
         (
+            record_of(ALONE, SETS_OUT, decisions=((0, (Wants(0, (1,)),)),)),
+            "decisions has a row of step 0, and the first step is 1",
+        ),
+        (
             record_of(ALONE, SETS_OUT, orders=((0, (0,)), (1, (0,)))),
             "step 1: there is an order made after 1 steps, when no task appeared",
         ),

@@ -69,8 +69,11 @@ def test_a_record_by_hand_is_legal() -> None:
         ),
         (edited(3, place=(1, 0)), "event 3, at 2: robot ann is at (2, 0), and arrives elsewhere"),
         (without(3), "event 3, at 8: robot ann arrives at 2, and does not"),
-        (without(2), "event 2, at 2: robot bob is to go to task beam, and does not"),
-        (edited(4, cause=1), "event 4, at 8: arrive has a cause that is not its robot's way"),
+        (without(2), "event 2, at 2: robot bob is to head for task beam, and does not"),
+        (
+            edited(4, cause=1),
+            "at 8: arrive hangs on event 3 (arrive) by the rules and on event 1 (walk)",
+        ),
         (edited(5, until=9), "event 5, at 8: form is to end at 8.5, and the record says 9"),
         (edited(5, robots=(ANN,)), "event 5, at 8: the plan has [ann, bob] do task beam"),
         (without(5), "event 5, at 8.5: the team of task beam is there and does not form"),
@@ -79,10 +82,22 @@ def test_a_record_by_hand_is_legal() -> None:
         (edited(7, place=(3, 0)), "event 7, at 8.5: task beam is at (2, 0), and is done elsewhere"),
         (edited(8, at=9.5), "event 8, at 9.5: done of task beam is due at 10"),
         (edited(8, robots=(ANN,)), "event 8, at 10: [ann, bob] are at task beam"),
-        (edited(8, cause=6), "event 8, at 10: done has formed as its cause"),
-        (edited(9, cause=5), "event 9, at 10: walk hangs on what happened at 8"),
-        (edited(9, cause=10), "event 9, at 10: walk has a cause that comes later"),
-        (edited(9, cause=-1), "event 9, at 10: walk has no cause"),
+        (
+            edited(8, cause=6),
+            "at 10: done hangs on event 7 (serve) by the rules and on event 6 (formed)",
+        ),
+        (
+            edited(9, cause=5),
+            "at 10: walk hangs on event 8 (done) by the rules and on event 5 (form)",
+        ),
+        (
+            edited(9, cause=10),
+            "at 10: walk hangs on event 8 (done) by the rules and on event 10 (arrive)",
+        ),
+        (
+            edited(9, cause=-1),
+            "at 10: walk hangs on event 8 (done) by the rules and on nothing in the record",
+        ),
         (
             edited(12, until=14, way=way(11.25, 2.75 / 3, 3, 4, 5, 6)),
             "event 12, at 11.25: (4, 0) is passed at 12.25 by the rules",

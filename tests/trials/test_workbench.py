@@ -11,7 +11,7 @@ import pytest
 from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.files.mission_files import write_mission
 from teamformer.trials.api.missions import generate, load
-from teamformer.trials.mcp.telling import MOST_LINES, in_words
+from teamformer.trials.mcp.telling import MOST_LINES, in_words, of_tools
 from teamformer.trials.mcp.work_folder import WorkFolder
 from teamformer.trials.mcp.workbench import TOOLS, Workbench
 
@@ -156,3 +156,8 @@ def test_a_plan_has_its_page_and_all_of_it_in_a_file(bench: Workbench) -> None:
 def test_every_tool_says_what_it_is() -> None:
     for name in TOOLS:
         assert getattr(Workbench, name).__doc__
+
+
+def test_a_remedy_names_tools_where_the_terminal_has_verbs() -> None:
+    told = "use `teamformer run MISSION --out DIR`, `compare` or `live`; see `to best`"
+    assert of_tools(told) == "use run_mission, compare_methods or `live`; see `to best`"

@@ -420,7 +420,7 @@ def test_damaged_truths_are_refused(damage: Any, words: str) -> None:
 def test_events_tell_what_turned_out(tmp_path: Path) -> None:
     record = recorded()
     told = [event for event in events(record) if event.kind == "needs"]
-    assert [(e.step, e.task) for e in told] == [
+    assert [(e.at, e.task) for e in told] == [
         (number, task) for number, step in enumerate(record.steps, 1) for task in step.shown
     ]
     first = record.true_mission.tasks[told[0].task or 0]

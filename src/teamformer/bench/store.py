@@ -13,6 +13,7 @@ from typing import Any
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.file_access import read_text
+from teamformer.base.naming import listed
 from teamformer.bench.rows import Key, Row, row_of, with_bars
 
 ROWS, BROKEN, ABOUT, LOCK = "rows.jsonl", "broken-rows.txt", "bench.json", ".lock"
@@ -175,11 +176,10 @@ def set_aside(path: Path, broken: Sequence[tuple[int, str]], say: Callable[[str]
     beside = path.with_name(BROKEN)
     with beside.open("a", encoding="utf-8") as file:
         file.writelines(f"{path.name}:{number}: {line}\n" for number, line in broken)
-    numbers = ", ".join(str(number) for number, _ in broken[:5])
-    more = f" and {len(broken) - 5} more" if len(broken) > 5 else ""
+    numbers = listed((number for number, _ in broken), 5)
     plural = "s" if len(broken) > 1 else ""
     say(
-        f"{path}: line{plural} {numbers}{more} cannot be read; set aside into "
+        f"{path}: line{plural} {numbers} cannot be read; set aside into "
         f"{beside.name}, and the trial{plural} will be run again"
     )
 

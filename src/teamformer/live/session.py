@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
 import time
 from collections.abc import Callable
 from functools import partial
@@ -45,7 +44,7 @@ from teamformer.live.running.page_trees import (
 from teamformer.live.running.what_if import luck_of, what_if
 from teamformer.live.serving.errands import Errands, apart
 from teamformer.live.serving.refusals import or_refuse, refusal
-from teamformer.live.serving.watchers import Watcher
+from teamformer.live.serving.watchers import Watcher, Watchers
 from teamformer.record.files.writing import save_record
 from teamformer.record.record import Record
 from teamformer.record.telling.latest import LatestTold
@@ -79,7 +78,8 @@ class Session:
         self._alarm = Alarm([robot.name for robot in mission.source.robots], on_alerts)
         self._saved: Moment | None = None  # when that was done last
         self._changes = 0
-        self.watchers: set[Watcher] = set()
+        self.watchers = Watchers()
+        self._tell_all = self.watchers.tell_all
         self.lock, self._wake = asyncio.Lock(), asyncio.Event()
         self._errands, self._told = Errands(), LatestTold()
         self._outlook: Tree | None = None  # what the latest forecast said
@@ -104,12 +104,11 @@ class Session:
 
     def join(self) -> Watcher:
         """Let a page watch: it is sent the mission so far, then what happens."""
-        watcher = Watcher()
-        self.watchers.add(watcher)
-        watcher.tell(json.dumps({"kind": "mission", "record": self._record()} | self._state()))
+        watcher = self.watchers.come()
+        watcher.say("mission", {"record": self._record()} | self._state())
         self._tell_all("state", self._state())
         if self._outlook is not None:
-            watcher.tell(json.dumps({"kind": "forecast"} | self._outlook))
+            watcher.say("forecast", self._outlook)
         elif not self._errands.is_under_way(FORECAST):
             self._predict()
         if not self._errands.is_under_way(BOUND):
@@ -252,8 +251,7 @@ class Session:
             async with self.lock:
                 paths = await asyncio.to_thread(self.save)
                 self._saved = self._moment()
-            saved = {"kind": "saved", "paths": [str(path) for path in paths], "note": self.note}
-            watcher.tell(json.dumps(saved))
+            watcher.say("saved", {"paths": [str(path) for path in paths], "note": self.note})
             self._tell_all("state", self._state())
         else:
             raise TeamformerError(f"a mission under way cannot '{command}'")
@@ -270,7 +268,8 @@ class Session:
         self._alarm.look(self.mission)
         for watcher in self.watchers:
             if self._errands.end(watcher):
-                watcher.tell(refusal("something else has happened meanwhile; ask again", True))
+                again = "something else has happened meanwhile; ask again"
+                watcher.say("refused", refusal(again, is_weighed=True))
         self._predict()
         self._work_out_bound()
 
@@ -291,17 +290,17 @@ class Session:
             now = self.mission.as_it_stands()
         incident = read_incident(message, now.source)
         weighed = await apart(partial(what_if, now, incident))
-        watcher.tell(json.dumps({"kind": "what_if"} | weighed.to_tree()))
+        watcher.say("what_if", weighed.to_tree())
         if now.is_planned:
             luck = {"steps": await apart(partial(luck_of, weighed)), "is_luck": weighed.is_luck}
-            watcher.tell(json.dumps({"kind": "luck"} | luck))
+            watcher.say("luck", luck)
 
     def _stop(self, watcher: Watcher) -> None:
         """End what a page has weighed, and the search for a plan."""
         if self._errands.end(watcher):
-            watcher.tell(json.dumps({"kind": "stopped"}))
+            watcher.say("stopped")
         if self._errands.end(SEARCH):
-            self._tell_all("stopped", {})
+            self._tell_all("stopped")
 
     def _search_plan(self, seconds: float) -> None:
         """Begin to search for a better plan; the mission pauses, as the plan is for now."""
@@ -317,8 +316,7 @@ class Session:
         try:
             found = await apart(partial(search_plan, past, seconds))
         except TeamformerError as error:
-            for watcher in self.watchers:
-                watcher.tell(refusal(str(error), is_weighed=True))
+            self._tell_all("refused", refusal(str(error), is_weighed=True))
             return
         self._offer = (moment, found)
         ends = forecast_to_tree(found.forecast) | {"without": forecast_to_tree(found.without)}
@@ -393,8 +391,3 @@ class Session:
             "planning": self._planning,
             "has_editor": self.has_editor,
         }
-
-    def _tell_all(self, kind: str, news: Tree) -> None:
-        text = json.dumps({"kind": kind} | news, separators=(",", ":"))
-        for watcher in self.watchers:
-            watcher.tell(text)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
 import secrets
 import threading
 import time
@@ -30,7 +29,7 @@ from teamformer.live.keeping.resuming import Kept, StartMission, play_again
 from teamformer.live.running.alarm import OnAlerts
 from teamformer.live.running.messages import Message, read_files, read_message
 from teamformer.live.running.mission_with_past import RunningMission
-from teamformer.live.serving.watchers import Watcher
+from teamformer.live.serving.watchers import Watcher, Watchers
 from teamformer.live.session import AT_ONCE, Session
 from teamformer.mission.model import Mission
 from teamformer.record.record import Record
@@ -69,7 +68,7 @@ class Workshop:
         self._is_starting = mission is not None or kept is not None
         self._refusal = ""  # why the latest mission could not be started
         self._doing = FIRST_PLAN  # while there is no mission yet
-        self._watchers: set[Watcher] = set()
+        self._watchers = Watchers()
         self._clock: asyncio.Task[None] | None = None
 
     async def run(self) -> None:
@@ -87,14 +86,13 @@ class Workshop:
         """Let a page in: to the mission that runs or is made ready, else to the editor."""
         if self.session is not None:
             return self.session.join()
-        watcher = Watcher()
-        self._watchers.add(watcher)
+        watcher = self._watchers.come()
         if self._is_starting:
             self._tell_starting(watcher)
         else:
             self._tell_draft(watcher)
             if self._refusal:
-                watcher.tell(json.dumps({"kind": "refused", "text": self._refusal}))
+                watcher.say("refused", {"text": self._refusal})
         return watcher
 
     def leave(self, watcher: Watcher) -> None:
@@ -114,7 +112,7 @@ class Workshop:
             else:
                 await self._do(watcher, message)
         except TeamformerError as error:
-            watcher.tell(json.dumps({"kind": "refused", "text": str(error)}))
+            watcher.say("refused", {"text": str(error)})
 
     @property
     def note(self) -> str:
@@ -138,8 +136,7 @@ class Workshop:
         command = message["do"]
         if command == "check":
             problems = await asyncio.to_thread(problems_of, self._take(watcher, message))
-            checked = {"kind": "checked", "problems": problems, "id": message.get("id")}
-            watcher.tell(json.dumps(checked))
+            watcher.say("checked", {"problems": problems, "id": message.get("id")})
         elif command == "open":
             name, text = message.get("name"), message.get("text")
             if not isinstance(name, str) or not isinstance(text, str):
@@ -155,7 +152,7 @@ class Workshop:
         elif command == "save":
             draft, name = self._take(watcher, message) or {}, message.get("name")
             path = write_draft(draft, name, self._folder, self._draft.text)
-            watcher.tell(json.dumps({"kind": "saved", "paths": [str(path)]}))
+            watcher.say("saved", {"paths": [str(path)]})
         elif command == "run":
             await self._run(read_draft(self._take(watcher, message)))
         else:
@@ -182,12 +179,11 @@ class Workshop:
     def _tell_draft(self, *watchers: Watcher) -> None:
         draft = {"mission": self._draft.tree, "file": self._draft.file, "id": self._draft.id}
         for watcher in watchers:
-            watcher.tell(json.dumps({"kind": "editor"} | draft))
+            watcher.say("editor", draft)
 
     def _tell_starting(self, *watchers: Watcher) -> None:
-        starting = {"kind": "starting", "mission": self._draft.tree, "text": self._doing}
         for watcher in watchers:
-            watcher.tell(json.dumps(starting))
+            watcher.say("starting", {"mission": self._draft.tree, "text": self._doing})
 
     async def _run(self, source: Mission) -> None:
         """Begin a mission, and have all pages come to it; or tell them why it cannot be run."""
@@ -248,8 +244,7 @@ class Workshop:
         """Tell everybody that a mission cannot be run."""
         self._refusal = why
         self._say(f"the mission cannot be run: {why}")
-        for watcher in self._watchers:
-            watcher.tell(json.dumps({"kind": "refused", "text": why}))
+        self._watchers.tell_all("refused", {"text": why})
 
     def _end_session(self) -> None:
         """Let time pass no more; the session can still be saved."""
@@ -260,8 +255,7 @@ class Workshop:
 
     def _have_all_come_again(self) -> None:
         """Have pages load anew: they come to what there is now."""
-        for watcher in self._watchers:
-            watcher.tell(json.dumps({"kind": "begun"}))
+        self._watchers.tell_all("begun")
         self._watchers.clear()
 
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 
-from teamformer.mission.model import Mission, Task
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
-from teamformer.mission.parts.places import believed_place
 from teamformer.mission.parts.plane import Plane
-from teamformer.record.record import Record
 from teamformer.world.rules.constants import NOBODY
 
 PHASES = (
@@ -41,25 +39,6 @@ def phase_of(
     if task == NOBODY:
         return IDLE
     return WAITING if is_there else WALKING
-
-
-def work_on(task: Task, is_up: bool, step: int, done_in: float) -> str:
-    """Return what a team does for a task in a step.
-
-    `is_up` says whether the load is carried, `done_in` in which step the task is done at last.
-    """
-    if task.to is None:
-        return SERVING
-    if not is_up:
-        return LOADING
-    return UNLOADING if step > done_in - task.unload else CARRYING
-
-
-def believed_places(record: Record) -> list[Place]:
-    """Return where each task is believed to be before anybody has looked."""
-    source, mission = record.mission, record.true_mission
-    believed = [believed_place(source.world, task) for task in source.tasks]
-    return [*believed, *(task.at for task in mission.tasks[len(believed) :])]
 
 
 def is_same_place(mission: Mission, one: Place, other: Place) -> bool:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from teamformer.mission.model import Robot
 from teamformer.mission.parts.grid import Place
-from teamformer.record.record import Record, StartingTeam, Step
+from teamformer.record.record import Record, StartingTeam, Step, TeamAt
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -40,9 +40,22 @@ class Teams:
             self.lose(robot)
         for robot in step.back:
             self.bring_back(robot)
-        for slot, x, y, task in step.teams:
-            self.at[slot], self.task[slot] = (x, y), NOBODY if task is None else task
+        self.put(step.teams)
         return formed
+
+    def put(self, rows: Iterable[TeamAt]) -> None:
+        """Put teams where they are after a step."""
+        for slot, x, y, task in rows:
+            self.at[slot], self.task[slot] = (x, y), NOBODY if task is None else task
+
+    def row(self, slot: int) -> TeamAt:
+        """Return where a team is and what it heads for, as a step tells it."""
+        task = self.task[slot]
+        return TeamAt(slot, *self.at[slot], None if task == NOBODY else task)
+
+    def lost(self) -> list[int]:
+        """Return the robots that are lost."""
+        return [robot for robot, slot in enumerate(self.slot) if slot == NOBODY]
 
     def split(self, stay: Sequence[int], leave: Sequence[int]) -> None:
         """Make two teams of one; that of the lowest robot keeps the slot and the task."""

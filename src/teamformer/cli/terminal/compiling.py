@@ -31,6 +31,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     If a mission is given that is large, that is also what they need for large ones.
     """
     from teamformer.base.kernels.jit import needs_compiling
+    from teamformer.planning.continuous.rules import warm_up
     from teamformer.planning.crews.deal import deal_crews
     from teamformer.planning.relaxation import threshold
     from teamformer.planning.search.annealing import anneal
@@ -39,7 +40,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     from teamformer.world.step import step_worlds
 
     if mission is not None and mission.time == "continuous":
-        _warm_up(mission)
+        warm_up()
         return
     wanted = {method.name: method for method in methods}
     has_new_planner = "plan" in wanted and needs_compiling(anneal)
@@ -56,14 +57,6 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     is_large = mission is not None and len(mission.tasks) >= LARGE
     if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(dispatch):
         _plan_anew()
-
-
-def _warm_up(mission: Mission) -> None:
-    """Compile what plans in continuous time need."""
-    from teamformer.mission.checks.links import is_linked
-    from teamformer.planning.continuous.rules import warm_up
-
-    warm_up(is_linked(mission))
 
 
 def _plan_anew() -> None:

@@ -8,7 +8,6 @@ nothing changes.
 from __future__ import annotations
 
 import asyncio
-import json
 import secrets
 import time
 from collections.abc import Callable, Sequence
@@ -29,7 +28,7 @@ from teamformer.live.running.incidents import NewTask
 from teamformer.live.running.messages import read_incident, read_message
 from teamformer.live.running.page_trees import Tree, record_so_far
 from teamformer.live.serving.refusals import or_refuse
-from teamformer.live.serving.watchers import Watcher
+from teamformer.live.serving.watchers import Watcher, Watchers
 from teamformer.record.files.writing import save_record, step_to_tree
 from teamformer.record.record import Record
 from teamformer.record.telling.latest import LatestTold
@@ -66,7 +65,8 @@ class ObserverSession:
         self.note = "this is what was seen of the fleet; no record of steps"
         self._transport = transport
         self._post = post
-        self._watchers: set[Watcher] = set()
+        self._watchers = Watchers()
+        self._tell_all = self._watchers.tell_all
         self._operators: dict[int, Operator] = {}
         self._incidents: list[tuple[int, str]] = []
         self._say_aloud, self._on_alerts = say, on_alerts
@@ -96,9 +96,8 @@ class ObserverSession:
 
     def join(self) -> Watcher:
         """Let a page watch: it is sent what has been seen so far, then what happens."""
-        watcher = Watcher()
-        self._watchers.add(watcher)
-        watcher.tell(json.dumps({"kind": "mission", "record": self._record()} | self._state()))
+        watcher = self._watchers.come()
+        watcher.say("mission", {"record": self._record()} | self._state())
         self._tell_all("state", self._state())
         return watcher
 
@@ -140,8 +139,7 @@ class ObserverSession:
             self._alerts.acknowledge(str(message.get("alert")))
             self._tell_all("state", self._state())
         elif command == "save":
-            saved = {"kind": "saved", "paths": [str(p) for p in self.save()], "note": self.note}
-            watcher.tell(json.dumps(saved))
+            watcher.say("saved", {"paths": [str(p) for p in self.save()], "note": self.note})
         else:
             raise TeamformerError(
                 f"the fleet goes its own way; nobody can '{command}' it from here"
@@ -265,8 +263,3 @@ class ObserverSession:
             | {"is_acknowledged": it.key in self._alerts.acknowledged}
             for it in self._alerts.held
         ]
-
-    def _tell_all(self, kind: str, news: Tree) -> None:
-        text = json.dumps({"kind": kind} | news, separators=(",", ":"))
-        for watcher in self._watchers:
-            watcher.tell(text)

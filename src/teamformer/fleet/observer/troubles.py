@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
+from teamformer.base.naming import listed
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.observer.watch import Watch
 from teamformer.live.running.alerts import END, Alert, robot_key
@@ -11,9 +12,6 @@ from teamformer.mission.parts.capabilities import describe, missing, total
 
 SLACK = 10.0
 """Seconds by which a service may take longer than its task says."""
-
-MOST_NAMED = 3
-"""Names that are written out."""
 
 
 def troubles(watch: Watch, age: float) -> list[Alert]:
@@ -58,7 +56,7 @@ def _late_tasks(watch: Watch, age: float) -> Iterator[Alert]:
 def _who_does(watch: Watch, task: TaskFact) -> str:
     """Return where to look for who is to do a task."""
     robots = [r for r, word in sorted(watch.words.items()) if word.goal == task.key]
-    names = _names(watch.source.robots[robot].name for robot in robots)
+    names = listed(watch.source.robots[robot].name for robot in robots)
     return f"look at {names}, which head for it or are there" if robots else "nobody heads for it"
 
 
@@ -73,14 +71,9 @@ def _end(watch: Watch) -> Iterator[Alert]:
     needs = dict(zip(watch.source.capabilities, first.needs, strict=True))
     there = [robot for robot in able if watch.mission.reach(robot, first)]
     lack = missing(total(robots[robot].can for robot in there), needs)
-    helpers = _names(robots[robot].name for robot in sorted(out) if lack.keys() & robots[robot].can)
+    useful = (robots[r].name for r in sorted(out) if lack.keys() & robots[r].can)
+    helpers = listed(useful)
     do = f"bring {helpers} back" if helpers else "add a robot; no lost robot has it"
     why = f"for {first.name} the robots that are left lack {describe(lack)}"
-    yield Alert(END, f"the mission cannot end: {_names(task.name for task in stuck)}", why, do)
-
-
-def _names(names: Iterable[str]) -> str:
-    """Write names, the first few of many."""
-    every = list(names)
-    more = f" and {len(every) - MOST_NAMED} more" if len(every) > MOST_NAMED else ""
-    return ", ".join(every[:MOST_NAMED]) + more
+    names = listed(task.name for task in stuck)
+    yield Alert(END, f"the mission cannot end: {names}", why, do)

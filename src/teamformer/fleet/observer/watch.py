@@ -7,7 +7,7 @@ nobody can tell it is recorded that it is done by then, and that nobody knows by
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -22,22 +22,12 @@ from teamformer.fleet.messages import (
     TaskFact,
     Word,
 )
-from teamformer.fleet.rehearsal.record import (
-    Deed,
-    Teams,
-    deed_of,
-    deeds_by_step,
-    doers_goals,
-    team_changes,
-    teams_shown,
-    who_did,
-)
-from teamformer.fleet.rehearsal.services_seen import ServicesSeen
-from teamformer.fleet.rehearsal.trace import Finished
 from teamformer.mission.model import Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
-from teamformer.record.record import FLEET, Ending, Record, Step, TaskAt, TeamAt
+from teamformer.record.record import Record, Step, TaskAt
+from teamformer.record.snapshots.deeds import Deed, deed_of, deeds_by_step
+from teamformer.record.snapshots.writer import Sighting, SnapshotWriter, fleet_record
 from teamformer.world.rules.constants import NOBODY
 
 STAYS = 3
@@ -70,8 +60,7 @@ class Watch:
         self.source = mission.source
         self.words: dict[int, Word] = {}
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
-        self.steps: list[Step] = []
-        self._seen = ServicesSeen(self.source)
+        self._writer = SnapshotWriter(self.source)
         self.tellers: set[int] = set()  # who has told it what was done before it came
         self._number = {task.key: number for number, task in enumerate(mission.tasks)}
         self._done: dict[int, int] = {}  # task -> step in which that was heard of
@@ -82,8 +71,11 @@ class Watch:
         self._left: dict[int, TaskAt] = {}  # those that have been set down since the last step
         self._carried: set[int] = set()
         self._lost: set[int] = set()
-        self._teams: Teams = {robot: (robot,) for robot in range(mission.robots)}
-        self._shown: dict[int, TeamAt] = {}
+
+    @property
+    def steps(self) -> list[Step]:
+        """Return the steps written down so far."""
+        return self._writer.steps
 
     @property
     def is_over(self) -> bool:
@@ -153,16 +145,16 @@ class Watch:
         told = {key: self._deed(key) for key in self._news if key in self._told}
         told = {key: deed for key, deed in told.items() if deed.robots}
         times = sorted((min(self._told[key].at, past * step), key) for key in told)
-        rows = deeds_by_step((Finished(*each) for each in times), told, step)[:past]
+        rows = deeds_by_step(times, told, step)[:past]
         places = {robot: at.at for robot, at in enumerate(self.source.robots)}
         for deeds in rows:
             said = {robot: (robot, place) for robot, place in places.items()}
-            self._seen.add(self.steps, self._drawn(said, {}, deeds), self.source)
+            self._writer.add(self.source, Sighting(said, {}, deeds))
             places |= {robot: deed.at for deed in deeds for robot in deed.robots}
         written = {deed.task for deeds in rows for deed in deeds}
         self._news = [key for key in self._news if self._number[key] not in written]
         for _ in range(past - len(rows)):
-            self._seen.add(self.steps, Step(), self.source)
+            self._writer.pause(self.source)
         self._done = dict.fromkeys(self._done, past + 1)
         self._served = {
             r: service._replace(since=past, step=past) for r, service in self._served.items()
@@ -180,7 +172,7 @@ class Watch:
         gone = {robot for robot, word in self.words.items() if word.is_lost} - busy
         if len(gone) == self.mission.robots:
             deeds = []
-        lost, back = sorted(gone - self._lost), sorted(self._lost - gone)
+        lost, back = tuple(sorted(gone - self._lost)), tuple(sorted(self._lost - gone))
         self._lost = gone
         lifted = {robot: lay for robot, lay in self._lifted().items() if robot not in gone}
         said = {
@@ -188,70 +180,25 @@ class Watch:
             for robot in range(self.mission.robots)
             if robot not in gone  # who is back is alone at first
         }
-        goals = {robot: self._goal_of(robot) for robot in said}
-        self._teams |= {robot: (robot,) for robot in back}
         self._carried |= {lay.key for lay in lifted.values()}
-        made = self._drawn(said, goals, deeds, self._taking(lifted), lost)
         self._news = [key for key in self._news if not said or key not in ripe]
         left, self._left = tuple(self._left.values()), {}
-        made = replace(made, back=tuple(back), left=left)
-        return self._seen.add(self.steps, made, self.source)
-
-    def _drawn(
-        self,
-        said: Mapping[int, tuple[int, Place]],
-        aims: Mapping[int, int | None],
-        deeds: Sequence[Deed],
-        taking: Sequence[Deed] = (),
-        lost: Sequence[int] = (),
-    ) -> Step:
-        """Return a step that shows teams as they say they are, and what they have done.
-
-        `aims` is what robots head for.
-        """
-        places, teams, doers = teams_shown(said, [deed for deed in deeds if deed.robots], taking)
-        splits, joins = team_changes(self._teams, teams, lost)
-        slots = {robot: slot for slot, robots in teams.items() for robot in robots}
-        taken = {load.task: slots[load.robots[0]] for load in taking}
-        goals = doers_goals(doers, taken)
-        shown = {
-            slot: TeamAt(slot, *places[slot], goals.get(slot, aims.get(slot)))
-            for slot in sorted(teams)
-        }
-        rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
-        self._teams, self._shown = teams, shown
-        is_known = [not slots.keys().isdisjoint(deed.robots) for deed in deeds]
-        done = tuple(
-            (deed.task, who_did(deed, teams) if known else None)
-            for deed, known in zip(deeds, is_known, strict=True)
+        seen = Sighting(
+            said=said,
+            aims={robot: self._goal_of(robot) for robot in said},
+            done=deeds,
+            taken=self._taking(lifted),
+            left=left,
+            lost=lost,
+            back=back,
         )
-        made = Step(joins, splits, tuple(lost), teams=rows, done=done)
-        return replace(made, taken=tuple(taken.items()))
+        return self._writer.add(self.source, seen)
 
     def record(self) -> Record:
         """Return what has been seen so far; it ends with the step in which all tasks are done."""
-        tasks, steps = self.source.tasks, len(self.steps)
-        ends = [number for number, step in enumerate(self.steps, 1) for _ in step.done]
-        is_complete = len(ends) == len(tasks)
-        if is_complete:
-            steps = max(ends, default=0)
-        return Record(
-            mission=replace(self.source, teams=()),
-            method=FLEET,
-            seed=0,
-            orders=((0, tuple(k for k, task in enumerate(tasks) if task.appears == 0)),),
-            start=tuple((r, (r,), *at.at) for r, at in enumerate(self.source.robots)),
-            steps=tuple(self.steps[:steps]),
-            end=Ending(
-                status="completed" if is_complete else "interrupted",
-                makespan=steps if is_complete else None,
-                steps=steps,
-                tasks_done=len(ends),
-                joins=sum(len(step.joins) for step in self.steps[:steps]),
-                splits=sum(len(step.splits) for step in self.steps[:steps]),
-                illegal_decisions=0,
-            ),
-        )
+        done = sum(len(step.done) for step in self.steps)
+        is_complete = done == len(self.source.tasks)
+        return fleet_record(self.source, self.steps, "completed" if is_complete else "interrupted")
 
     def _take(self, word: Word) -> None:
         known = self.words.get(word.robot)

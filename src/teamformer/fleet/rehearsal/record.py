@@ -9,37 +9,21 @@ next; so is a load that they took up then. Operators' tasks are tasks that appea
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.services_seen import with_services
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
-from teamformer.record.record import FLEET, HEARD, Ending, Record, Step, TaskAt, TeamAt
+from teamformer.record.record import HEARD, Record, TaskAt
+from teamformer.record.snapshots.deeds import SLACK, Deed, deed_of, deeds_by_step
+from teamformer.record.snapshots.writer import Sighting, SnapshotWriter, fleet_record
 from teamformer.world.rules.constants import NOBODY
-
-Teams = dict[int, tuple[int, ...]]
-"""The robots of each team, by its lowest."""
-
-
-@dataclass(frozen=True)
-class Deed:
-    """A task that was done in a step, or whose load was taken up, where, and by which robots."""
-
-    task: int
-    at: Place
-    robots: tuple[int, ...]
-
-
-SLACK = 1e-9
-"""By how many seconds something may come after the end of a step and still be of that step."""
 
 STATUSES = {"ended": "completed", "infeasible": "infeasible", "blocked": "step limit"}
 
@@ -51,38 +35,17 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     tasks, number = _tasks_of(rehearsal)
     done = rehearsal.world.done.values()
     by_key = {it.key: deed_of(number[it.key], tasks, it.robots) for it in done}
-    deeds = deeds_by_step(events, by_key, mission.step)
+    finished = ((event.at, event.task) for event in events if isinstance(event, Finished))
+    deeds = deeds_by_step(finished, by_key, mission.step)
     deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
     robots = _robots_of(rehearsal, deeds)
     source = replace(mission.source, tasks=tasks, robots=robots, teams=())
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: int(step) for robot, step in ends if step is not None}
-    rows = with_services(source, _Teller(source, mission.step, number).tell(events, deeds, lost))
-    is_complete, steps = outcome.status == "ended", len(rows)
-    return Record(
-        mission=source,
-        method=FLEET,
-        seed=seed,
-        orders=((0, tuple(k for k, task in enumerate(source.tasks) if task.appears == 0)),),
-        start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(source.robots)),
-        steps=tuple(rows),
-        end=Ending(
-            status=STATUSES[outcome.status],
-            makespan=steps if is_complete else None,
-            steps=steps,
-            tasks_done=outcome.tasks_done,
-            joins=sum(len(row.joins) for row in rows),
-            splits=sum(len(row.splits) for row in rows),
-            illegal_decisions=0,
-            blocked_tasks=outcome.blocked_tasks,
-        ),
-    )
-
-
-def deed_of(number: int, tasks: Sequence[Task], robots: tuple[int, ...]) -> Deed:
-    """Return that a task was done: a load, where it was brought."""
-    task = tasks[number]
-    return Deed(number, task.at if task.to is None else task.to, robots)
+    writer = SnapshotWriter(source)
+    _Teller(source, mission.step, number).tell(writer, events, deeds, lost)
+    status = STATUSES[outcome.status]
+    return fleet_record(source, writer.steps, status, seed, outcome.blocked_tasks)
 
 
 def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
@@ -140,21 +103,23 @@ class _Teller:
 
     def __init__(self, mission: Mission, step: float, number: dict[int, int]) -> None:
         robots = range(len(mission.robots))
-        self._step, self._number = step, number
+        self._mission, self._step, self._number = mission, step, number
         self._is_grid = isinstance(mission.world, Grid)
         self._walks = [Walked(0.0, r, (mission.robots[r].at,), 0.0, 1.0) for r in robots]
         self._says = {robot: (robot, NOBODY) for robot in robots}
-        self._teams: Teams = {robot: (robot,) for robot in robots}
-        self._shown: dict[int, TeamAt] = {}
         self._lifted: dict[int, Lifted] = {}  # loads that are up, and no step shows it yet
 
     def tell(
-        self, events: Sequence[Event], deeds: Sequence[Sequence[Deed]], lost: Mapping[int, int]
-    ) -> list[Step]:
-        """Return what changed in each step; `deeds` has what each shows as done."""
-        rows, position = [], 0
+        self,
+        writer: SnapshotWriter,
+        events: Sequence[Event],
+        deeds: Sequence[Sequence[Deed]],
+        lost: Mapping[int, int],
+    ) -> None:
+        """Write down each step; `deeds` has what it shows as done, `lost` who is lost when."""
+        position = 0
         for step, done in enumerate(deeds, start=1):
-            heard, lifts = set(), list[Lifted]()
+            heard, lifts = set[tuple[int, int, str]](), list[Lifted]()
             while position < len(events) and events[position].at <= step * self._step + SLACK:
                 event = events[position]
                 position += 1
@@ -166,9 +131,27 @@ class _Teller:
                     heard.add((event.sender, event.receiver, event.kind))
                 elif isinstance(event, Lifted):
                     lifts.append(event)
-            row = self._row(step, [r for r, at in lost.items() if at == step], done, lifts)
-            rows.append(replace(row, heard=tuple(sorted(heard))))
-        return rows
+            gone = tuple(r for r, at in lost.items() if at == step)
+            seen = self._seen(step * self._step, gone, done, lifts)
+            writer.add(self._mission, replace(seen, heard=tuple(sorted(heard))))
+
+    def _seen(
+        self, now: float, lost: tuple[int, ...], done: Sequence[Deed], lifts: Sequence[Lifted]
+    ) -> Sighting:
+        for robot in lost:
+            del self._says[robot]
+        lifted, left = self._loads(lifts, done)
+        return Sighting(
+            said={
+                robot: (team, self._as_place(*self._place(self._walks[robot], now)))
+                for robot, (team, _) in self._says.items()
+            },
+            aims={robot: self._number.get(goal) for robot, (_, goal) in self._says.items()},
+            done=done,
+            taken=[Deed(k, self._as_place(*it.place), it.robots) for k, it in lifted.items()],
+            left=tuple(left.values()),
+            lost=lost,
+        )
 
     def _loads(
         self, lifts: Sequence[Lifted], done: Sequence[Deed]
@@ -192,38 +175,6 @@ class _Teller:
         self._lifted = {k: lift for k, lift in self._lifted.items() if k not in taken}
         return taken, left
 
-    def _row(
-        self, step: int, lost: list[int], done: Sequence[Deed], lifts: Sequence[Lifted]
-    ) -> Step:
-        now = step * self._step
-        for robot in lost:
-            del self._says[robot]
-        lifted, left = self._loads(lifts, done)
-        said = {
-            robot: (team, self._as_place(*self._place(self._walks[robot], now)))
-            for robot, (team, _) in self._says.items()
-        }
-        taking = [Deed(k, self._as_place(*it.place), it.robots) for k, it in lifted.items()]
-        places, teams, doers = teams_shown(said, done, taking)
-        splits, joins = team_changes(self._teams, teams, lost)
-        self._teams = teams
-        slot_of = {robot: slot for slot, robots in teams.items() for robot in robots}
-        taken = {
-            load: slot_of[lift.robots[0]]
-            for load, lift in lifted.items()
-            if lift.robots[0] in slot_of
-        }
-        goals = doers_goals(doers, taken)
-        shown = {}
-        for slot in sorted(teams):
-            goal = goals.get(slot, self._number.get(self._says[slot][1]))
-            shown[slot] = TeamAt(slot, *places[slot], goal)
-        rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
-        self._shown = shown
-        finished = tuple((deed.task, who_did(deed, teams)) for deed in done)
-        made = Step(joins, splits, tuple(lost), teams=rows, done=finished)
-        return replace(made, taken=tuple(taken.items()), left=tuple(left.values()))
-
     def _as_place(self, x: float, y: float) -> Place:
         return (int(x), int(y)) if self._is_grid else (round(x, DECIMALS), round(y, DECIMALS))
 
@@ -237,101 +188,3 @@ class _Teller:
         if self._is_grid:
             return (to_x, to_y) if part >= 1 else (x, y)
         return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
-
-
-def deeds_by_step(
-    events: Iterable[Event], deeds: Mapping[int, Deed], step: float
-) -> list[list[Deed]]:
-    """Return what each step shows as done, from the first step to the last that shows anything.
-
-    `events` are in order of time, `deeds` by the key of their task.
-    """
-    finished = deque(event for event in events if isinstance(event, Finished))
-    rows = list[list[Deed]]()
-    waiting = list[Deed]()
-    while finished or waiting:
-        while finished and finished[0].at <= (len(rows) + 1) * step + SLACK:
-            waiting.append(deeds[finished.popleft().task])
-        done, waiting = _at_once(waiting)
-        rows.append(done)
-    return rows
-
-
-def _at_once(deeds: Sequence[Deed]) -> tuple[list[Deed], list[Deed]]:
-    """Return the deeds that one step can show, and those that come in the next.
-
-    A robot is in one team in a step: what it did with others than before waits for the next.
-    """
-    now, later = list[Deed](), list[Deed]()
-    for deed in deeds:
-        robots = set(deed.robots)
-        is_clear = all(
-            robots == set(other.robots) or robots.isdisjoint(other.robots)
-            for other in (*now, *later)
-        )
-        (now if is_clear else later).append(deed)
-    return now, later
-
-
-def teams_shown(
-    said: Mapping[int, tuple[int, Place]], done: Sequence[Deed], taking: Sequence[Deed] = ()
-) -> tuple[dict[int, Place], Teams, set[int]]:
-    """Return places by robot, teams, and the slots of teams that have just done something.
-
-    `said` has each robot's team by its word, and its place; `taking` are the loads taken up. Who
-    has done several tasks in a step is where it did the last.
-    """
-    did = {robot: deed for deed in (*taking, *done) for robot in deed.robots if robot in said}
-    groups: dict[tuple[int, int, Place], list[int]] = {}
-    places = {}
-    for robot, (team, place) in sorted(said.items()):
-        deed = did.get(robot)
-        places[robot] = place if deed is None else deed.at
-        key = (-1, team, place) if deed is None else (deed.task, 0, deed.at)
-        groups.setdefault(key, []).append(robot)
-    teams = {robots[0]: tuple(robots) for robots in groups.values()}
-    return places, teams, {slot for slot in teams if did.get(slot) in done}
-
-
-def doers_goals(doers: Iterable[int], taken: Mapping[int, int]) -> dict[int, int | None]:
-    """Return what teams are shown to head for: those that have just done something for nothing.
-
-    Who has taken up a load heads for that; `taken` has the team by the load.
-    """
-    nothing: dict[int, int | None] = dict.fromkeys(doers)
-    return nothing | {slot: load for load, slot in taken.items()}
-
-
-def who_did(deed: Deed, teams: Teams) -> int:
-    """Return the team to show as the one that did a task: that with most of those who did it."""
-    return max(
-        sorted(teams),
-        key=lambda slot: len(set(teams[slot]) & set(deed.robots)),
-        default=0,
-    )
-
-
-def team_changes(
-    before: Teams, after: Teams, lost: Sequence[int]
-) -> tuple[
-    tuple[tuple[tuple[int, ...], tuple[int, ...]], ...],
-    tuple[tuple[int, int], ...],
-]:
-    """Return the splits, then the joins, that make one set of teams of another.
-
-    Robots that are lost then, which comes after both in a step, part from the others before.
-    """
-    splits, pieces = [], []
-    after = after | {robot: (robot,) for robot in lost}
-    for robots in before.values():
-        parts = [tuple(r for r in robots if r in team) for team in after.values()]
-        parts = sorted(part for part in parts if part)
-        pieces += parts
-        rest = robots
-        for part in parts[:-1]:
-            rest = tuple(robot for robot in rest if robot not in part)
-            splits.append((part, rest))
-    joins = []
-    for slot, team in sorted(after.items()):
-        joins += [(min(piece), slot) for piece in sorted(pieces) if slot < min(piece) in team]
-    return tuple(splits), tuple(joins)

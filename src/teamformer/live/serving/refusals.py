@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Awaitable, Sequence
 
 from teamformer.base.errors import TeamformerError
 from teamformer.live.running.messages import TaskRefusedError
-from teamformer.live.serving.watchers import Watcher
+from teamformer.live.serving.watchers import News, Watcher
 
 
 async def or_refuse(watcher: Watcher, work: Awaitable[None], is_weighed: bool = False) -> None:
@@ -16,14 +15,13 @@ async def or_refuse(watcher: Watcher, work: Awaitable[None], is_weighed: bool = 
         await work
     except TeamformerError as error:
         keys = error.keys if isinstance(error, TaskRefusedError) else ()
-        watcher.tell(refusal(str(error), is_weighed, keys))
+        watcher.say("refused", refusal(str(error), is_weighed, keys))
 
 
-def refusal(text: str, is_weighed: bool = False, keys: Sequence[str] = ()) -> str:
-    """Return the message that says why not.
+def refusal(text: str, is_weighed: bool = False, keys: Sequence[str] = ()) -> News:
+    """Return what a message says of why not.
 
     `is_weighed` says that the page waits for no answer any more to what it wanted worked out.
     `keys` are the parts of a new task that are wrong.
     """
-    told = {"kind": "refused", "text": text, "keys": keys, "is_weighed": is_weighed}
-    return json.dumps(told)
+    return {"text": text, "keys": keys, "is_weighed": is_weighed}

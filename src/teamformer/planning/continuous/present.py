@@ -31,7 +31,7 @@ def plan_present(known: Known, old: Plan | None = None) -> Plan:
             f"{posed.source.name}: no coalitions were found for tasks that are linked",
             "different robots do them, so add robots or drop a link",
         )
-    return plan_present(_with_fewer_links(known), old)  # until those are back who are lost
+    return plan_present(_with_fewer_links(known), old)  # others wait until robots are back
 
 
 def _with_fewer_links(known: Known) -> Known:

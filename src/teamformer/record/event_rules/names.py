@@ -22,7 +22,7 @@ def need(is_so: bool, message: str) -> None:
 
 
 class InWords:
-    """InWords what a mission has."""
+    """Names what a mission has."""
 
     def __init__(self, mission: Mission) -> None:
         self._mission = mission

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from teamformer.mission.coordination import TAKEN_OVER
+from teamformer.mission.coordination import IDLE, TAKEN_OVER
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import need
@@ -18,9 +18,9 @@ def take_plan(now: Standing, event: Event) -> None:
     plan = event.plan
     assert plan is not None, "it has been read"
     own = [why for why in plan.reasons if why != TAKEN_OVER]
-    known = {*now.news, *(["idle"] if "idle" in plan.reasons else [])}
+    known = {*now.news, *([IDLE] if IDLE in plan.reasons else [])}
     need(bool(plan.reasons) and known.issuperset(own), _wrong_reasons(now, own))
-    if "idle" not in own:
+    if IDLE not in own:
         need(set(heard(now)) <= set(own), _wrong_reasons(now, own))
     tasks = [row.task for row in plan.tasks]
     need(len(set(tasks)) == len(tasks), "the plan has a task twice")
@@ -37,8 +37,8 @@ def take_plan(now: Standing, event: Event) -> None:
         have = total(now.mission.robots[robot].can for robot in robots)
         lacks = missing(have, sure)
         need(not robots or not lacks, f"the plan's team of {name} lacks {describe(lacks)}")
-        need(end is None or end >= now.now or is_near(end, now.now),
-                   f"the plan expects {name} to end at {end:g}")  # fmt: skip
+        due = now.now if end is None else end
+        need(due >= now.now or is_near(due, now.now), f"the plan expects {name} to end at {due:g}")
     now.go_by(plan)
     now.news = {}
     now.plans += 1

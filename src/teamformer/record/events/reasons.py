@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from teamformer.base.naming import listed
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
@@ -18,7 +19,6 @@ from teamformer.record.phases import (
     WAITING,
     WALKING,
 )
-from teamformer.record.told.words import listed
 from teamformer.world.continuous.events import Event, PlanMade
 from teamformer.world.rules.constants import NOBODY
 

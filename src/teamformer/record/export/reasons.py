@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from teamformer.base.naming import listed
 from teamformer.mission.keys.mission_keys import HOME
 from teamformer.record.phases import (
     AT_WORK,
@@ -23,7 +24,6 @@ from teamformer.record.record import Record, Step
 from teamformer.record.teams import Teams
 from teamformer.record.telling.whole import told_of
 from teamformer.record.told.told_record import Run, ToldRecord
-from teamformer.record.told.words import listed
 from teamformer.world.rules.constants import NOBODY
 
 VERBS = {

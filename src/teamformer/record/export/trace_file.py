@@ -22,8 +22,12 @@ from teamformer.record.telling.whole import told_of
 from teamformer.record.told.told_record import ToldRecord
 from teamformer.world.rules.constants import NOBODY
 
-ROBOTS, TASKS = 1, 2
-"""The two processes of a trace, as its viewers call groups of tracks."""
+ROBOTS, TASKS, MISSION = 1, 2, 3
+"""The processes of a trace, as its viewers call groups of tracks."""
+
+FIRST = 11
+"""The number of a process's first track. Perfetto takes tracks numbered 0 or as their process for
+one and the same, its main thread."""
 
 MICROSECONDS = 1e6
 
@@ -41,12 +45,12 @@ def write_trace(record: Record, path: Path) -> None:
 
 
 def _names(mission: Mission) -> Iterator[Row]:
-    for process, name in ((ROBOTS, "robots"), (TASKS, "tasks")):
+    for process, name in ((ROBOTS, "robots"), (TASKS, "tasks"), (MISSION, "mission")):
         yield {"ph": "M", "name": "process_name", "pid": process, "args": {"name": name}}
     robots, tasks = [one.name for one in mission.robots], [one.name for one in mission.tasks]
-    for process, names in ((ROBOTS, robots), (TASKS, tasks)):
+    for process, names in ((ROBOTS, robots), (TASKS, tasks), (MISSION, [mission.name])):
         for track, name in enumerate(names):
-            of = {"pid": process, "tid": track}
+            of = {"pid": process, "tid": FIRST + track}
             yield {"ph": "M", "name": "thread_name", "args": {"name": name}} | of
             yield {"ph": "M", "name": "thread_sort_index", "args": {"sort_index": track}} | of
 
@@ -61,7 +65,7 @@ def _runs(mission: Mission, told: ToldRecord, unit: float) -> Iterator[Row]:
                     "name": f"{run.phase} {about}".strip(),
                     "cat": run.phase,
                     "pid": ROBOTS,
-                    "tid": robot,
+                    "tid": FIRST + robot,
                     "args": {"task": about},
                 }
 
@@ -74,7 +78,7 @@ def _services(mission: Mission, told: ToldRecord, unit: float) -> Iterator[Row]:
             "name": f"{service.doing} by {', '.join(names)}",
             "cat": service.doing,
             "pid": TASKS,
-            "tid": service.task,
+            "tid": FIRST + service.task,
             "args": {"robots": names},
         }
 
@@ -82,16 +86,20 @@ def _services(mission: Mission, told: ToldRecord, unit: float) -> Iterator[Row]:
 def _happenings(record: Record, unit: float) -> Iterator[Row]:
     """Yield what happened at one moment, on the track of whom or what it happened to."""
     for event in events(record):
-        on_task = event.task is not None
-        track = event.task if on_task else next(iter(event.robots), None)
+        if event.task is not None:
+            process, track = TASKS, event.task
+        elif event.robots:
+            process, track = ROBOTS, event.robots[0]
+        else:
+            process, track = MISSION, 0
         yield {
             "ph": "i",
             "name": event.text(record.true_mission),
             "cat": event.kind,
             "ts": event.at * unit,
-            "pid": TASKS if on_task else ROBOTS,
-            "tid": track or 0,
-            "s": "g" if track is None else "t",  # for all tracks, or this one
+            "pid": process,
+            "tid": FIRST + track,
+            "s": "t",  # of this track alone
         }
 
 
@@ -101,11 +109,11 @@ def _flows(path: tuple[Stretch, ...], unit: float) -> Iterator[Row]:
     for number, (one, other) in enumerate(pairwise(of_robots)):
         if one.robot != other.robot:
             flow = {"name": "critical path", "cat": "critical path", "id": number, "pid": ROBOTS}
-            yield flow | {"ph": "s", "tid": one.robot, "ts": (one.end - _half(one)) * unit}
+            yield flow | {"ph": "s", "tid": FIRST + one.robot, "ts": (one.end - _half(one)) * unit}
             yield flow | {
                 "ph": "f",
                 "bp": "e",
-                "tid": other.robot,
+                "tid": FIRST + other.robot,
                 "ts": (other.begin + _half(other)) * unit,
             }
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from teamformer.mission.coordination import NEWS, TAKEN_OVER
+from teamformer.mission.coordination import IDLE, NEWS, TAKEN_OVER
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.grid import Place
@@ -31,6 +31,8 @@ from teamformer.world.continuous.events import KINDS, Event, Passed, PlanMade, P
 
 CAUSE = "cause"
 REASONS = (*NEWS, TAKEN_OVER)
+REASONS_IN_TIME = (*REASONS, IDLE)
+"""Why plans are made in steps, and in continuous time."""
 
 
 def event_to_tree(event: Event) -> list[Any]:
@@ -134,8 +136,8 @@ class _Reader:
     def _plan(self, value: Any) -> PlanMade:
         [[reasons, rows]] = rows_of([value], 2)
         for reason in list_of(reasons):
-            if reason not in REASONS:
-                raise DamageError(f"the reason is {short(reason)}, not one of {REASONS}")
+            if reason not in REASONS_IN_TIME:
+                raise DamageError(f"the reason is {short(reason)}, not one of {REASONS_IN_TIME}")
         tasks = tuple(
             PlannedTask(
                 number_below(task, self._tasks),

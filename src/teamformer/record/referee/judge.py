@@ -9,8 +9,9 @@ from itertools import pairwise
 
 from teamformer.mission.coordination import NEWS
 from teamformer.record.event_rules.judging import judge_events
-from teamformer.record.record import Record
+from teamformer.record.record import FLEET, Record
 from teamformer.record.referee.ending import judge_ending, judge_start
+from teamformer.record.referee.fleets import judge_fleet
 from teamformer.record.referee.playing import Play
 from teamformer.record.referee.truth import judge_truth
 from teamformer.record.referee.verdict import Finding, Notes, Verdict
@@ -30,7 +31,25 @@ def judge(record: Record) -> Verdict:
     notes = Notes()
     judge_truth(record, notes)
     if record.is_continuous:
-        return _judge_events(record, notes)
+        done = _judge_events(record, notes)
+    elif record.method == FLEET:
+        done = judge_fleet(record, notes)
+    else:
+        done = _judge_steps(record, notes)
+    if not notes.findings:
+        _judge_told(record, notes)
+    is_legal = not notes.findings
+    return Verdict(
+        findings=tuple(notes.findings),
+        steps=len(record.events) if record.is_continuous else len(record.steps),
+        tasks_done=done,
+        cost=cost_of_record(record) if is_legal else None,
+        late=lateness(record) if is_legal else {},
+    )
+
+
+def _judge_steps(record: Record, notes: Notes) -> int:
+    """Play a record again, and return how many tasks were done, up to where it breaks the rules."""
     _judge_rows(record, notes)
     play = Play(record, notes)
     judge_start(record, play.world, notes)
@@ -44,32 +63,14 @@ def judge(record: Record) -> Verdict:
     notes.step = 0
     if goes_on:
         judge_ending(record, play.world, play.status, notes)
-        if not notes.findings:
-            _judge_told(record, notes)
-    is_legal = not notes.findings
-    return Verdict(
-        findings=tuple(notes.findings),
-        steps=len(record.steps),
-        tasks_done=len(play.world.done),
-        cost=cost_of_record(record) if is_legal else None,
-        late=lateness(record) if is_legal else {},
-    )
+    return len(play.world.done)
 
 
-def _judge_events(record: Record, notes: Notes) -> Verdict:
-    """Judge a record in continuous time."""
+def _judge_events(record: Record, notes: Notes) -> int:
+    """Judge a record in continuous time, and return how many tasks were done."""
     for when, message in judge_events(record):
         notes.findings.append(Finding(max(0.0, when), message))
-    if not notes.findings:
-        _judge_told(record, notes)
-    is_legal = not notes.findings
-    return Verdict(
-        findings=tuple(notes.findings),
-        steps=len(record.events),
-        tasks_done=record.end.tasks_done,
-        cost=cost_of_record(record) if is_legal else None,
-        late=lateness(record) if is_legal else {},
-    )
+    return record.end.tasks_done
 
 
 def _judge_told(record: Record, notes: Notes) -> None:
@@ -94,5 +95,7 @@ def _judge_rows(record: Record, notes: Notes) -> None:
             notes.note(f"{name} has a row of step {max(steps)}, but only {last} were made")
     if record.heeds != tuple(word for word in NEWS if word in record.heeds):
         notes.note("heeds has news twice or not in order")
+    if any(step == 0 for step, _ in record.decisions):
+        notes.note("decisions has a row of step 0, and the first step is 1")
     if any(not rows for _, rows in record.decisions):
         notes.note("decisions has a row without any")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from teamformer.base.naming import listed
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.plane import Plane
 from teamformer.record.happenings import LogEntry
@@ -17,7 +18,6 @@ from teamformer.record.phases import (
     WAITING,
 )
 from teamformer.record.telling.unrolled import Unrolled
-from teamformer.record.told.words import listed
 from teamformer.world.rules.constants import NEVER, NOBODY
 
 RANKS = ("first", "second", "third")
@@ -150,7 +150,7 @@ class Narrator:
 
     def _names(self, robots: Sequence[int]) -> str:
         """Name robots; of many the first, and how many more there are."""
-        return listed([self._now.source.robots[robot].name for robot in robots])
+        return listed(self._now.source.robots[robot].name for robot in robots)
 
 
 def _ranked(rank: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -17,6 +18,15 @@ from teamformer.trials.advice.suggestions import Advice, Suggestion
 MOST_LINES = 40
 """Of a list in a result; a model reads all of it at each turn of a conversation."""
 
+TOOL_OF = {
+    "run": "run_mission",
+    "plan": "plan_mission",
+    "compare": "compare_methods",
+    "check": "check_record",
+    "view": "show",
+}
+"""The tool that does what a verb of the command line does."""
+
 Told = dict[str, Any]
 
 
@@ -28,12 +38,18 @@ def cut(lines: Iterable[Any], more: str) -> list[Any]:
     return [*told[:MOST_LINES], f"and {len(told) - MOST_LINES} more; {more}"]
 
 
+def of_tools(text: str) -> str:
+    """Return a message that names tools where it named verbs, such as `teamformer run FILE`."""
+    named = r"`(?:teamformer )?([a-z]+)(?: [^`]*)?`"
+    return re.sub(named, lambda found: TOOL_OF.get(found[1], found[0]), text)
+
+
 def mistakes(problems: Sequence[Problem]) -> list[Any]:
     """Return what is wrong with a mission: where in the document, in which line, and the remedy."""
     rows = [
         {"where": it.path or "mission"}
         | ({} if it.line is None else {"line": it.line})
-        | {"message": it.message}
+        | {"message": of_tools(it.message)}
         for it in problems
     ]
     return cut(rows, "mend these first")
@@ -44,8 +60,8 @@ def in_words(error: TeamformerError) -> str:
     if isinstance(error, MissionError):
         places = (f"{it.path or 'mission'}: {it.message}" for it in error.problems)
         numbered = str(error).splitlines() if error.problems[0].line is not None else places
-        return "\n".join(cut(numbered, "mend these first"))
-    return f"{error}\n{error.hint}" if error.hint else str(error)
+        return of_tools("\n".join(cut(numbered, "mend these first")))
+    return of_tools(f"{error}\n{error.hint}" if error.hint else str(error))
 
 
 def summary(mission: Mission) -> Told:

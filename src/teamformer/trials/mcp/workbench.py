@@ -90,7 +90,7 @@ class Workbench:
     def plan_mission(
         self, file: str, method: str = "central", seconds: float = 10.0, out: str = "out"
     ) -> Told:
-        """Plan a mission without playing it: who goes where, when, and what its end hangs on.
+        """Plan a mission without playing it: who goes where, when, and why it takes so long.
 
         METHOD is central; in continuous time also plan or reactive. SECONDS is how long central
         may search. The folder OUT gets the Gantt chart plan.html and plan.json with everything.

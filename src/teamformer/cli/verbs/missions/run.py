@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from teamformer.base.errors import ReaderGoneError, TeamformerError
+from teamformer.base.naming import listed
 from teamformer.cli.terminal.compiling import compile_ahead
 from teamformer.cli.terminal.console import StepProgress, out, prepare_folder, print_json, say
 from teamformer.cli.terminal.foxglove import check_foxglove, play_in_foxglove
@@ -290,6 +291,5 @@ def _absences(record: Record) -> Iterator[tuple[float, str, int]]:
 
 def _names(mission: Mission, robots: Sequence[int]) -> str:
     """Return the robots' names, the first ones of many."""
-    shown = robots if len(robots) <= MOST_NAMES else robots[: MOST_NAMES - 1]
-    names = ", ".join(mission.robots[robot].name for robot in shown)
-    return names if shown is robots else f"{names} and {len(robots) - len(shown)} more"
+    most = MOST_NAMES if len(robots) <= MOST_NAMES else MOST_NAMES - 1
+    return listed((mission.robots[robot].name for robot in robots), most)

@@ -6,7 +6,6 @@ until it has it no longer. Who takes up a load is known, and has it until it is 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from teamformer.mission.model import Mission
@@ -143,11 +142,3 @@ class ServicesSeen:
 
     def _is_load(self, task: int) -> bool:
         return self._mission.tasks[task].to is not None
-
-
-def with_services(mission: Mission, steps: Sequence[Step]) -> list[Step]:
-    """Return the steps of a fleet's mission with who serves what in each."""
-    seen, told = ServicesSeen(mission), list[Step]()
-    for step in steps:
-        seen.add(told, step, mission)
-    return told

@@ -1,0 +1,1 @@
+"""Records of fleets, whose steps are snapshots: how they are written."""

@@ -1,0 +1,119 @@
+"""Writes the record of a fleet: a step is a snapshot of where robots say they are and with whom."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from teamformer.mission.model import Mission
+from teamformer.mission.parts.grid import Place
+from teamformer.record.record import FLEET, Ending, Record, Step, TaskAt, TeamAt
+from teamformer.record.snapshots.deeds import Deed
+from teamformer.record.snapshots.services_seen import ServicesSeen
+from teamformer.record.snapshots.teams_seen import (
+    Teams,
+    doers_goals,
+    team_changes,
+    teams_shown,
+    who_did,
+)
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """What was seen of a fleet in a step; robots and tasks are numbers.
+
+    `said` has each robot's team by its word, and its place, of those that are there; `aims` what
+    each heads for. `done` are tasks that were done, `taken` loads that were taken up.
+    """
+
+    said: Mapping[int, tuple[int, Place]]
+    aims: Mapping[int, int | None]
+    done: Sequence[Deed] = ()
+    taken: Sequence[Deed] = ()
+    left: tuple[TaskAt, ...] = ()  # loads that were set down
+    lost: tuple[int, ...] = ()
+    back: tuple[int, ...] = ()
+    heard: tuple[tuple[int, int, str], ...] = ()
+
+
+class SnapshotWriter:
+    """Writes down what each snapshot changes; `steps` are those so far."""
+
+    def __init__(self, mission: Mission) -> None:
+        self.steps: list[Step] = []
+        self._seen = ServicesSeen(mission)
+        self._teams: Teams = {robot: (robot,) for robot in range(len(mission.robots))}
+        self._shown = {r: TeamAt(r, *one.at, None) for r, one in enumerate(mission.robots)}
+
+    def pause(self, mission: Mission) -> None:
+        """Write down a step of which nobody knows anything."""
+        self._seen.add(self.steps, Step(), mission)
+
+    def add(self, mission: Mission, seen: Sighting) -> Step:
+        """Write down a step, and return it; the mission may have got more tasks.
+
+        Who was lost comes last of what parts and joins teams; who is back is alone at first.
+        """
+        known = [deed for deed in seen.done if deed.robots]
+        places, teams, doers = teams_shown(seen.said, known, seen.taken)
+        before = self._teams | {robot: (robot,) for robot in seen.back}
+        splits, joins = team_changes(before, teams, seen.lost)
+        slot_of = {robot: slot for slot, robots in teams.items() for robot in robots}
+        taken = {
+            load.task: slot_of[load.robots[0]] for load in seen.taken if load.robots[0] in slot_of
+        }
+        goals = doers_goals(doers, taken)
+        shown = {
+            slot: TeamAt(slot, *places[slot], goals.get(slot, seen.aims.get(slot)))
+            for slot in sorted(teams)
+        }
+        rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
+        self._teams, self._shown = teams, shown
+        made = Step(
+            joins=joins,
+            splits=splits,
+            lost=seen.lost,
+            back=seen.back,
+            teams=rows,
+            done=tuple((it.task, self._doer(it, slot_of)) for it in seen.done),
+            heard=seen.heard,
+            taken=tuple(taken.items()),
+            left=seen.left,
+        )
+        return self._seen.add(self.steps, made, mission)
+
+    def _doer(self, deed: Deed, slot_of: Mapping[int, int]) -> int | None:
+        """Return the team to show as the one that did a task; None if none of it is there."""
+        return None if slot_of.keys().isdisjoint(deed.robots) else who_did(deed, self._teams)
+
+
+def fleet_record(
+    mission: Mission,
+    steps: Sequence[Step],
+    status: str,
+    seed: int = 0,
+    blocked_tasks: tuple[str, ...] = (),
+) -> Record:
+    """Return the record of what was seen of a fleet; a completed one ends with its last task."""
+    if status == "completed":
+        steps = steps[: max((n for n, step in enumerate(steps, start=1) if step.done), default=0)]
+    made = len(steps)
+    return Record(
+        mission=replace(mission, teams=()),
+        method=FLEET,
+        seed=seed,
+        orders=((0, tuple(k for k, task in enumerate(mission.tasks) if task.appears == 0)),),
+        start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(mission.robots)),
+        steps=tuple(steps),
+        end=Ending(
+            status=status,
+            makespan=made if status == "completed" else None,
+            steps=made,
+            tasks_done=sum(len(step.done) for step in steps),
+            joins=sum(len(step.joins) for step in steps),
+            splits=sum(len(step.splits) for step in steps),
+            illegal_decisions=0,
+            blocked_tasks=blocked_tasks,
+        ),
+    )

@@ -100,7 +100,7 @@ def found(now: Standing, event: Event) -> None:
     need(task in now.appeared and task not in now.over, f"{name} cannot be seen")
     need(event.place == real, f"{name} is at {now.names.place(real)}")
     need(now.sees(robot, real), f"{now.names.robot(robot)} is too far away from {name}")
-    if now.believed[task] != real:
+    if now.believed[task] != real and "start" not in now.news:
         now.news["task found"] = None
     del now.maybe[task], now.believed[task]
 

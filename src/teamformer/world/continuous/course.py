@@ -73,7 +73,7 @@ class Course:
         for robot in range(len(self.mission.robots)):
             self.world.sense(robot)
         happened = self.world.take_happened()
-        happened.news = {"start": None} | happened.news
+        happened.news = {"start": None}  # what is seen at once is known to the first plan
         self._act(happened)
 
     def go_on(self) -> None:

@@ -496,7 +496,7 @@ def test_methods_are_listed_once_each_with_who_says_the_tasks(
     listings = method_listings()
     tasks_by = {listing.name: listing.tasks_by for listing in listings}
     assert len(tasks_by) == len(listings)
-    for name in ("plan", "central", "crews", "soonest"):
+    for name in ("plan", "central", "crews", "soonest", "reactive"):
         assert tasks_by.pop(name) == "its own plan"
     assert set(tasks_by.values()) == {"the paper's order"}
     assert teamformer("methods") == 0

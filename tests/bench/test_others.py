@@ -239,3 +239,23 @@ def test_broken_tables_and_folders_of_one_name_are_told(folder: Path, tmp_path: 
         read_instances([folder])
     with pytest.raises(TeamformerError, match="two of the folders have one name"):
         read_instances([folder, tmp_path / "other" / "ral"])
+
+
+def test_gaps_of_sadcher_stand_beside_ours(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its files are numbered, and what is published is how far policies are above the optimum.
+
+    One robot at 0 with both tasks on its way to 9: the optimum is 9 + 2 + 3 = 14.
+    """
+    folder = tmp_path / "sadcher"
+    folder.mkdir()
+    tree = {"Q": [[1]], "R": [[1], [1]], "T_e": [2, 3], "prec": []}
+    tree["loc"] = [[0, 0], [3, 0], [6, 0], [9, 0]]
+    (folder / "p_000001.json").write_text(json.dumps(tree))
+    assert teamformer("bench", "others", str(folder), "--methods", "central,soonest") == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "SADCHER, greedy (reported) 6.8%" in told
+    assert "SADCHER, sampled (reported) 3.8%" in told
+    assert "central 1 14.000 14.000 0.0% 1" in told
+    assert "soonest 1 14.000" in told

@@ -22,6 +22,7 @@ SHIPPED = [
     "fig6",
     "fig9",
     "large",
+    "learned",
     "methods",
     "missions",
     "paper",

@@ -11,7 +11,7 @@ from teamformer.mission.model import Mission
 from teamformer.trials.trial import PlayedTrial, run_trial
 
 DEFAULT = "plan"
-SCRIPTED = ("crews", "soonest", "join-all", "heuristic", "join-fitting", "teamformer")
+SCRIPTED = ("crews", "soonest", "reactive", "join-all", "heuristic", "join-fitting", "teamformer")
 LEARNED = ("teamformer-c4", "teamformer-c8", "teamformer-c4-ppo", "deepset-c4", "gnn-c4")
 """Networks for up to so many capabilities; missions have no more than four."""
 

@@ -1,12 +1,13 @@
-"""The rule of the task that can begin soonest: what it plans, by hand, and that it ends."""
+"""The rules without search: what `soonest` plans, by hand, and that they end."""
 
 from __future__ import annotations
 
 import pytest
 
 from teamformer.files.drawn.named_settings import world_of
+from teamformer.methods.coordinators.reactive import Reactive
 from teamformer.methods.coordinators.soonest import Soonest
-from teamformer.mission.coordination import Known
+from teamformer.mission.coordination import Coordinator, Known
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.trials.trial import run_trial
@@ -71,13 +72,21 @@ def test_what_comes_after_others_waits_for_them_and_nobody_is_spare() -> None:
     assert plan.coalitions[0] == (1, 2)
 
 
+@pytest.mark.parametrize("rule", [Soonest(), Reactive()])
 @pytest.mark.parametrize("setting", ["real-all", "warehouse-lost", "carry", "air-ground"])
-def test_it_ends_whatever_happens(setting: str) -> None:
+def test_they_end_whatever_happens(setting: str, rule: Coordinator) -> None:
     for seed in range(2):
-        assert (
-            run_trial(world_of(setting, 2000 + seed), Soonest(), seed).record.end.status
-            == "completed"
-        )
+        trial = run_trial(world_of(setting, 2000 + seed), rule, seed)
+        assert trial.record.end.status == "completed"
+
+
+def test_the_best_of_many_futures_is_better_than_the_rule() -> None:
+    worlds = [world_of(setting, 3000) for setting in ("real", "sparse")]
+    steps = [
+        sum(run_trial(world, rule, 0).record.end.steps for world in worlds)
+        for rule in (Reactive(), Soonest())
+    ]
+    assert steps[0] < 0.9 * steps[1]
 
 
 def test_it_chooses_better_than_the_papers_order() -> None:

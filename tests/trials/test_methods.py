@@ -14,6 +14,7 @@ from teamformer.files.drawn.smallest import smallest_mission
 from teamformer.methods.by_name import Method, as_method, default_for, load_method, with_settings
 from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.reactive import Reactive
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.coordinators.soonest import Soonest
 from teamformer.methods.learned.policy import Learned
@@ -135,7 +136,7 @@ def test_names_are_listed_once() -> None:
 
 def test_each_name_brings_its_coordinator_or_its_policy() -> None:
     made_of = {}
-    for name in method_names()[:7]:
+    for name in method_names()[:8]:
         method = load_method(name)
         assert method.name == name
         made_of[name] = type(method.coordinator or method.policy)
@@ -146,9 +147,10 @@ def test_each_name_brings_its_coordinator_or_its_policy() -> None:
         "heuristic": Heuristic,
         "join-all": JoinAll,
         "join-fitting": JoinFitting,
+        "reactive": Reactive,
         "soonest": Soonest,
     }
-    assert {type(load_method(name).policy) for name in method_names()[7:]} == {Learned}
+    assert {type(load_method(name).policy) for name in method_names()[8:]} == {Learned}
 
 
 def test_suites_change_settings_of_methods() -> None:

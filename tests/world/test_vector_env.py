@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.multi_agent.action_masks import legal_actions_of_rows
 from teamformer.world.multi_agent.action_spaces import count_actions, legal_actions
+from teamformer.world.multi_agent.drawing import JOINED, TEAM, WALL
 from teamformer.world.multi_agent.parallel_env import TeamFormationParallel
 from teamformer.world.multi_agent.vector_env import TeamFormationVector
 
@@ -159,3 +161,32 @@ def test_who_does_not_decide_can_only_maintain() -> None:
     masks = env.action_masks()
     assert np.flatnonzero(masks[1]).tolist() == [0]  # bob is in ann's team now
     assert masks[0].sum() > 1
+
+
+def test_worlds_are_drawn_as_text_and_pixels() -> None:
+    """A robot at (0, 0), two together at (2, 1), a task at (1, 1); a wall at (2, 0); y goes up."""
+    robots = [Robot("a", (0, 0), {"lift": 1}), Robot("b", (2, 1), {"lift": 1})]
+    mission = Mission(
+        "drawn",
+        Grid(3, 2, ("..@", "...")),
+        ("lift",),
+        (*robots, replace(robots[1], name="c")),
+        (Task("t", (1, 1), {"lift": 3}),),
+        teams=((1, 2),),
+    )
+    env = TeamFormationVector(mission, worlds=2, render_mode="ansi")
+    env.reset(seed=1)
+    drawn = env.render()
+    assert drawn is not None
+    assert drawn == (".o2\n1.#\nstep 0: 0 tasks done",) * 2
+    pixels = TeamFormationVector(mission, render_mode="rgb_array").render()
+    assert pixels is not None
+    [picture] = pixels
+    assert isinstance(picture, np.ndarray)
+    assert picture.shape == (24, 36, 3)
+    assert picture[6, 30].tolist() == list(JOINED)
+    assert picture[18, 6].tolist() == list(TEAM)
+    assert picture[18, 30].tolist() == list(WALL)
+    assert TeamFormationVector(mission).render() is None
+    with pytest.raises(TeamformerError, match="render_mode is 'human'"):
+        TeamFormationVector(mission, render_mode="human")  # type: ignore[arg-type]

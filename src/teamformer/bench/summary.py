@@ -14,6 +14,9 @@ BASELINES = ("heuristic", "join-all", "authors-heuristic")
 
 CENTRAL = "central"
 
+PLAN = "plan"
+"""What methods are compared with where `central` has not planned."""
+
 HOPEFUL = "plan@needed"
 """What makes its plan anew at every event and takes all that may be needed as needed.
 
@@ -47,6 +50,7 @@ class Summary:
     steps: Mean
     against: Mapping[str, Mean]
     to_central: Mean
+    to_plan: Mean  # the same to `plan`, where `central` has not planned
     cost_to_central: Mean
     room: Mean
     inference: Mean
@@ -93,6 +97,10 @@ def summarise(rows: Iterable[Row]) -> list[Summary]:
                 if bar != method and (setting, bar) in makespans
             },
             share_of(makespans[setting, method], makespans.get((setting, CENTRAL), {})),
+            share_of(
+                makespans[setting, method],
+                {} if (setting, CENTRAL) in makespans else makespans.get((setting, PLAN), {}),
+            ),
             share_of(costs[setting, method], costs.get((setting, CENTRAL), {})),
             room_won(
                 makespans[setting, method],
@@ -147,6 +155,7 @@ def _summary(
     planned: set[int],
     against: Mapping[str, Mean],
     to_central: Mean,
+    to_plan: Mean,
     cost_to_central: Mean,
     room: Mean,
 ) -> Summary:
@@ -163,6 +172,7 @@ def _summary(
         steps=_mean(row.steps for row in rows),
         against=against,
         to_central=to_central,
+        to_plan=to_plan,
         cost_to_central=cost_to_central,
         room=room,
         inference=_mean(row.decision_cpu_seconds for row in alone),

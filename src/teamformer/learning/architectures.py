@@ -13,9 +13,10 @@ from teamformer.files.drawn.generate import Spec
 from teamformer.learning.algorithms.ppo import PpoSettings
 from teamformer.learning.export.autoregressive import export_teamformer
 from teamformer.learning.export.combinations import export_combinations
-from teamformer.learning.export.onnx_export import export_any_fleet
+from teamformer.learning.export.onnx_export import export_any_fleet, export_offers
 from teamformer.learning.nets.deepset import CombinationSettings, DeepSet
 from teamformer.learning.nets.gnn import GraphNetwork
+from teamformer.learning.nets.offers import OfferNetwork, OfferSettings
 from teamformer.learning.nets.relational import RelationalPolicy, RelationalSettings
 from teamformer.learning.nets.teamformer import Teamformer, TeamformerSettings
 from teamformer.learning.training_worlds import (
@@ -31,6 +32,7 @@ from teamformer.methods.learned.action_mask import EDIT, FULL
 from teamformer.methods.learned.any_fleet import AnyFleetCodec
 from teamformer.methods.learned.codec import Codec
 from teamformer.methods.learned.combinations import CombinationCodec, task_features, team_features
+from teamformer.methods.learned.dispatch.offers import FEATURES, OfferFeature
 from teamformer.methods.learned.token_features import SpellingCodec
 
 
@@ -39,13 +41,18 @@ class Architecture:
     """A kind of network; `capabilities` is None for one that serves any number."""
 
     make: Callable[[int | None], nn.Module]
-    codec: Callable[[int | None], Codec]
+    codec: Callable[[int | None], Codec] | None  # None: it reads no views
     export: Callable[[nn.Module, int | None, Path], None]  # writes ONNX files into a folder
     mixture: Callable[[int | None], Mixture]
     selection: Callable[[int | None], tuple[Spec, ...]]
     is_for_any_number: bool = False
     methods: tuple[str, ...] = ("ppo", "imitation")  # that it can learn by, its own first
     ppo: PpoSettings = field(default_factory=PpoSettings)
+
+    def codec_for(self, capabilities: int | None) -> Codec:
+        """Return what reads views for it."""
+        assert self.codec is not None, "it reads no views"
+        return self.codec(capabilities)
 
 
 def _make_any(capabilities: int | None) -> nn.Module:
@@ -118,7 +125,21 @@ ANY_PPO = PpoSettings(
 )
 """Few decisions deviate from the script at first, so that more is made of each."""
 
+
+def _make_offers(capabilities: int | None) -> nn.Module:
+    return OfferNetwork(OfferSettings(FEATURES, int(OfferFeature.BEGINS)))
+
+
 ARCHITECTURES = {
+    "tasks": Architecture(
+        make=_make_offers,
+        codec=None,
+        export=export_offers,
+        mixture=lambda capabilities: ANY_MIXTURE,
+        selection=lambda capabilities: (),
+        is_for_any_number=True,
+        methods=("deviations",),
+    ),
     "any": Architecture(
         make=_make_any,
         codec=lambda capabilities: AnyFleetCodec(),
@@ -131,6 +152,7 @@ ARCHITECTURES = {
     ),
     "teamformer": _spells(EDIT, maintain_bias=2.0),
     "teamformer-full": _spells(FULL, maintain_bias=3.0),
+    "teamformer-paper": _spells(FULL, maintain_bias=0.0),
     "deepset": _combines(DeepSet, width=64),
     "gnn": _combines(GraphNetwork, width=32),
 }
@@ -152,5 +174,6 @@ def find_architecture(network: str, capabilities: int | None) -> Architecture:
     if not architecture.is_for_any_number and capabilities is None:
         hint = "say it with capabilities: N"
         raise TeamformerError(f"network '{network}' is made for a number of capabilities", hint)
-    architecture.codec(capabilities)  # refuses numbers that its actions do not allow
+    if architecture.codec is not None:
+        architecture.codec(capabilities)  # refuses numbers that its actions do not allow
     return architecture

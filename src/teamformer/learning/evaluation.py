@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,14 +21,10 @@ from teamformer.world.env import Tally, TeamFormation
 
 @dataclass(frozen=True)
 class Exam:
-    """Held-out worlds, in settings, and the mean steps of the scripted policies on each.
-
-    The bar is join-all.
-    """
+    """Held-out worlds, in settings, and the mean steps of the scripted policies on each."""
 
     settings: tuple[TeamFormation, ...]  # at their start; trials are played in forks of them
-    bar: tuple[float, ...]
-    heuristic: tuple[float, ...]
+    bars: Mapping[str, tuple[float, ...]]  # by policy
 
 
 @dataclass(frozen=True)
@@ -36,12 +32,16 @@ class Score:
     """What a policy reached in an exam; all steps are means of each setting."""
 
     steps: tuple[float, ...]  # the step limit where a trial failed
-    bar: tuple[float, ...]
-    heuristic: tuple[float, ...]
-    ratios: tuple[float, ...]  # of these to the bar's; lower is better
+    bars: Mapping[str, tuple[float, ...]]  # what scripted policies take; the first is the bar
     failures: int  # trials that did not complete
     trials: int
     splits: float  # for each trial
+
+    @property
+    def ratios(self) -> tuple[float, ...]:
+        """Return the steps as shares of the bar's; lower is better."""
+        bar = next(iter(self.bars.values()))
+        return tuple(mean / low for mean, low in zip(self.steps, bar, strict=True))
 
     @property
     def ratio(self) -> float:
@@ -59,8 +59,10 @@ def prepare_exam(settings: Sequence[Sequence[Mission]]) -> Exam:
     starts = tuple(TeamFormation(worlds) for worlds in settings)
     return Exam(
         settings=starts,
-        bar=tuple(_mean_steps(start, JoinAll()) for start in starts),
-        heuristic=tuple(_mean_steps(start, Heuristic()) for start in starts),
+        bars={
+            "join-all": tuple(_mean_steps(start, JoinAll()) for start in starts),
+            "heuristic": tuple(_mean_steps(start, Heuristic()) for start in starts),
+        },
     )
 
 
@@ -73,12 +75,9 @@ def examine(network: Actor, codec: Codec, exam: Exam, device: str = "cpu") -> Sc
         steps.append(float(np.mean([tally.steps for tally in tallies])))
         failures += sum(tally.status != "completed" for tally in tallies)
         splits += [tally.splits for tally in tallies]
-    ratios = tuple(mean / low for mean, low in zip(steps, exam.bar, strict=True))
     return Score(
         steps=tuple(steps),
-        bar=exam.bar,
-        heuristic=exam.heuristic,
-        ratios=ratios,
+        bars=exam.bars,
         failures=failures,
         trials=len(splits),
         splits=float(np.mean(splits)),

@@ -11,13 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from teamformer.learning.algorithms import distributed, imitation
+from teamformer.learning.algorithms import deviations, distributed, imitation
 from teamformer.learning.algorithms.counterfactual import try_others
 from teamformer.learning.algorithms.demonstrations import demonstrate
 from teamformer.learning.algorithms.optimiser import Learner
 from teamformer.learning.algorithms.ppo import update
 from teamformer.learning.algorithms.rollout import play, sampler
 from teamformer.learning.algorithms.rollout_improvement import fit
+from teamformer.learning.task_worlds import task_worlds
 from teamformer.learning.training_settings import TrainSettings
 from teamformer.learning.training_worlds import training_worlds
 from teamformer.methods.learned.codec import ImitatingCodec
@@ -39,7 +40,7 @@ def learn_from_rewards(
     """Play fresh worlds, and improve policy and critic by PPO on the rewards that came."""
     worlds, seed = _worlds(settings, number)
     env = TeamFormation(worlds, settings.reward.of_environment)
-    codec = settings.architecture.codec(settings.capabilities)
+    codec = settings.architecture.codec_for(settings.capabilities)
     generator = torch.Generator(settings.device).manual_seed(seed)
     choose = sampler(learner.policy, generator, settings.device)  # type: ignore[arg-type]
     rollout = play(env, codec, choose, settings.reward, settings.worlds_from.steps)
@@ -61,7 +62,7 @@ def learn_by_rollouts(
 ) -> Iteration:
     """Play fresh worlds by the script, try other choices, and learn what they gain."""
     worlds, seed = _worlds(settings, number)
-    codec = settings.architecture.codec(settings.capabilities)
+    codec = settings.architecture.codec_for(settings.capabilities)
     rng = np.random.default_rng(seed)
     tried, steps = try_others(codec, worlds, rng, settings.rollouts.share)
     generator = torch.Generator().manual_seed(seed)
@@ -81,7 +82,7 @@ def learn_by_imitation(
 ) -> Iteration:
     """Play fresh worlds, and learn what the script wants in the states that come up."""
     worlds, seed = _worlds(settings, number)
-    codec = settings.architecture.codec(settings.capabilities)
+    codec = settings.architecture.codec_for(settings.capabilities)
     assert isinstance(codec, ImitatingCodec)  # TrainSettings has seen to it
     choose = sampler(learner.policy, None, settings.device)  # type: ignore[arg-type]
     how = settings.imitation
@@ -99,16 +100,40 @@ def learn_by_imitation(
     return Iteration(steps * distributed.count(), figures)
 
 
+def learn_by_deviations(
+    learner: Learner, settings: TrainSettings, number: int, progress: float
+) -> Iteration:
+    """Give out the tasks of fresh missions, try other offers, and learn what they gain."""
+    rank = distributed.rank()
+    missions = task_worlds(settings.worlds, (settings.seed, number, rank))
+    rng = np.random.default_rng(_seed(settings, number))
+    score = deviations.torch_scorer(learner.policy, settings.device)
+    seen, steps = deviations.try_deviations(score, missions, settings.deviations, rng)
+    generator = torch.Generator().manual_seed(_seed(settings, number))
+    error = deviations.fit(learner, seen, settings.deviations, progress, generator)
+    variance = float(seen.gain.square().mean())
+    figures = {
+        "states": float(len(seen.gain)),
+        "first": float((seen.gain[:, 0]).mean()),  # what the network's own offer gains
+        "explained": 1.0 - error / variance if variance > 0 else 0.0,  # share of the variance
+    }
+    return Iteration(steps * distributed.count(), figures)
+
+
 METHODS: Mapping[str, Callable[[Learner, TrainSettings, int, float], Iteration]] = {
     "ppo": learn_from_rewards,
     "rollouts": learn_by_rollouts,
     "imitation": learn_by_imitation,
+    "deviations": learn_by_deviations,
 }
 
 
 def _worlds(settings: TrainSettings, number: int) -> tuple[list[Mission], int]:
     """Return this process's worlds of an iteration, and a seed for all else."""
     rank = distributed.rank()
-    seed = settings.seed * 1_000_003 + number + rank * 7_919_993
     worlds = training_worlds(settings.worlds_from, settings.worlds, (settings.seed, number, rank))
-    return worlds, seed
+    return worlds, _seed(settings, number)
+
+
+def _seed(settings: TrainSettings, number: int) -> int:
+    return settings.seed * 1_000_003 + number + distributed.rank() * 7_919_993

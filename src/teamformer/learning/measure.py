@@ -15,6 +15,7 @@ import numpy as np
 import torch
 
 from teamformer.base.array_types import Array
+from teamformer.base.errors import TeamformerError
 from teamformer.files.drawn.generate import generate
 from teamformer.files.drawn.named_settings import spec_of
 from teamformer.learning.checkpoint import load_policy_weights, read_about
@@ -115,6 +116,11 @@ def _parser() -> argparse.ArgumentParser:
 
 def _line(name: str, worlds: Sequence[Mission], folder: Path) -> str:
     policy = load_trained(folder)
+    if not isinstance(policy, Learned):
+        hint = "use teamformer bench learned --methods FOLDER"
+        raise TeamformerError(
+            f"{folder} holds a method that plans, which views do not measure", hint
+        )
     played, bar = measure(policy, worlds), measure(JoinAll(), worlds)
     overdue = policy.overdue if isinstance(policy, Guarded) else 0
     heuristic = measure(Heuristic(), worlds)
@@ -144,7 +150,7 @@ def load_network(folder: Path) -> tuple[Codec, Actor]:
     settings = TrainSettings(network=about["network"], capabilities=about["capabilities"])
     learner = make_learner(settings)
     load_policy_weights(folder, learner)
-    return settings.architecture.codec(settings.capabilities), learner.policy  # type: ignore[return-value]
+    return settings.architecture.codec_for(settings.capabilities), learner.policy  # type: ignore[return-value]
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import torch
 
 from teamformer.base.errors import TeamformerError
 from teamformer.learning.algorithms import distributed
+from teamformer.learning.task_worlds import task_selection
 from teamformer.learning.tensorboard import Curves
 from teamformer.learning.trainer import IterationReport, train
 from teamformer.learning.training_settings import TrainSettings
@@ -30,7 +31,10 @@ def run_session(
         raise TeamformerError("torch finds no CUDA device", "write device: cpu")
     torch.set_num_threads(1)
     architecture = settings.architecture
-    worlds = selection_worlds(settings.held_out, architecture.selection(settings.capabilities))
+    if architecture.codec is None:
+        worlds = task_selection(settings.held_out)
+    else:
+        worlds = selection_worlds(settings.held_out, architecture.selection(settings.capabilities))
     with distributed.joined(settings.device):
         if distributed.rank() > 0:
             train(settings, folder, worlds, begun=begun)

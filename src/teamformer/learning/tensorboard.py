@@ -38,7 +38,7 @@ def figures(report: IterationReport) -> dict[str, float]:
     found = {f"iteration/{name}": value for name, value in report.iteration.figures.items()}
     found["speed/steps per second"] = report.steps_per_second
     if report.score is not None:
-        found["held out/ratio to join-all"] = report.score.ratio
+        found[f"held out/ratio to {next(iter(report.score.bars))}"] = report.score.ratio
         found["held out/failures"] = report.score.failures
         found["held out/splits"] = report.score.splits
         for number, steps in enumerate(report.score.steps):

@@ -19,6 +19,7 @@ from teamformer.learning.evaluation import Exam, Score, examine, prepare_exam
 from teamformer.learning.iteration import METHODS, Iteration
 from teamformer.learning.nets.critic import Critic, CriticSettings
 from teamformer.learning.nets.teamformer import Teamformer
+from teamformer.learning.task_exam import TaskExam, examine_tasks, prepare_task_exam
 from teamformer.learning.training_settings import TrainSettings
 from teamformer.methods.trained_folder import PolicyDescription, describe_policy
 from teamformer.mission.model import Mission
@@ -85,7 +86,7 @@ def train(
     if is_last or progress.iteration >= stop:
         return learner
     with budget.spent_on("exam"):  # scripted policies sit it, the learned one will
-        exam = prepare_exam(held_out)
+        exam = _prepare(settings, held_out)
     is_exported = False
     while not is_last and progress.iteration < stop:
         report = _iterate(learner, settings, progress, budget)
@@ -110,8 +111,16 @@ def train(
     return learner
 
 
-def _examine(learner: Learner, settings: TrainSettings, exam: Exam) -> Score:
-    codec = settings.architecture.codec(settings.capabilities)
+def _prepare(settings: TrainSettings, held_out: Sequence[Sequence[Mission]]) -> Exam | TaskExam:
+    """Return the exam that suits the network: one that reads views plays its worlds."""
+    is_dispatching = settings.architecture.codec is None
+    return prepare_task_exam(held_out) if is_dispatching else prepare_exam(held_out)
+
+
+def _examine(learner: Learner, settings: TrainSettings, exam: Exam | TaskExam) -> Score:
+    if isinstance(exam, TaskExam):
+        return examine_tasks(learner.policy, exam, settings.device)
+    codec = settings.architecture.codec_for(settings.capabilities)
     return examine(learner.policy, codec, exam, settings.device)  # type: ignore[arg-type]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from teamformer.base.errors import TeamformerError
+from teamformer.learning.algorithms.deviations import DeviationSettings
 from teamformer.learning.algorithms.imitation import ImitationSettings
 from teamformer.learning.algorithms.ppo import PpoSettings
 from teamformer.learning.algorithms.reward_streams import MissionReward, TeamReward
@@ -33,6 +34,7 @@ class TrainSettings:
     ppo: PpoSettings | None = None  # None: the network's own
     rollouts: RolloutImprovementSettings = field(default_factory=RolloutImprovementSettings)
     imitation: ImitationSettings = field(default_factory=ImitationSettings)
+    deviations: DeviationSettings = field(default_factory=DeviationSettings)
     evaluate_every: int = 10
     held_out: int = 48  # worlds of each setting to select on
     begin_from: str = ""  # folder of a checkpoint to take the first weights from
@@ -58,7 +60,7 @@ class TrainSettings:
 
     @property
     def learns_by(self) -> str:
-        """Return the method: `ppo`, from rewards, `rollouts`, or `imitation` of a script."""
+        """Return the method: `ppo`, `rollouts`, `deviations`, or `imitation` of a script."""
         return self.method or self.architecture.methods[0]
 
     @property

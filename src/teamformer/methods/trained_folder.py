@@ -9,11 +9,14 @@ from pathlib import Path
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.whole_files import write_whole
+from teamformer.methods.coordinators.giving_out import GivesOutTasks
 from teamformer.methods.learned.any_fleet import any_fleet
 from teamformer.methods.learned.autoregressive import spelled_in
 from teamformer.methods.learned.combinations import combining
+from teamformer.methods.learned.dispatch.onnx_scorer import onnx_scorer
 from teamformer.methods.learned.onnx_sessions import read_network
 from teamformer.methods.seam.protocol import Policy
+from teamformer.mission.coordination import Coordinator
 
 ABOUT, NETWORK = "policy.json", "network.onnx"
 FORMAT = 1
@@ -28,8 +31,8 @@ class PolicyDescription:
     format: int = FORMAT
 
 
-def load_trained(folder: Path) -> Policy:
-    """Return the policy in a folder, or in one of its `best` and `last`.
+def load_trained(folder: Path) -> Policy | Coordinator:
+    """Return the policy in a folder, or in one of its `best` and `last`; or the coordinator.
 
     Raises `TeamformerError` if there is none, it is broken, or of a newer format.
     """
@@ -91,10 +94,16 @@ def _combined(folder: Path, about: PolicyDescription) -> Policy:
     return combining(content, str(folder / NETWORK), about.capabilities)
 
 
-RUNTIMES: dict[str, Callable[[Path, PolicyDescription], Policy]] = {
+def _giving_out(folder: Path, about: PolicyDescription) -> Coordinator:
+    return GivesOutTasks(onnx_scorer(read_network(folder / NETWORK), str(folder / NETWORK)))
+
+
+RUNTIMES: dict[str, Callable[[Path, PolicyDescription], Policy | Coordinator]] = {
+    "tasks": _giving_out,
     "any": _any,
     "teamformer": _spelled,
     "teamformer-full": _spelled,
+    "teamformer-paper": _spelled,
     "deepset": _combined,
     "gnn": _combined,
 }

@@ -9,7 +9,14 @@ from pathlib import Path
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.file_access import read_text
-from teamformer.bench.others.published import BEST, NUMBER, Published, read_published
+from teamformer.bench.others.published import (
+    BEST,
+    NUMBER,
+    REPORTED_OF,
+    Published,
+    Reported,
+    read_published,
+)
 from teamformer.files.imports import import_missions
 from teamformer.files.imports.trees import read_json
 from teamformer.mission.model import Mission
@@ -57,6 +64,12 @@ def read_instances(folders: Sequence[Path]) -> list[Instance]:
     return found
 
 
+def reported_of(folder: Path) -> tuple[Reported, ...]:
+    """Return what authors publish of all instances of the kind that a folder holds."""
+    forms = (_form_of(path) for path in sorted(folder.iterdir(), key=_natural))
+    return REPORTED_OF.get(next((form for form in forms if form), ""), ())
+
+
 def _told_apart(folders: Sequence[Path]) -> Sequence[Path]:
     """Return folders as they are; raises `TeamformerError` if two have one name."""
     if len({folder.resolve().name for folder in folders}) < len(folders):
@@ -80,7 +93,7 @@ def _instances_in(folder: Path) -> Iterator[Instance]:
         form = _form_of(path)
         if form is None:
             continue
-        number = re.fullmatch(r"env_(\d+)", path.stem)
+        number = re.fullmatch(r"(?:env|p)_(\d+)", path.stem)
         published = tables.get(int(number[1]), {}) if number else best.get(path.name, {})
         for mission in import_missions(form, path):
             yield Instance(folder.resolve().name, mission, published)

@@ -28,17 +28,32 @@ ABOVE = "percent_above_best_known"
 
 @dataclass(frozen=True)
 class Reported:
-    """A mean over a folder that others report: percent above the best known, and what it took."""
+    """A mean over a folder that others report: percent above the best known, and what it took.
+
+    None where they do not say what it took.
+    """
 
     method: str
-    cores: float
-    seconds: float
+    cores: float | None
+    seconds: float | None
     percent: float
+    is_gap: bool = False  # above the optimum instead
 
     @property
     def label(self) -> str:
         """Return the method with what it took: two rows may be of one method."""
+        if self.cores is None or self.seconds is None:
+            return self.method
         return f"{self.method}, {self.cores:g} x {self.seconds:g} s"
+
+
+REPORTED_OF = {
+    "sadcher": (
+        Reported("SADCHER, greedy", None, None, 6.8, is_gap=True),
+        Reported("SADCHER, sampled", None, None, 3.8, is_gap=True),
+    )
+}
+"""Means above the optimum that authors publish of all instances of their kind (SADCHER: of 500)."""
 
 
 def read_published(folder: Path) -> dict[int, Published]:
@@ -65,8 +80,10 @@ def read_reported(folder: Path) -> tuple[Reported, ...]:
     """Return the means that others report of a folder."""
     return tuple(
         Reported(
-            row.get("method") or path.stem,
-            *(_number(path, line, row, column) for column in ("cores", "seconds", ABOVE)),
+            method=row.get("method") or path.stem,
+            cores=_number(path, line, row, "cores"),
+            seconds=_number(path, line, row, "seconds"),
+            percent=_number(path, line, row, ABOVE),
         )
         for path, line, row in _rows_about(folder)
         if ABOVE in row

@@ -11,6 +11,7 @@ from teamformer.bench.others.results import (
     anytime_curve,
     compare,
     mean_percent_above_best,
+    percent_above_optimum,
     published_means,
 )
 from teamformer.bench.report.tables import markdown
@@ -56,8 +57,11 @@ def table_of_means(results: Sequence[Result], reported: AllReported) -> list[lis
     ]
     rows += [
         [
-            *(f"{each.method} (reported)", "", "", f"{each.percent:.1f}%", *[""] * 6),
-            *(f"{each.cores:g}", f"{each.seconds:g}", ""),
+            *(f"{each.method} (reported)", "", ""),
+            *("" if each.is_gap else f"{each.percent:.1f}%", ""),
+            *(f"{each.percent:.1f}%" if each.is_gap else "", *[""] * 4),
+            *("" if cost is None else f"{cost:g}" for cost in (each.cores, each.seconds)),
+            "",
         ]
         for each in reported.get(results[0].collection, ())
     ]
@@ -90,11 +94,17 @@ def table_of_folders(
     for folder in folders:
         mine = [each for each in results if each.collection == folder]
         told = {each.label: each.percent for each in reported.get(folder, ())}
-        own = [mean_percent_above_best([r for r in mine if r.method == m]) for m in methods]
+        own = [_percent_above(mine, method) for method in methods]
         table.append([*own, *(told.get(name) for name in theirs)])
     rows = [[name, *map(_percent, row)] for name, row in zip(folders, table, strict=True)]
     rows.append(["mean", *(_percent(_mean_of_all(column)) for column in zip(*table, strict=True))])
     return ["folder", *methods, *theirs], rows
+
+
+def _percent_above(results: Sequence[Result], method: str) -> float | None:
+    """Return how far a method is above the best published or, without any, above proven optima."""
+    above = mean_percent_above_best([each for each in results if each.method == method])
+    return percent_above_optimum(results, method) if above is None else above
 
 
 def methods_of(results: Sequence[Result]) -> list[str]:

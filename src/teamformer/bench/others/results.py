@@ -10,10 +10,12 @@ from typing import Any
 
 from teamformer.base.errors import TeamformerError
 from teamformer.bench.others.instances import Instance
+from teamformer.bench.others.plan_given_out import plan_given_out
 from teamformer.bench.others.published import Published
 from teamformer.bench.peers.names import PEERS, plan_by_peer
+from teamformer.methods.by_name import load_method
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.rules import plan_continuous
+from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
 
 EQUAL = 1e-3
 """Makespans that differ by less are the same: published ones are told to three places."""
@@ -92,8 +94,10 @@ def measure(instance: Instance, method: str, time_limit: float) -> Result | None
         made = plan_by_peer(mission, method, time_limit)
         if made is None:
             return None
-    else:
+    elif method in PLANNERS:
         made = plan_continuous(mission, method, time_limit)
+    else:
+        made = plan_given_out(mission, load_method(method))
     seconds, worked = time.perf_counter() - begun, time.process_time() - worked
     assert made is not None, "tasks that nobody can do are refused with the mission"
     return Result(
@@ -142,6 +146,18 @@ def compare(results: Sequence[Result], method: str) -> MethodMeans:
         seconds=fmean(result.seconds for result in mine),
         processor_seconds=fmean(result.processor_seconds for result in mine),
     )
+
+
+def percent_above_optimum(results: Sequence[Result], method: str) -> float | None:
+    """Return how far a method is above the optima in the mean; None if one is not proven."""
+    optimum = {
+        name: min(r.makespan for r in results if r.instance == name)
+        for name in {r.instance for r in results if r.proven}
+    }
+    mine = [result for result in results if result.method == method]
+    if not mine or any(result.instance not in optimum for result in mine):
+        return None
+    return fmean(100 * (result.makespan / optimum[result.instance] - 1) for result in mine)
 
 
 def mean_percent_above_best(results: Sequence[Result]) -> float | None:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from teamformer.bench.statistics import Mean, Slope
-from teamformer.bench.summary import BASELINES, CENTRAL, Summary
+from teamformer.bench.summary import BASELINES, CENTRAL, PLAN, Summary
 
 HEADERS = (
     "setting",
@@ -29,9 +29,10 @@ EXPLANATION = """\
 - `failures`: how many trials failed, and the 95% interval of the rate (Wilson).
 - `to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
   interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
-  mean; `cost to central`: that of costs. `room won`: of the steps between `plan@needed`, which
-  plans as if everything that may be needed were needed, and `central`, which knows the truth, the
-  part that the method wins, on the same worlds, with its 95% interval.
+  mean, and `to plan` to the shared plan where that has not planned; `cost to central`: that of
+  costs. `room won`: of the steps between `plan@needed`, which plans as if everything that may be
+  needed were needed, and `central`, which knows the truth, the part that the method wins, on the
+  same worlds, with its 95% interval.
 - `inference`: CPU seconds that the method takes to complete a trial, mean ± standard deviation,
   over completed ones of the first 50 trials of a setting, which run alone, one after the other, one
   thread each (all others share batches and are not timed).
@@ -54,6 +55,7 @@ def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
         "cost": plus_minus(summary.cost, summary.cost.error),
         "cost to central": percent_interval(summary.cost_to_central),
         "to central": percent_interval(summary.to_central),
+        "to plan": percent_interval(summary.to_plan),
         "room won": percent_interval(summary.room),
         "inference, s": seconds(summary.inference),
         "to best": percent(summary.to_best),
@@ -72,6 +74,8 @@ def headers_for(summaries: Sequence[Summary]) -> list[str]:
         headers.insert(headers.index("to join-all") + 1, "to authors-heuristic")
     if any(summary.to_central.count for summary in summaries if summary.method != CENTRAL):
         headers.insert(headers.index("inference, s"), "to central")
+    if any(summary.to_plan.count for summary in summaries if summary.method != PLAN):
+        headers.insert(headers.index("inference, s"), "to plan")
     if any(summary.cost.count for summary in summaries):
         headers.insert(headers.index("failures"), "cost")
     if any(summary.cost_to_central.count for summary in summaries if summary.method != CENTRAL):
@@ -125,6 +129,8 @@ def _numbers(summary: Summary) -> dict[str, str | int | float]:
         "timed_trials": summary.inference.count,
         "to_central": summary.to_central.value,
         "to_central_half_width": summary.to_central.half_width,
+        "to_plan": summary.to_plan.value,
+        "to_plan_half_width": summary.to_plan.half_width,
         "cost_to_central": summary.cost_to_central.value,
         "cost_to_central_half_width": summary.cost_to_central.half_width,
         "room_won": summary.room.value,

@@ -7,11 +7,19 @@ What is lifted may be in kilograms, and may have to be brought somewhere.
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from teamformer.base.errors import TeamformerError
 from teamformer.files.drawn.surprises import SURPRISES
+
+SIZES = {"half": 0.5, "double": 2.0}
+"""Of how many times the robots and tasks there are missions of a family, by ending of its name."""
+
+EVERYBODY = 1000.0
+"""Cells that robots sense in settings that end with `-senseall`."""
 
 INCIDENTS = ("lost", "arrivals", "ordered", *SURPRISES)
 
@@ -155,13 +163,41 @@ def family_in(setting: str) -> str | None:
     return next((name for name in FAMILIES if f"{setting}-".startswith(f"{name}-")), None)
 
 
+def sized(family: Family, size: float) -> Family:
+    """Return a family with so many times the robots and tasks, on as much more room."""
+    least = len(family.capabilities) if len(family.abilities) == 1 else 3
+
+    def times(ends: tuple[int, int], factor: float, most_least: int) -> tuple[int, int]:
+        low, high = (max(most_least, round(factor * end)) for end in ends)
+        return low, high
+
+    side = math.sqrt(size)
+    return replace(
+        family,
+        robots=times(family.robots, size, least),
+        tasks=times(family.tasks, size, 4),
+        width=times(family.width, side, 10),
+        height=times(family.height, side, 10),
+    )
+
+
 def split_name(setting: str) -> tuple[Family, str | None] | None:
-    """Return the family and the incident that a setting such as `real-lost` names, if it does."""
+    """Return the family and the incident that a setting such as `real-lost` names, if it does.
+
+    Before the incident may stand a size and how far robots sense: `real-double-sense5-lost`.
+    """
     name = family_in(setting)
     if name is None:
         return None
-    dash, incident = setting[len(name) : len(name) + 1], setting[len(name) + 1 :]
-    if dash and incident not in INCIDENTS:
-        known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
+    family, words = FAMILIES[name], setting[len(name) :].split("-")[1:]
+    if words and words[0] in SIZES:
+        family = sized(family, SIZES[words.pop(0)])
+    if words and (sense := re.fullmatch(r"sense([1-9]\d?|all)", words[0])):
+        words.pop(0)
+        reach = EVERYBODY if sense[1] == "all" else float(sense[1])
+        family = replace(family, sensing_radius=reach)
+    incident = "-".join(words)
+    if words and incident not in INCIDENTS:
+        known = ", ".join([name, *(f"{name}-{one}" for one in (*SIZES, "sense5", *INCIDENTS))])
         raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")
-    return FAMILIES[name], incident or None
+    return family, incident or None

@@ -6,8 +6,9 @@
 20 x 20 (Boehme and Hollinger, ICRA 2026, section V).
 
 `real`, `sparse`, `warehouse`, `moving`, `carry`, `air-ground` and `deadlines` are families of
-missions that people have; `real-lost` loses one robot that can be spared, in `real-arrivals` a
-fifth of the tasks appears later.
+missions that people have. `real-half` and `real-double` have half and twice the robots and tasks;
+in `real-sense5` robots sense 5 cells, in `real-senseall` everybody. `real-lost` loses one robot
+that can be spared, in `real-arrivals` a fifth of the tasks appears later.
 `-durations`, `-needs` (with a probability of 50%; `-needs10`, `-needs30`, `-needs70`), `-places`,
 `-delays`, `-calls`, `-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name
 says, in any setting: `4N20T-C4-needs`, `real-mixed`.

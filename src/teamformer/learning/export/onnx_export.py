@@ -10,6 +10,7 @@ import onnx
 import torch
 from torch import nn
 
+from teamformer.methods.learned.dispatch.offers import FEATURES, MOST_OFFERS, OFFER_INPUTS
 from teamformer.methods.learned.macro_actions import CHOICES, TASKS, TEAMS
 from teamformer.methods.learned.relational_features import (
     OWN_FEATURES,
@@ -24,6 +25,15 @@ NETWORK_FILE = "network.onnx"
 def export_any_fleet(network: nn.Module, capabilities: int | None, folder: Path) -> None:
     """Write the network for any fleet; inputs are named as in `Relations`."""
     write_onnx(network, _example(), Relations._fields, ("scores",), folder / NETWORK_FILE)
+
+
+def export_offers(network: nn.Module, capabilities: int | None, folder: Path) -> None:
+    """Write the network that scores offers; inputs are those of `OFFER_INPUTS`."""
+    example = (
+        torch.zeros(3, MOST_OFFERS, FEATURES),
+        torch.ones(3, MOST_OFFERS, dtype=torch.bool),
+    )
+    write_onnx(network, example, OFFER_INPUTS, ("scores",), folder / NETWORK_FILE)
 
 
 def write_onnx(

@@ -1,62 +1,71 @@
-"""The reactive rule: whoever is free first decides what to do next, and calls a coalition for it.
+"""The reactive rule: what to do next is said by the best of many futures, task after task.
 
-Nothing is searched. A robot that is free looks at each task that it can help with: how would a
-simple rule (what can start first) go on from there, played out a few times with some noise? It
-takes the task of the best future that anybody has seen so far (fortified rollouts, Bertsekas and
-others 1997). It knows what all robots have promised, and binds nobody beyond its own task.
+Nothing is searched. How would a simple rule (what can begin soonest) go on from here, played out a
+few times with some noise? The next task is the first of the best future that anybody has seen so
+far (fortified rollouts, Bertsekas and others 1997). Everybody knows what all robots have promised.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from teamformer.base.kernels.jit import entry, kernel
+from teamformer.base.kernels.jit import entry
 from teamformer.planning.continuous.solve import Solution
-from teamformer.planning.dispatch.coalition_choice import arrival, cover, empty_workspace, give_way
-from teamformer.planning.dispatch.first_plan import is_ready
+from teamformer.planning.dispatch.futures import (
+    begin_dispatch,
+    do_not_put_back,
+    empty_calls,
+    have_done_as_in,
+    leg_of,
+    play_out,
+    put_back,
+    take_back,
+)
 from teamformer.planning.problem.coalition_plan import copy_plan, empty_plan
-from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 from teamformer.planning.problem.schedule import (
     COST,
     MAKESPAN,
     empty_schedule,
     schedule_of,
     sum_up,
-    time_one,
 )
-from teamformer.world.rules.chance import draw_below
-from teamformer.world.rules.coverage import helps
 
 if TYPE_CHECKING:
-    from teamformer.planning.dispatch.coalition_choice import Workspace
+    from teamformer.planning.dispatch.futures import Calls
     from teamformer.planning.problem.coalition_plan import CoalitionPlan
     from teamformer.planning.problem.schedule import Schedule
 
-FUTURES = 20
-"""How often the rest is played out for each task that a robot may take."""
+FUTURES = 200
+"""How many futures are played for each decision."""
 
-MANY_OPEN = 20
-"""With more tasks open than this each is played out less often, once at the least: a future takes
-longer then, and there are more of them."""
-
-FARTHEST = 10**11
-"""Ticks that no way takes; where there is none, it takes longer (`continuous_mission`)."""
+MANY_TASKS = 20
+"""With more tasks than this fewer are played, once at the least: a future takes longer then."""
 
 
 def react(problem: CoalitionProblem) -> Solution | None:
     """Return what comes of the rule; None if some task cannot be done by all robots together."""
-    schedule, best, workspace = (
-        empty_schedule(problem),
-        empty_plan(problem),
-        empty_workspace(problem, seed=0),
-    )
-    leg = int(problem.duration.mean() + np.median(problem.ways))
-    if not _react(problem, schedule, best, workspace, FUTURES, leg // 4):
+    schedule, best, calls = empty_schedule(problem), empty_plan(problem), empty_calls(problem, 0)
+    tasks = len(problem.needs)
+    futures = max(1, min(FUTURES, FUTURES * MANY_TASKS**2 // max(1, tasks) ** 2))
+    if not _react(problem, schedule, best, calls, futures, leg_of(problem)):
         return None
-    total = schedule_of(problem, schedule.plan).total
-    return Solution(schedule.plan, (int(total[MAKESPAN]), int(total[COST])))
+    return solution_of(problem, best)
+
+
+def dispatch(problem: CoalitionProblem) -> Solution | None:
+    """Return what the rule `soonest` itself comes to; None if some task cannot be done."""
+    schedule = empty_schedule(problem)
+    begin_dispatch(problem, schedule)
+    if not play_out(problem, schedule, empty_calls(problem, 0), 0):
+        return None
+    return solution_of(problem, schedule.plan)
+
+
+def solution_of(problem: CoalitionProblem, plan: CoalitionPlan) -> Solution:
+    """Return a plan with what it comes to."""
+    total = schedule_of(problem, plan).total
+    return Solution(plan, (int(total[MAKESPAN]), int(total[COST])))
 
 
 @entry
@@ -64,147 +73,72 @@ def _react(
     problem: CoalitionProblem,
     schedule: Schedule,
     best: CoalitionPlan,
-    workspace: Workspace,
+    calls: Calls,
     futures: int,
-    noise: int,
+    leg: int,
 ) -> bool:
     """Decide task after task; say whether every task has found a coalition.
 
     `best` is the best future seen so far: its beginning is what was decided.
     """
-    tasks, least = len(schedule.rank), NEVER
-    for robot in range(len(problem.origin)):
-        schedule.last[0, robot] = problem.origin[robot]
-    _take_back(schedule, 0)
-    for position in range(tasks):
-        robot = _first_free(problem, schedule, position)
-        if robot == NOBODY:
+    begin_dispatch(problem, schedule)
+    least = NEVER
+    for position in range(len(schedule.rank)):
+        least = best_future(problem, schedule, best, calls, position, futures, leg, least)
+        if least == NEVER:
             return False
-        most = max(1, min(futures, futures * MANY_OPEN**2 // (tasks - position) ** 2))
-        for task in range(tasks):
-            if not _helps(problem, schedule, robot, task):
-                continue
-            for _ in range(most):
-                if _call(problem, schedule, workspace, robot, task, position) == NEVER:
-                    return False
-                _do(problem, schedule, workspace, task, position)
-                cost = _play_out(problem, schedule, workspace, position + 1, noise)
-                if cost < least:
-                    least = cost
-                    copy_plan(schedule.plan, best)
-                _take_back(schedule, position)
-        _do_as_in(problem, schedule, best, position)
+        have_done_as_in(problem, schedule, best, position)
     return True
 
 
-@kernel
-def _first_free(problem: CoalitionProblem, schedule: Schedule, position: int) -> int:
-    """Return the robot that is free first of those that can help with an open task."""
-    best = NOBODY
-    for robot in range(len(problem.origin)):
-        free = schedule.end[schedule.last[position, robot]]
-        if best == NOBODY or free < schedule.end[schedule.last[position, best]]:
-            for task in range(len(schedule.rank)):
-                if _helps(problem, schedule, robot, task):
-                    best = robot
-                    break
-    return best
-
-
-@kernel
-def _helps(problem: CoalitionProblem, schedule: Schedule, robot: int, task: int) -> bool:
-    """Say whether a task is open, all before it are promised, and a robot brings some of it there.
-
-    Who has no way to a task must not call others to it.
-    """
-    if not is_ready(problem, schedule, task):
-        return False
-    if problem.ways[problem.pace[robot], problem.origin[robot], task] > FARTHEST:
-        return False
-    return helps(problem.counts[robot], problem.needs[task])
-
-
-@kernel
-def _call(
+@entry
+def best_future(
     problem: CoalitionProblem,
     schedule: Schedule,
-    workspace: Workspace,
-    robot: int,
-    task: int,
+    best: CoalitionPlan,
+    calls: Calls,
     position: int,
+    futures: int,
+    leg: int,
+    least: int,
 ) -> int:
-    """Pick a coalition around a robot; return when it is there, NEVER if there is none.
+    """Play futures from a position on; return what the best costs, NEVER if nobody can do a task.
 
-    What a load takes longer with it is added. Who would slow the load down need not be in it.
+    It is left in `best` if it costs less than `least`. Where nothing costs less yet, the first one
+    is the rule's own.
     """
-    workspace.pick[0] = robot
-    workspace.picks[0] = problem.slower[problem.pace[robot], task] == 0
-    if not cover(problem, schedule, workspace, task, position):
-        return NEVER
-    give_way(problem, schedule, workspace, task, position)
-    start, slower = 0, 0
-    for seat in range(workspace.picks[0]):
-        picked = workspace.pick[seat]
-        start = max(start, arrival(problem, schedule, picked, task, position))
-        slower = max(slower, problem.slower[problem.pace[picked], task])
-    return start + slower
-
-
-@kernel
-def _do(
-    problem: CoalitionProblem, schedule: Schedule, workspace: Workspace, task: int, position: int
-) -> None:
-    """Have the coalition at hand do a task next."""
-    plan = schedule.plan
-    plan.order[position] = task
-    plan.size[task] = workspace.picks[0]
-    for seat in range(workspace.picks[0]):
-        plan.coalition[task, seat] = workspace.pick[seat]
-    time_one(problem, schedule, position)
-
-
-@kernel
-def _do_as_in(
-    problem: CoalitionProblem, schedule: Schedule, best: CoalitionPlan, position: int
-) -> None:
-    """Have a task done as in the best future seen."""
-    plan, task = schedule.plan, best.order[position]
-    plan.order[position] = task
-    plan.size[task] = best.size[task]
-    for seat in range(best.size[task]):
-        plan.coalition[task, seat] = best.coalition[task, seat]
-    time_one(problem, schedule, position)
-
-
-@kernel
-def _play_out(
-    problem: CoalitionProblem, schedule: Schedule, workspace: Workspace, begin: int, noise: int
-) -> int:
-    """Let robots take what can start first, more or less; return what the plan costs then."""
-    tasks = len(schedule.rank)
-    for position in range(begin, tasks):
-        robot = _first_free(problem, schedule, position)
-        if robot == NOBODY:
+    do_not_put_back(calls)
+    for turn in range(futures):
+        if least < NEVER or turn > 0:
+            put_back(calls, leg)
+        if not play_out(problem, schedule, calls, position):
+            take_back(schedule, position)
             return NEVER
-        best, least = NOBODY, NEVER
-        for task in range(tasks):
-            if _helps(problem, schedule, robot, task):
-                start = _call(problem, schedule, workspace, robot, task, position)
-                start += draw_below(workspace.random, noise + 1)
-                if start < least:
-                    best, least = task, start
-        if best == NOBODY:
-            return NEVER
-        _call(problem, schedule, workspace, robot, best, position)
-        _do(problem, schedule, workspace, best, position)
-    sum_up(problem, schedule)
-    return schedule.total[COST]
+        sum_up(problem, schedule)
+        if schedule.total[COST] < least:
+            copy_plan(schedule.plan, best)
+            least = schedule.total[COST]
+        take_back(schedule, position)
+    return least
 
 
-@kernel
-def _take_back(schedule: Schedule, position: int) -> None:
-    """Open the tasks again that were done from a position on."""
-    tasks = len(schedule.rank)
-    for task in range(tasks):
-        if schedule.rank[task] >= position:
-            schedule.rank[task] = tasks
+@entry
+def mean_future(
+    problem: CoalitionProblem,
+    schedule: Schedule,
+    calls: Calls,
+    position: int,
+    futures: int,
+    leg: int,
+) -> float:
+    """Return what futures from a position on cost on average; NEVER if nobody can do a task."""
+    total = 0.0
+    for _ in range(futures):
+        put_back(calls, leg)
+        if not play_out(problem, schedule, calls, position):
+            take_back(schedule, position)
+            return float(NEVER)
+        sum_up(problem, schedule)
+        total += schedule.total[COST]
+        take_back(schedule, position)
+    return total / futures

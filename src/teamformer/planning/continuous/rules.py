@@ -11,7 +11,7 @@ from itertools import islice
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.coordination import Plan
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, refuse_no_way
-from teamformer.planning.continuous.reactive import react
+from teamformer.planning.continuous.reactive import dispatch, react
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
 from teamformer.planning.continuous_bounds.makespan import improving_bounds
 from teamformer.planning.dispatch.first_plan import draw_plan
@@ -28,9 +28,10 @@ PLANNERS: dict[str, Planner] = {
     "central": lambda problem, seconds, start: solve(problem, seconds, start=start),
     "plan": lambda problem, seconds, start: plan_together(problem),
     "reactive": lambda problem, seconds, start: react(problem),
+    "soonest": lambda problem, seconds, start: dispatch(problem),
 }
 """`central` uses all the time, and may begin with a plan; `plan` is what every robot computes;
-`reactive` plans nothing."""
+`reactive` and `soonest` search nothing."""
 
 KNOW_COSTS = ("central", "plan")
 """Those that know starts that are linked and costs."""

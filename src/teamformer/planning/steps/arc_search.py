@@ -54,7 +54,7 @@ class TeamArcs:
         tasks = len(situation.tasks)
         is_large = tasks >= LARGE
         riders = RIDERS_IF_LARGE if is_large else RIDERS
-        problem = _pose(situation, self._robots, riders)
+        problem = pose_steps(situation, self._robots, riders)
         leaders = np.unique(situation.company)
         passed, passes = _passes(situation.problem, situation.crossings, leaders)
         rules = StepRules(
@@ -139,8 +139,11 @@ def _near_of(tasks: int, types: int) -> int:
     return min(tasks - 1, MOST_NEAR, max(FEWEST_NEAR, tasks // NEAR_SHARE, 2 * types))
 
 
-def _pose(situation: Situation, robots: Ints, riders: int) -> CoalitionProblem:
-    """Return a situation as a coalition problem: depots are teams, nobody goes home."""
+def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProblem:
+    """Return a situation as a coalition problem, its robots in an order: depots are teams.
+
+    Nobody goes home.
+    """
     problem = situation.problem
     tasks, carried = len(problem.appears), problem.steps[:, problem.carry]  # (paces, tasks)
     leaders, origin = np.unique(situation.company, return_inverse=True)

@@ -15,10 +15,11 @@ from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.multi_agent.action_spaces import wanted_from_action
+from teamformer.world.multi_agent.drawing import RENDER_MODES, check_render_mode, draw
 from teamformer.world.multi_agent.observing import observe_rows, observed
 from teamformer.world.reward import Reward
 from teamformer.world.rules.constants import NEVER, NOBODY
-from teamformer.world.state.arrays import RUNNING
+from teamformer.world.state.arrays import RUNNING, STATUS_NAMES
 
 try:
     from gymnasium import spaces
@@ -47,26 +48,30 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
     every reset draws its uncertain values again.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"name": "team_formation_v1", "render_modes": []}
+    metadata: ClassVar[dict[str, Any]] = {
+        "name": "team_formation_v1",
+        "render_modes": list(RENDER_MODES),
+    }
 
     def __init__(
         self,
         source: Mission | Spec,
         actions: Literal["counts", "original"] = "counts",
         reward: Reward | None = None,
+        render_mode: Literal["ansi", "rgb_array"] | None = None,
     ) -> None:
         if actions not in ("counts", "original"):
             raise TeamformerError(f"actions is '{actions}'; use counts or original")
         self._source = source
         self._reward = reward
         self._has_original_actions = actions == "original"
-        self.render_mode = None
+        self.render_mode = check_render_mode(render_mode)
         self._rng = np.random.default_rng(0)
         self._env = self._make_env()
         self.possible_agents = [robot.name for robot in self._env.missions[0].robots]
         self._look()
         self.agents: list[str] = []
-        self._names = observed(self._view)
+        self._columns = observed(self._view)
         self._observation_space = space_of_observations(
             self._observe_rows()[0], self._env.missions[0]
         )
@@ -105,7 +110,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         self._env.step(self._decision(actions))
         self._look()
         self._observations |= self._observe()  # the lost keep what they saw last
-        status = self._env.tally().status
+        status = STATUS_NAMES[self._env.worlds.count["status"][0]]
         robots, steps = self._env.worlds.robots[0], self._env.worlds.count["steps"][0]
         is_coming = (robots["back"] > steps) & (robots["back"] < NEVER)
         slots = dict(zip(self.possible_agents, robots["team"], strict=True))
@@ -121,6 +126,10 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         infos: Everyone = {agent: {} for agent in self.agents}
         self.agents = [a for a in self.agents if not (terminations[a] or truncations[a])]
         return observations, rewards, terminations, truncations, infos
+
+    def render(self) -> str | Array | None:
+        """Return the world as lines of text (`ansi`) or pixels (`rgb_array`); None without mode."""
+        return draw(self._env, self.render_mode)
 
     def state(self) -> Array:
         """Return the whole world as one float32 vector, for a critic that sees everything.
@@ -186,6 +195,6 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
     def _observe_rows(self) -> list[Observation]:
         """Return what each team sees, in the order of the view."""
         robots = len(self.possible_agents)
-        arrays = observe_rows(self._view, self._names, robots, self._has_original_actions)
+        arrays = observe_rows(self._view, self._columns, robots, self._has_original_actions)
         by_row = zip(*map(list, arrays.values()), strict=True)  # each a row of every array
         return [dict(zip(arrays, row, strict=True)) for row in by_row]

@@ -14,6 +14,7 @@ from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.multi_agent.action_spaces import wanted_from_actions
+from teamformer.world.multi_agent.drawing import RENDER_MODES, check_render_mode, draw
 from teamformer.world.multi_agent.observing import Observations, observe_rows, observed
 from teamformer.world.reward import Reward
 from teamformer.world.rules.constants import NOBODY
@@ -44,7 +45,10 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
     arrays of observations and rewards are made once: copy what you keep.
     """
 
-    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
+    metadata = {  # noqa: RUF012
+        "render_modes": list(RENDER_MODES),
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
 
     def __init__(
         self,
@@ -53,7 +57,9 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         actions: Literal["counts", "original"] = "original",
         reward: Reward | None = None,
         threads: int = 1,
+        render_mode: Literal["ansi", "rgb_array"] | None = None,
     ) -> None:
+        self.render_mode = check_render_mode(render_mode)
         if actions not in ("counts", "original"):
             raise TeamformerError(f"actions is '{actions}'; use counts or original")
         if worlds < 1:
@@ -68,7 +74,7 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         self._robots = self._env.worlds.robots.shape[1]
         self._is_over = np.zeros(worlds, dtype=np.bool_)
         self.num_envs = worlds * self._robots
-        self._names = observed(self._env.view())
+        self._columns = observed(self._env.view())
         rows = self._look()
         first = {name: array[0] for name, array in rows.items()}
         self.single_observation_space = space_of_observations(first, missions[0])
@@ -121,6 +127,13 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         self._observe(self._look())
         return self._seen
 
+    def render(self) -> tuple[Any, ...] | None:
+        """Return each world as lines of text (`ansi`) or pixels (`rgb_array`), or None."""
+        if self.render_mode is None:
+            return None
+        worlds = range(len(self._is_over))
+        return tuple(draw(self._env, self.render_mode, w) for w in worlds)
+
     def action_masks(self) -> Array:
         """Return which original actions a robot may choose, as (robots, actions) bool.
 
@@ -151,7 +164,7 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         status[:] = RUNNING
         self._view = self._env.view()
         status[:] = ended_as
-        return observe_rows(self._view, self._names, self._robots, self._has_original_actions)
+        return observe_rows(self._view, self._columns, self._robots, self._has_original_actions)
 
     def _observe(self, rows: Observations) -> None:
         """Give each robot that is in a team what its team sees; the lost keep what they saw."""

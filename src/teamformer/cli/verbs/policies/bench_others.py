@@ -13,7 +13,12 @@ from rich.table import Table
 from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import require
 from teamformer.base.whole_files import write_whole
-from teamformer.bench.others.instances import Instance, collections_in, read_instances
+from teamformer.bench.others.instances import (
+    Instance,
+    collections_in,
+    read_instances,
+    reported_of,
+)
 from teamformer.bench.others.one_robot_worlds import draw_instances
 from teamformer.bench.others.published import Reported, read_reported
 from teamformer.bench.others.report import (
@@ -55,7 +60,7 @@ class Asked:
     def reported(self) -> dict[str, tuple[Reported, ...]]:
         """Return what others report of each folder of instances."""
         inner = [path for folder in self.folders for path in collections_in(folder)]
-        return {path.resolve().name: read_reported(path) for path in inner}
+        return {path.resolve().name: read_reported(path) + reported_of(path) for path in inner}
 
 
 def bench_others(
@@ -69,7 +74,7 @@ def bench_others(
     is_asked = bool(methods)
     methods = methods or tuple(PLANNERS)
     for method in methods:
-        if method not in (*PLANNERS, *PEERS):
+        if method not in (*PLANNERS, *PEERS) and not Path(method).is_dir():
             hint = f"use {', '.join((*PLANNERS, *PEERS))}"
             raise TeamformerError(f"--methods {method} is unknown here", hint)
         if method in LIBRARIES:

@@ -152,15 +152,17 @@ class _Table:
 
 def _header(report: IterationReport) -> str:
     columns = "".join(f"  {name:>9}" for name in report.iteration.figures)
-    held_out = "held out: steps in each setting (and of join-all's), failures"
+    held_out = "held out: steps in each setting (and of the bar's), failures"
     return f" iter      steps  steps/s{columns}  | {held_out}"
 
 
 def _bars(score: Score) -> str:
     """Return what scripted policies take on the held-out worlds."""
-    bar = ", ".join(f"{steps:.1f}" for steps in score.bar)
-    heuristic = ", ".join(f"{steps:.1f}" for steps in score.heuristic)
-    return f"held out: join-all takes {bar}; heuristic {heuristic}"
+    told = (
+        f"{name} takes " + ", ".join(f"{steps:.1f}" for steps in taken)
+        for name, taken in score.bars.items()
+    )
+    return f"held out: {'; '.join(told)}"
 
 
 def _row(report: IterationReport) -> str:

@@ -1,0 +1,109 @@
+"""What a mission comes to if its tasks are given out so: in steps, and in continuous time."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from teamformer.methods.learned.dispatch.giving_out import GivingOut
+from teamformer.mission.coordination import known_at_start
+from teamformer.mission.model import Mission
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.reactive import mean_future
+from teamformer.planning.dispatch.futures import empty_calls
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
+from teamformer.planning.problem.constants import TICKS
+from teamformer.planning.problem.schedule import MAKESPAN, schedule_of
+from teamformer.planning.step_times.groups import empty_groups
+from teamformer.planning.step_times.timing import STEP
+from teamformer.planning.steps.reactive import mean_future_in_steps, pose_present
+from teamformer.planning.steps.situation import Situation, situation_of
+from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
+
+CALMER = 3
+"""Futures that are averaged have so many times less noise than those of the reactive rule."""
+
+
+class DispatchForecast(Protocol):
+    """Judges what is given out of one problem, `given`."""
+
+    @property
+    def given(self) -> GivingOut:
+        """Return the problem."""
+
+    def worth(self, position: int, futures: int, seed: int) -> float:
+        """Return what so many futures from a position on come to on average.
+
+        The less the better, in what a task takes a robot. The makespan counts, and a little when
+        tasks end on average, so that more than the last task tells something.
+        """
+
+    def makespan(self) -> float:
+        """Return the makespan of what is given out, in the mission's unit."""
+
+
+class StepForecast:
+    """Of a mission in steps: when everything is really done, forming counted."""
+
+    def __init__(self, situation: Situation) -> None:
+        self.situation = situation
+        self.given = GivingOut.of(*pose_present(situation))
+        self._groups = empty_groups(situation.problem, situation.company, situation.forming_steps)
+        self._calls = empty_calls(self.given.problem, 0)
+        self._scratch = empty_plan(self.given.problem)
+
+    def worth(self, position: int, futures: int, seed: int) -> float:
+        """Return what so many futures come to on average."""
+        self._calls.random[0] = seed + 1
+        lead = mean_future_in_steps(
+            self.given.problem,
+            self.given.schedule,
+            self._calls,
+            self.situation.problem,
+            self.situation.crossings,
+            self._groups,
+            self._scratch,
+            position,
+            futures,
+            self.given.leg // CALMER,
+        )
+        whole = self.situation.problem.prices.whole
+        step = int(whole[0]) if len(whole) and whole[0] else STEP * self.given.tasks
+        return lead / step * TICKS / self.given.leg
+
+    def timed(self) -> TimedPlan:
+        """Return what is given out, timed."""
+        return time_team_plan(self.situation, self.given.schedule.plan)
+
+    def makespan(self) -> float:
+        """Return the step in which everything is done."""
+        return float(self.timed().makespan)
+
+
+class ContinuousForecast:
+    """Of a mission in continuous time that is judged by its makespan and lateness."""
+
+    def __init__(self, mission: Mission) -> None:
+        posed = pose_mission(mission)
+        self.given = GivingOut.of(posed.problem)
+        self._scale = posed.scale
+        self._calls = empty_calls(posed.problem, 0)
+
+    def worth(self, position: int, futures: int, seed: int) -> float:
+        """Return what so many futures come to on average."""
+        self._calls.random[0] = seed + 1
+        parts = self.given.problem, self.given.schedule, self._calls
+        cost: float = mean_future(*parts, position, futures, self.given.leg // CALMER)
+        return cost / self.given.leg
+
+    def makespan(self) -> float:
+        """Return when everything is over."""
+        plan: CoalitionPlan = self.given.schedule.plan
+        total = schedule_of(self.given.problem, plan).total
+        return float(total[MAKESPAN] / self._scale)
+
+
+def forecast_of(mission: Mission) -> StepForecast | ContinuousForecast:
+    """Return a forecast of a mission from its start on."""
+    if mission.time == "continuous":
+        return ContinuousForecast(mission)
+    return StepForecast(situation_of(known_at_start(mission)))

@@ -1,0 +1,168 @@
+"""Plans without search: by the rule of the task that can begin soonest, and by its futures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from teamformer.base.kernels.jit import entry
+from teamformer.mission.coordination import Known, Plan
+from teamformer.planning.dispatch.futures import (
+    Calls,
+    begin_dispatch,
+    do_not_put_back,
+    empty_calls,
+    leg_of,
+    play_out,
+    put_back,
+    take_back,
+)
+from teamformer.planning.problem.coalition_plan import copy_plan, empty_plan
+from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
+from teamformer.planning.problem.constants import TICKS
+from teamformer.planning.problem.schedule import Schedule, empty_schedule
+from teamformer.planning.step_times.groups import empty_groups
+from teamformer.planning.step_times.passing import settle
+from teamformer.planning.steps.arc_search import pose_steps
+from teamformer.planning.steps.shared_plan import kept_plan
+from teamformer.planning.steps.situation import Situation, plan_of, situation_of
+from teamformer.planning.steps.timed_plan import time_team_plan
+
+if TYPE_CHECKING:
+    from teamformer.planning.problem.coalition_plan import CoalitionPlan
+    from teamformer.planning.problem.relaxed_problem import Relaxed
+    from teamformer.planning.step_times.crossings import Crossings
+    from teamformer.planning.step_times.groups import Groups
+
+FUTURES, FUTURES_AGAIN = 1000, 300
+"""How many futures are played at the start, and after news."""
+
+MANY_TASKS = 50
+"""With more tasks left than this fewer are played, once at the least: a future takes longer."""
+
+
+def soonest_plan(known: Known) -> Plan:
+    """Return who does each task that is possible now: the task that can begin soonest comes next.
+
+    It is done by whoever is there first, none of them spare.
+    """
+    if not known.possible_tasks:
+        return Plan(made_from="nothing")
+    situation = _present(known)
+    problem, schedule = pose_present(situation)
+    play_out(problem, schedule, empty_calls(problem, 0), 0)
+    return replace(plan_of(situation, schedule.plan), made_from="soonest")
+
+
+def reactive_plan(known: Known, old: Plan | None) -> Plan:
+    """Return the best of what is left of an old plan and of many futures by the rule `soonest`.
+
+    They are judged by when everything is really done, forming counted. The random numbers come
+    from the step, so all robots find the same plan.
+    """
+    if not known.possible_tasks:
+        return Plan(made_from="nothing")
+    situation = _present(known)
+    problem, schedule = pose_present(situation)
+    best, kept, futures = empty_plan(problem), (NEVER, NEVER), FUTURES
+    if old is not None and old.order:
+        timed = time_team_plan(situation, kept_plan(situation, old))
+        best.order[:], best.size[:] = timed.plan.order, timed.plan.size
+        best.coalition[:, : timed.plan.coalition.shape[1]] = timed.plan.coalition
+        kept, futures = timed.rank, FUTURES_AGAIN
+    few = min(1.0, (MANY_TASKS / len(situation.tasks)) ** 2)
+    groups = empty_groups(situation.problem, situation.company, situation.forming_steps)
+    found = best_future_in_steps(
+        problem,
+        schedule,
+        empty_calls(problem, known.step),
+        situation.problem,
+        situation.crossings,
+        groups,
+        empty_plan(problem),
+        best,
+        *kept,
+        0,
+        max(1, int(futures * few)),
+        leg_of(problem),
+    )
+    made_from = "futures" if found < kept else "kept"
+    return replace(plan_of(situation, best), made_from=made_from)
+
+
+def _present(known: Known) -> Situation:
+    return situation_of(replace(known, open_tasks=known.possible_tasks))
+
+
+def pose_present(situation: Situation) -> tuple[CoalitionProblem, Schedule]:
+    """Return the present as a coalition problem, and a schedule in which nothing is done yet."""
+    problem = pose_steps(situation, np.arange(len(situation.robots)), riders=0)
+    problem = problem._replace(forming=problem.forming * TICKS)
+    schedule = empty_schedule(problem)
+    begin_dispatch(problem, schedule)
+    return problem, schedule
+
+
+@entry
+def best_future_in_steps(
+    problem: CoalitionProblem,
+    schedule: Schedule,
+    calls: Calls,
+    relaxed: Relaxed,
+    crossings: Crossings,
+    groups: Groups,
+    timed: CoalitionPlan,
+    best: CoalitionPlan,
+    cost: int,
+    lead: int,
+    position: int,
+    futures: int,
+    leg: int,
+) -> tuple[int, int]:
+    """Play futures from a position on; return what the best one is compared by.
+
+    That is what it costs, and then what leads a search, as with `TimedPlan`. It is left in `best`
+    if it is better than `cost` and `lead`. The first future is the rule's own; `timed` is room to
+    work in.
+    """
+    do_not_put_back(calls)
+    for turn in range(futures):
+        if turn > 0:
+            put_back(calls, leg)
+        if play_out(problem, schedule, calls, position):
+            copy_plan(schedule.plan, timed)
+            found, leads = settle(relaxed, crossings, timed, groups)
+            if found < cost or (found == cost and leads < lead):
+                copy_plan(timed, best)
+                cost, lead = found, leads
+        take_back(schedule, position)
+    return cost, lead
+
+
+@entry
+def mean_future_in_steps(
+    problem: CoalitionProblem,
+    schedule: Schedule,
+    calls: Calls,
+    relaxed: Relaxed,
+    crossings: Crossings,
+    groups: Groups,
+    timed: CoalitionPlan,
+    position: int,
+    futures: int,
+    leg: int,
+) -> float:
+    """Return what leads a search of futures from a position on, on average; NEVER if none ends."""
+    total = 0.0
+    for _ in range(futures):
+        put_back(calls, leg)
+        if not play_out(problem, schedule, calls, position):
+            take_back(schedule, position)
+            return float(NEVER)
+        copy_plan(schedule.plan, timed)
+        _, lead = settle(relaxed, crossings, timed, groups)
+        total += lead
+        take_back(schedule, position)
+    return total / futures

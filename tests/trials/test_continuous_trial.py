@@ -84,6 +84,7 @@ def test_methods_that_count_in_steps_are_refused_in_a_sentence() -> None:
         ("heuristic", "decides step by step, which continuous time does not have"),
         ("crews", "plans in steps, and the mission is in continuous time"),
         ("soonest", "plans in steps, and the mission is in continuous time"),
+        ("reactive", "plans in steps, and the mission is in continuous time"),
     ):
         with pytest.raises(TeamformerError, match=told):
             tf.run(mission, method)

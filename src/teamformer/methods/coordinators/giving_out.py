@@ -32,6 +32,7 @@ class GivesOutTasks:
     """
 
     heeds = NEWS
+    times = ("steps",)
 
     def __init__(self, score: Scorer, samples: int = 1) -> None:
         self.score, self.samples = score, samples

@@ -14,6 +14,7 @@ class Reactive:
     """Nothing is searched: some hundred futures by the rule `soonest`, and the best is followed."""
 
     heeds = NEWS
+    times = ("steps",)
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return the best future, or what is left of the plan if none is better."""

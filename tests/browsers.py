@@ -31,7 +31,7 @@ class Opened:
     def shown_step(self) -> int:
         """Wait until the page shows the moment it is at, and return it."""
         self.wait_until(
-            "document.querySelector('#counter b')?.textContent == window.teamformer?.step"
+            "document.querySelector('#counter b')?.textContent == window.teamformer?.moment"
         )
         return int(self.page.evaluate("window.teamformer.step"))
 

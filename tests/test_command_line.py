@@ -13,10 +13,10 @@ from teamformer.cli.app import app
 VERBS = (
     *("run", "compare", "generate", "import", "plan", "advise", "schema", "mcp", "live"),
     *("methods", "bench", "train", "check", "view", "learn", "export"),
-    *("fleet start", "fleet add", "fleet agent", "fleet rehearse", "fleet watch"),
+    *("fleet start", "fleet add", "fleet cancel", "fleet agent", "fleet rehearse", "fleet watch"),
     *("robotarium fly", "robotarium deploy"),
 )
-MOST_FLAGS = 87
+MOST_FLAGS = 89
 
 
 def verbs_of(command: Any, name: str = "") -> Iterator[tuple[str, Any]]:

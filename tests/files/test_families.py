@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 
 from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.continuous_missions import CONTINUOUS_FAMILIES, ROBOTS, TASKS
 from teamformer.files.drawn.families import FAMILIES
 from teamformer.files.drawn.family_missions import INCIDENT_STEPS, about_half_of
 from teamformer.files.drawn.named_settings import size_of, world_of
 from teamformer.files.drawn.surprises import BREAKDOWN, CALLS, DELAYS, LASTS, SURPRISES, WITHIN
+from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.roads import Roads
 from teamformer.trials.trial import run_trial
 
 WORLDS = 60
@@ -186,3 +189,37 @@ def test_an_unknown_incident_is_refused() -> None:
     with pytest.raises(TeamformerError, match="'real-stolen' is no setting") as refused:
         size_of("real-stolen")
     assert "real-lost, real-arrivals" in refused.value.hint
+
+
+@pytest.mark.parametrize("name", CONTINUOUS_FAMILIES)
+def test_families_in_continuous_time_hold_what_they_say(name: str) -> None:
+    for seed, world in enumerate(worlds(name)):
+        assert world == world_of(name, seed)
+        assert world.time == "continuous"
+        assert ROBOTS[0] <= len(world.robots) <= ROBOTS[1]
+        assert TASKS[0] <= len(world.tasks) <= TASKS[1]
+        assert mission_from_tree(mission_to_tree(world)) == world
+    assert size_of(name) == (ROBOTS[1], 4)
+
+
+def test_whoever_moves_gets_everywhere_on_roads_and_some_lanes_lead_one_way() -> None:
+    movers = set()
+    for mission in worlds("roads"):
+        roads = mission.world
+        assert isinstance(roads, Roads)
+        assert all(time < np.inf for rows in roads.ways.values() for row in rows for time in row)
+        walks, carts = (np.array(roads.times[mover]) for mover in ("ground", "cart"))
+        leads = np.isfinite(walks)
+        assert (leads & ~leads.T).any()  # one way
+        assert (leads & ~np.isfinite(carts)).any()  # narrow
+        assert not (np.isfinite(carts) & ~leads).any()
+        movers |= {robot.moves for robot in mission.robots}
+    assert movers == {"ground", "cart"}
+
+
+def test_by_the_clock_every_key_is_drawn() -> None:
+    tasks = [task for mission in worlds("clock") for task in mission.tasks]
+    for key in ("after", "between", "starts", "to", "appears"):
+        assert 0.05 < sum(bool(getattr(task, key)) for task in tasks) / len(tasks) < 0.5
+    for key in ("forming", "ends", "cost"):
+        assert sum(bool(getattr(mission, key)) for mission in worlds("clock")) > 10

@@ -9,7 +9,7 @@ import pytest
 
 from teamformer.base.errors import MissionError
 from teamformer.files.mission_files import mission_from_tree, mission_to_tree, read_mission
-from teamformer.mission.checks.rules import rules_not_played, rules_of_simulated_missions
+from teamformer.mission.checks.rules import rules_not_played, rules_of_fleets
 from teamformer.robotarium.mission_checks import find_problems
 
 MISSION = """\
@@ -53,7 +53,7 @@ def test_loads_are_written_as_they_were_read(tmp_path: Path) -> None:
 def test_robots_that_cannot_carry_yet_say_so(tmp_path: Path) -> None:
     mission = read(tmp_path, MISSION.replace("[5, 0]", "[0, 1]"))
     assert list(rules_not_played(mission)) == []
-    assert list(rules_of_simulated_missions(mission)) == []  # fleets can
+    assert list(rules_of_fleets(mission)) == []  # fleets can
     problem = next(find_problems(mission))
     assert problem.where == ("tasks", 0, "to")
     assert problem.message == (

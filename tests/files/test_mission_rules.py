@@ -15,8 +15,8 @@ from teamformer.mission.checks.rules import (
     rules_not_planned,
     rules_not_played,
     rules_not_run,
-    rules_of_simulated_missions,
-    rules_of_sure_missions,
+    rules_of_fleets,
+    rules_of_robotarium,
 )
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
@@ -77,12 +77,13 @@ def test_the_simulator_refuses_what_it_does_not_play(changes: dict[str, object],
         TeamFormation([mission])
 
 
-def test_precedence_and_windows_are_played_but_not_by_robots_of_their_own() -> None:
+def test_precedence_and_windows_are_for_all_but_the_robotarium() -> None:
     tasks = (replace(MISSION.tasks[0], duration=2), MISSION.tasks[1])
     mission = replace(MISSION, tasks=tasks, time="steps", ends=None, forming=0)
     assert list(rules_not_played(mission)) == []
-    told = [problem.message for problem in rules_of_simulated_missions(mission)]
-    rest = "which fleets and the Robotarium do not know; drop {0}, or use `run`, `compare`, `plan`"
+    assert list(rules_of_fleets(mission)) == []
+    told = [problem.message for problem in rules_of_robotarium(mission)]
+    rest = "which the Robotarium does not know; drop {0}, or use `run`, `compare`, `plan`"
     assert told == [
         f"task 'y' has {key}, {rest.format(key)} or `live`" for key in ("after", "between")
     ]
@@ -156,17 +157,17 @@ def test_unreachable_ends_are_refused() -> None:
 
 def test_what_has_to_be_sure_refuses_all_that_is_not() -> None:
     mission = world_of("4N4T-C4-mixed", 0)
-    told = {problem.where[-1]: problem.message for problem in rules_of_sure_missions(mission)}
+    told = {problem.where[-1]: problem.message for problem in rules_of_robotarium(mission)}
     assert set(told) == {"breaks", "duration", "may_need"}
     assert "write one number" in told["duration"]
     assert all("or use `run`, `compare`, `plan` or `live`" in text for text in told.values())
-    assert list(rules_of_simulated_missions(mission)) == list(rules_of_sure_missions(mission))
-    assert list(rules_of_sure_missions(world_of("4N4T-C4", 0))) == []
+    assert {problem.where[-1] for problem in rules_of_fleets(mission)} == {"breaks"}
+    assert list(rules_of_robotarium(world_of("4N4T-C4", 0))) == []
 
 
 def test_tasks_that_appear_at_random_are_for_who_need_not_be_sure() -> None:
     mission = world_of("4N4T-C4-calls", 0)
-    [told] = rules_of_sure_missions(mission)
+    [told] = rules_of_robotarium(mission)
     assert told.where == ("arrivals",)
     assert "drop arrivals, or use `run`, `compare`, `plan` or `live`" in told.message
     assert list(rules_not_played(mission)) == []

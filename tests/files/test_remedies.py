@@ -20,7 +20,7 @@ from teamformer.mission.checks.rules import (
     rules_not_known_beforehand,
     rules_not_planned,
     rules_not_played,
-    rules_of_simulated_missions,
+    rules_of_robotarium,
 )
 from teamformer.mission.model import Absence, Arrivals, Breakdown, Delays, Mission
 from teamformer.mission.parts.grid import Grid
@@ -61,10 +61,10 @@ OTHERS_FOR = {
 @pytest.mark.parametrize("name", OTHERS_FOR)
 def test_the_verbs_that_robots_of_their_own_send_to_take_the_mission(name: str) -> None:
     mission, verbs = OTHERS_FOR[name]
-    told = [problem.message for problem in rules_of_simulated_missions(mission)]
+    told = [problem.message for problem in rules_of_robotarium(mission)]
     assert told
     for message in told:
-        if "fleets and the Robotarium" in message:
+        if "which the Robotarium" in message:
             named = re.findall("`([a-z]+)`", message)
             assert named == verbs.split()
             assert [list(VERBS[verb](mission)) for verb in named] == [[] for _ in named]
@@ -102,8 +102,8 @@ def test_what_many_have_is_told_once_with_their_names() -> None:
     many = [task("a", 3) for _ in range(15)]
     mission = make([robot("a", 0)], many)
     late = replace(mission, tasks=tuple(replace(t, between=(0, 90)) for t in mission.tasks))
-    [problem] = rules_of_simulated_missions(late)
-    named = "task 't0' has between (likewise 't1', 't2', 't3', 't4', 't5', 9 more), which fleets"
+    [problem] = rules_of_robotarium(late)
+    named = "task 't0' has between (likewise 't1', 't2', 't3', 't4', 't5', 9 more), which the Robot"
     assert problem.message.startswith(named)
     assert problem.where == ("tasks", 0, "between")
     lost = tuple(replace(it, absences=(Absence(3),)) for it in MISSION.robots)

@@ -29,6 +29,7 @@ from teamformer.fleet.messages import (
     WALK,
     Beat,
     Body,
+    CallOff,
     DeedFact,
     FactsNote,
     Message,
@@ -223,10 +224,14 @@ class Loopback:
         self._holders = holders
         self.offered: list[TaskFact] = []
         self._waiting: list[bytes] = []
+        self.called_off: set[int] = set()
 
     def send(self, to: int, data: bytes) -> None:
         said = self._post.open(data)
         assert said is not None
+        if isinstance(said.body, CallOff):
+            self._hear_off(said.body.key)
+            return
         assert isinstance(said.body, Offer)
         self.offered.append(said.body.task)
         for sender in range(self._holders):
@@ -236,6 +241,12 @@ class Loopback:
             bodies.append(Beat(Word(sender, 1, sender, 0.0, sender), age=AGE))
             sealed = [self._post.seal(sender, Notice(OPERATOR, body)) for body in bodies]
             self._waiting += sealed
+
+    def _hear_off(self, key: int) -> None:
+        self.called_off.add(key)
+        for sender in range(self._holders):
+            for body in (Receipt(key, is_called_off=True), FactsNote((), called_off=(key,))):
+                self._waiting.append(self._post.seal(sender, Notice(OPERATOR, body)))
 
     def listen_to(self, robots: Iterable[int]) -> None:
         assert list(robots) == [0, 1, 2]
@@ -289,6 +300,24 @@ def test_a_task_that_a_page_adds_is_published_and_told_once_it_is_held(
     record = read_record(tmp_path / "record.json")
     assert record.method == "fleet"
     assert [step["kind"] for step in told].count("step") >= 1
+
+
+def test_a_task_that_a_page_calls_off_is_told_once_that_is_held(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("teamformer.fleet.observer.session.AGAIN", 0.02)
+    transport = Loopback(holders=3)
+    session = watching(transport, tmp_path)
+    name = FAST.source.tasks[1].name
+    off = {"do": "happen", "cancelled": name}
+    told = heard_by_a_page(session, off, off)
+    (incident,) = [message for message in told if message["kind"] == "incident"]
+    assert incident["text"].endswith(f"task {name} called off, held by r0, r1, r2")
+    (refused,) = [message for message in told if message["kind"] == "refused"]
+    assert f"task '{name}' is over, or there is none" in refused["text"]
+    assert transport.called_off == {1}
+    assert session.watch.record().mission.tasks[1].cancelled is not None
+    assert [task.key for _, task in session.watch.open_tasks()] == [0]
 
 
 def test_who_comes_late_asks_what_has_been_done(tmp_path: Path) -> None:

@@ -72,7 +72,7 @@ def test_reports_become_plain_numbers() -> None:
     report = body.report()
     assert report == Report(4.0, 0.0, number=7, is_unfit=True)
     assert [type(part) for part in report[:7]] == [float, float, int, bool, bool, int, bool]
-    assert report[7:] == (None, False, True)
+    assert report[7:] == (None, False, True, False, None)
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_a_body_is_found_in_the_folder_that_the_user_works_in(
     monkeypatch.chdir(tmp_path)
     body = made("body_in_this_folder:MyBody", 1)
     body.command(Command(1, (6, 0), 0, 1, True))
-    assert body.report() == Report(6.0, 0.0, 1, True, False, 1)
+    assert body.report() == Report(6.0, 0.0, 1, number=1, has_served=True)
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ from teamformer.record.files.writing import save_record
 
 ALL_KINDS = {
     *("loss", "twice", "delay", "radio", "junk", "skew", "drift", "lag", "stutter"),
-    *("cuts", "crashes", "pauses", "stuck", "orders"),
+    *("cuts", "crashes", "pauses", "stuck", "orders", "withdrawals"),
 }
 
 

@@ -116,13 +116,13 @@ def test_a_robot_drives_serves_and_stops(tmp_path: Path) -> None:
             assert (first.x, first.y) == (1.0, 1.0)
             body.command(Command(1, (4.0, 5.0), 0))
             until(lambda: body.report()[:3] == (4.0, 5.0, 1))
-            assert not body.report().is_done
+            assert not body.report().has_served
             begun = time.monotonic()
             body.command(Command(1, (4.0, 5.0), 0, 0, True, 1.0))
-            until(lambda: body.report().is_done)
+            until(lambda: body.report().has_served)
             assert time.monotonic() - begun >= 1.0
             body.command(Command(2, (4.0, 15.0), 1))  # serves no more, and is on its way
-            assert not body.report().is_done
+            assert not body.report().has_served
             until(lambda: body.report().y > 7.0)
             body.command(Command(3))
             until(lambda: len((tmp_path / "r1.goals").read_text().split("\n")) == 4)

@@ -81,8 +81,8 @@ def test_a_vehicle_of_a_later_version_drives_and_serves(version: str) -> None:
     """In the words of that version, by its published schemas, over a real broker."""
     with driving(version, mission=two_vehicles()) as (body, vehicle):
         body.command(Command(7, (2.0, 3.0), 1, 0, True))
-        report = wait_for(body, vehicle, lambda report: report.is_done)
-    assert (report.x, report.y, report.leg, report.is_done) == (2.0, 3.0, 7, True)
+        report = wait_for(body, vehicle, lambda report: report.has_served)
+    assert (report.x, report.y, report.leg, report.has_served) == (2.0, 3.0, 7, True)
     assert wrong_with(version, "state", vehicle.state()) == []
     assert set(vehicle.told) == {"order", "instantActions"}
     for name, content in vehicle.told.items():
@@ -98,7 +98,7 @@ def test_a_vehicle_of_a_later_version_drives_and_serves(version: str) -> None:
 def test_a_vehicle_picks_a_load_goes_as_fast_as_its_team_and_drops_it(version: str) -> None:
     with driving(version) as (body, vehicle):
         body.command(Command(1, None, 0, 0, True, 2.0, 0.5))
-        report = wait_for(body, vehicle, lambda report: report.is_done)
+        report = wait_for(body, vehicle, lambda report: report.has_served)
     assert (report.x, report.y, report.carries) == (9.0, 3.0, False)
     [order] = vehicle.orders
     assert wrong_with(version, "order", order) == []
@@ -118,7 +118,7 @@ def test_a_vehicle_that_is_told_to_stop_drops_its_load_there(version: str) -> No
         wait_for(body, vehicle, lambda report: report.carries)
         body.command(Command(1, None, 0, 0, False, 2.0))
         report = wait_for(body, vehicle, lambda report: report.load is not None)
-    assert (report.load, report.carries, report.is_done) == ((1.0, 1.0), False, False)
+    assert (report.load, report.carries, report.has_served) == ((1.0, 1.0), False, False)
     assert vehicle.told["instantActions"]["actions"][0]["actionType"] == "cancelOrder"
     order = vehicle.orders[-1]
     assert wrong_with(version, "order", order) == []
@@ -177,9 +177,9 @@ def test_a_virtual_agv_goes_however_it_is_turned_and_serves_again_what_failed(
         watch(body, lambda report: report.leg == 1 and report.x > 2.0)
         body.command(Command(2, (2.0, 3.0), 1))
         report = watch(body, lambda report: report.leg == 2 and report[:2] == (2.0, 3.0))
-        assert not report.is_done
+        assert not report.has_served
         body.command(Command(2, (2.0, 3.0), 1, 0, True))
-        assert not watch(body, lambda report: report.is_done).is_unfit
+        assert not watch(body, lambda report: report.has_served).is_unfit
     told = capfd.readouterr().err
     assert "noRouteError" not in told
     assert told.count("v1: the vehicle has failed to serve one; it gets the order again") == 2

@@ -29,8 +29,8 @@ def ids_of(vehicle: Vehicle, kind: str) -> list[str]:
     return list(dict.fromkeys(action["actionId"] for action in told))
 
 
-def is_done(report: Report) -> bool:
-    return report.is_done
+def has_served(report: Report) -> bool:
+    return report.has_served
 
 
 def is_unfit(report: Report) -> bool:
@@ -44,7 +44,7 @@ def test_a_service_that_fails_is_told_again_under_another_name(
     with driving(version, mission=two_vehicles()) as (body, vehicle):
         vehicle.fails["serve"] = FAILURES - 1
         body.command(SERVE_ONE)
-        report = wait_for(body, vehicle, is_done)
+        report = wait_for(body, vehicle, has_served)
     assert not report.is_unfit
     assert len(ids_of(vehicle, "serve")) == FAILURES
     line = "v1: the vehicle has failed to serve one and says 'jammed'; it gets the order again"
@@ -58,7 +58,7 @@ def test_who_goes_on_failing_is_unfit_and_is_told_nothing_more(
         vehicle.fails["serve"] = 100
         body.command(SERVE_ONE)
         report = wait_for(body, vehicle, is_unfit)
-        assert not report.is_done
+        assert not report.has_served
         for _ in range(20):
             assert wait_for(body, vehicle, lambda report: True).is_unfit
     assert len(ids_of(vehicle, "serve")) == FAILURES
@@ -114,7 +114,7 @@ def test_a_load_that_it_failed_to_pick_or_to_drop_is_brought_all_the_same(
         if kind == "pick":
             vehicle.fails["drop"] = FAILURES - 1  # of a load that it has not
         body.command(BRING)
-        report = wait_for(body, vehicle, is_done)
+        report = wait_for(body, vehicle, has_served)
     assert (report.x, report.y, report.carries, report.is_unfit) == (9.0, 3.0, False, False)
     assert len(ids_of(vehicle, kind)) == FAILURES
     line = f"v1: the vehicle has failed to {kind} crate and says 'jammed'; it gets the order again"
@@ -126,7 +126,7 @@ def test_a_load_that_it_goes_on_failing_to_pick_makes_it_unfit() -> None:
         vehicle.fails["pick"] = 100
         body.command(BRING)
         report = wait_for(body, vehicle, is_unfit)
-        assert (report.carries, report.is_done) == (False, False)
+        assert (report.carries, report.has_served) == (False, False)
     assert len(ids_of(vehicle, "pick")) == FAILURES
 
 

@@ -37,7 +37,13 @@ class Vehicle:
     """
 
     def __init__(
-        self, port: int, version: str, stays: bool = False, part: float = 0.0, heading: float = 0.0
+        self,
+        port: int,
+        version: str,
+        stays: bool = False,
+        part: float = 0.0,
+        heading: float = 0.0,
+        serial: str = "v1",
     ) -> None:
         self.version, self.told = version, dict[str, dict[str, Any]]()
         self.orders, self.actions = list[dict[str, Any]](), list[dict[str, Any]]()
@@ -45,7 +51,8 @@ class Vehicle:
         self.fails, self.rejects, self.map = Counter[str](), "", "yard"
         self.knows = {"serve", "cancelOrder", "pick", "drop"}
         self.errors = list[dict[str, Any]]()
-        self._topic = f"uagv/v{version[0]}/acme/v1"
+        self._serial = serial
+        self._topic = f"uagv/v{version[0]}/acme/{serial}"
         self._order, self.at, self._is_driving = "", (1.0, 1.0), False
         self._done, self._acted = list[dict[str, Any]](), list[dict[str, Any]]()
         self.client = mqtt.Client(CallbackAPIVersion.VERSION2)
@@ -110,7 +117,7 @@ class Vehicle:
         edge = {"edgeId": "way", "sequenceId": 1, "released": True}
         common = {
             **{"headerId": 1, "timestamp": "2026-11-25T04:00:00.000Z", "version": self.version},
-            **{"manufacturer": "acme", "serialNumber": "v1", "orderId": self._order},
+            **{"manufacturer": "acme", "serialNumber": self._serial, "orderId": self._order},
             **{"orderUpdateId": 0, "lastNodeId": "", "lastNodeSequenceId": 0, "nodeStates": []},
             **{"edgeStates": [edge] * self._is_driving, "driving": False},
             **{"operatingMode": "AUTOMATIC", "errors": list(self.errors)},

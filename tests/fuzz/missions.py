@@ -65,23 +65,24 @@ class Fleet:
 def missions(
     draw: st.DrawFn,
     is_sure: bool = False,
-    is_plain: bool = False,
+    is_for_fleets: bool = False,
     is_tiny: bool = False,
     has_cancelled: bool = True,
 ) -> Tree:
     """Return a mission in steps.
 
-    `is_sure` leaves out what nobody knows beforehand; `is_plain` also `after`, `between` and robots
-    that fly over walls, so that fleets of processes can do it. One that `is_tiny` has two
-    robots and tasks at most. Without `has_cancelled` nothing is called off: `central` plans it.
+    `is_sure` leaves out what nobody knows beforehand. One that `is_for_fleets` has nothing that
+    fleets of processes refuse: of what is not known, nothing that befalls robots, and no loads. One
+    that `is_tiny` has two robots and tasks at most. Without `has_cancelled` nothing is called off:
+    `central` plans it.
     """
     most_robots, most_tasks = (2, 2) if is_tiny else (MOST_ROBOTS, MOST_TASKS)
-    is_sure = is_sure or is_plain or pick(draw, (True, False, False))
+    is_sure = is_sure or pick(draw, (True, False, False))
     world, caps = draw_world(draw), draw_names(draw, 1 + pick(draw, range(MOST_CAPABILITIES)))
-    fleet = _draw_fleet(draw, world, caps, most_robots, not (is_plain and world.blocked))
+    fleet = _draw_fleet(draw, world, caps, most_robots)
     for robot in fleet.robots:
         _write_losses(draw, robot)
-        if not is_sure:
+        if not is_sure and not is_for_fleets:
             _write_surprises_of_robot(draw, robot)
     tasks = _draw_tasks(draw, world, fleet, most_tasks)
     for task in tasks:
@@ -89,17 +90,17 @@ def missions(
             task["duration"] = pick(draw, (1, 0, 2, 4))
         if now_and_then(draw):
             task["appears"] = pick(draw, (3, 0, 1, 9, 20))
-        if has_cancelled and not (is_plain or is_tiny) and now_and_then(draw):
+        if has_cancelled and not is_tiny and now_and_then(draw):
             task["cancelled"] = pick(draw, (5, 1, 3, 12, 30))
         if not is_sure:
             _write_surprises_of_task(draw, world, fleet, task)
     flies = any(robot.get("moves") == "air" for robot in fleet.robots)
     if not is_tiny and not flies:  # `plain_search` plays no loads, and nobody flies with them
-        _write_loads(draw, world, tasks)
-    if not is_plain:
-        _write_windows(draw, tasks, can_be_short=True)
-        _write_precedence(draw, tasks, range(len(tasks)))
-        _keep_windows_possible(tasks, step=1)
+        sure = [task for task in tasks if not is_for_fleets or "within" not in task]
+        _write_loads(draw, world, sure)
+    _write_windows(draw, tasks, can_be_short=True)
+    _write_precedence(draw, tasks, range(len(tasks)))
+    _keep_windows_possible(tasks, step=1)
     tree = _write(draw, world, caps, fleet.robots, tasks)
     for key, values in RULES.items():
         if now_and_then(draw, 3):
@@ -109,11 +110,11 @@ def missions(
     if now_and_then(draw, 3):
         radii = (tree.get("sensing_radius", 1), pick(draw, RADII))
         tree["join_radius"] = min(radii, key=RADII_BY_SIZE.index)
-    if not is_plain and now_and_then(draw, 3):
+    if now_and_then(draw, 3):
         _write_cost(draw, tree, COSTS_IN_STEPS)
     if now_and_then(draw):
         _write_pins(draw, tree, world)
-    elif not is_sure and now_and_then(draw, 3) and _can_more_appear(tree, world):
+    elif not (is_sure or is_for_fleets) and now_and_then(draw, 3) and _can_more_appear(tree, world):
         tree["arrivals"] = {"rate": pick(draw, (0.1, 0, 1)), "until": pick(draw, (8, 0, 1, 5))}
         for key, values in (("needs", (1, 2, 9)), ("duration", (1, 0, 3)), ("since", (2, 0, 9))):
             if now_and_then(draw, 2):

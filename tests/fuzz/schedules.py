@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from drawing import now_and_then, pick
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell
+from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell, Withdrawal
 
 MOMENTS = (0.0, 1.0, 3.7, 10.0, 25.0)
 LENGTHS = (5.0, 0.5, 12.0, 35.0)
@@ -46,6 +46,7 @@ def schedules(draw: st.DrawFn, mission: FleetMission) -> Faults:
         pauses=tuple(_spells(draw, robots, can_last=False)),
         stuck=tuple(_spells(draw, robots, can_last=True)),
         orders=tuple(_orders(draw, mission)),
+        withdrawals=tuple(_withdrawals(draw, mission)),
     )
 
 
@@ -75,6 +76,13 @@ def _spells(draw: st.DrawFn, robots: int, can_last: bool) -> Iterator[Spell]:
             begin = pick(draw, MOMENTS)
             is_over = not can_last or not now_and_then(draw)
             yield Spell(robot, begin, begin + pick(draw, LENGTHS) if is_over else None)
+
+
+def _withdrawals(draw: st.DrawFn, mission: FleetMission) -> Iterator[Withdrawal]:
+    """Return which tasks of the mission operators call off, and when."""
+    for key in range(len(mission.tasks)):
+        if now_and_then(draw, 8):
+            yield Withdrawal(pick(draw, MOMENTS), key)
 
 
 def _orders(draw: st.DrawFn, mission: FleetMission) -> Iterator[Order]:

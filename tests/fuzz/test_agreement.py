@@ -228,7 +228,10 @@ def test_outputs_of_missions_that_people_have_agree(
 
 
 @fuzzed(
-    7, "fleet rehearse FILE, with the faults below", mission=missions(is_plain=True), data=st.data()
+    7,
+    "fleet rehearse FILE, with the faults below",
+    mission=missions(is_for_fleets=True),
+    data=st.data(),
 )
 def test_outputs_of_rehearsals_agree(
     mission: Any, data: st.DataObject, folder: Path, page: Any

@@ -29,7 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @fuzzed(
     8,
     "rehearse FILE, with the faults below",
-    mission=missions(is_plain=True),
+    mission=missions(is_for_fleets=True),
     data=st.data(),
 )
 def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) -> None:

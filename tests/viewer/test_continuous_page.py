@@ -11,7 +11,7 @@ import pytest
 import teamformer as tf
 from browsers import Opener
 from hand_logs import RECORD
-from teamformer.record.events.standing import Standing
+from teamformer.record.events.standing import StandingAt
 from teamformer.record.files.writing import record_to_tree
 from teamformer.record.telling.whole import told_of
 from teamformer.viewer.html import comparison_page
@@ -54,7 +54,7 @@ def records() -> dict[str, Any]:
 def test_at_every_tick_robots_are_where_the_record_has_them(scripts: Any, name: str) -> None:
     record = records()[name]
     read = scripts.evaluate(READ, record_to_tree(record))
-    standing = Standing(record, told_of(record).layout)
+    standing = StandingAt(record, told_of(record).layout)
     assert (read["last"] - 1) * read["tick"] < record.length <= read["last"] * read["tick"] + 1e-9
     for step, (places, teams) in enumerate(zip(read["places"], read["teams"], strict=True)):
         when = step * read["tick"]

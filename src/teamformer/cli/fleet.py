@@ -73,6 +73,20 @@ def add(
 
 
 @fleet.command()
+def cancel(
+    mission: MissionPath,
+    name: Annotated[str, typer.Argument(metavar="NAME", help="the task's name")],
+    connect: Connect,
+    keys: Keys = None,
+) -> None:
+    """Call a task of a running fleet off."""
+    from teamformer.cli.verbs.robots.cancel import cancel as command
+    from teamformer.cli.verbs.robots.mesh import FleetAt
+
+    raise typer.Exit(command(mission, name, FleetAt(connect, keys)))
+
+
+@fleet.command()
 def agent(
     mission: MissionPath,
     robot: Annotated[str, typer.Argument(metavar="ROBOT", help="name of the robot")],

@@ -122,7 +122,8 @@ def generate(
 @app.command(name="import")
 def import_(
     form: Annotated[
-        str, typer.Argument(metavar="FORMAT", help="hetero-mrta, dcmrta, sadcher or hhcrsp")
+        str,
+        typer.Argument(metavar="FORMAT", help="hetero-mrta, dcmrta, sadcher, hhcrsp, rmf or lif"),
     ],
     path: Annotated[Path, typer.Argument(metavar="FILE", help="the instance: a file or a folder")],
     out: Annotated[

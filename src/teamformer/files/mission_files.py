@@ -28,6 +28,7 @@ __all__ = [
     "read_mission",
     "read_world_of",
     "write_mission",
+    "write_tree",
 ]
 
 LARGEST_FILE = 20_000_000  # bytes
@@ -102,7 +103,11 @@ def write_mission(mission: Mission, path: Path, head: str = "") -> None:
 
     `head` is a line of comment for the beginning of a YAML file.
     """
-    tree = mission_to_tree(mission)
+    write_tree(mission_to_tree(mission), path, head)
+
+
+def write_tree(tree: Mapping[str, Any], path: Path, head: str = "") -> None:
+    """Write the tree of a mission's file, be it that the mission is not complete yet."""
     if path.suffix.lower() == ".json":
         text = json.dumps(tree, indent=1, ensure_ascii=False, allow_nan=False, default=own_number)
         text += "\n"

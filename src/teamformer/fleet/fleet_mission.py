@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.fleet.messages import TaskFact
-from teamformer.mission.model import Mission
+from teamformer.mission.checks.windows import window_opens
+from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.capabilities import Counts, exact
 from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.precedence import tasks_before
+from teamformer.mission.truth import draw_truth, expected_mission
 from teamformer.world.continuous.ways import Ways
 
 Row = tuple[float, ...]
@@ -57,11 +62,27 @@ class FleetMission:
         keep(self, "brings", tuple(self.in_units(can) for can in self.counts))
         keep(self, "_regions", {})
         keep(self, "regions", tuple(self.region(robot.at) for robot in robots))
-        keep(self, "tasks", tuple(self._facts()))
+        keep(self, "tasks", self.facts_of(self.source))
+        unsure = (key for key, task in enumerate(self.source.tasks) if task.may_need)
+        keep(self, "unsure", frozenset(unsure))
+        tours = ((k, places_to_look(self.source, task)) for k, task in enumerate(self.source.tasks))
+        keep(self, "hidden", {key: tour for key, tour in tours if tour})
+        keep(self, "believed", self.source)
+        if self.source.has_surprises:
+            keep(self, "believed", expected_mission(self.source))
+        off = ((key, task.cancelled) for key, task in enumerate(self.source.tasks))
+        keep(self, "off_at", {key: (at - 1) * self.step for key, at in off if at is not None})
         keep(self, "radius", world.arrival_radius if isinstance(world, Plane) else 0.0)
         keep(self, "forming", self.source.forming_steps * self.step)
         keep(self, "sight", max(self.radius, self.source.sensing_radius))
         keep(self, "ways", Ways(world))
+        keep(self, "_air", self.ways)
+        if isinstance(world, Grid) and world.rows:
+            keep(self, "_air", Ways(Grid(world.width, world.height)))
+        before = tasks_before(self.source.tasks)
+        keep(self, "before", {key: frozenset(others) for key, others in before.items()})
+        opens = ((key, window_opens(task)) for key, task in enumerate(self.source.tasks))
+        keep(self, "opens", {key: steps * self.step for key, steps in opens if steps})
         keep(self, "paces", tuple(world.pace(robot.speed) / self.step for robot in robots))
 
     number: int = field(init=False)  # the same for who has the same mission, 62 bits
@@ -74,7 +95,14 @@ class FleetMission:
     forming: float = field(init=False)  # seconds that a split or join takes
     paces: tuple[float, ...] = field(init=False)  # of each robot, cells or metres a second
     sight: float = field(init=False)  # within which a robot sees a load
-    ways: Ways = field(init=False, repr=False, compare=False)
+    ways: Ways = field(init=False, repr=False, compare=False)  # on the ground
+    unsure: frozenset[int] = field(init=False)  # tasks that may need more than is known
+    hidden: dict[int, tuple[Place, ...]] = field(init=False)  # where to look for tasks, in order
+    believed: Mission = field(init=False, repr=False, compare=False)  # with what to expect
+    off_at: dict[int, float] = field(init=False)  # when tasks are called off, which nobody foresees
+    before: dict[int, frozenset[int]] = field(init=False)  # what tasks come after, where anything
+    opens: dict[int, float] = field(init=False)  # when tasks may begin, if later than at once
+    _air: Ways = field(init=False, repr=False, compare=False)
 
     @property
     def robots(self) -> int:
@@ -97,6 +125,20 @@ class FleetMission:
         It is where the first of those starts that it can get to.
         """
         return self.source.robots[self.regions.index(self.regions[robot])].at
+
+    def ways_of(self, robot: int) -> Ways:
+        """Return the ways of a robot: some fly over walls."""
+        return self._air if self.source.robots[robot].flies else self.ways
+
+    def can_be_at(self, robot: int, place: Place) -> bool:
+        """Say whether a robot can be at a place: over obstacles only if it flies."""
+        world = self.source.world
+        return world.is_inside(place) if self.source.robots[robot].flies else world.is_free(place)
+
+    def may_begin(self, key: int, over: Collection[int], age: float) -> bool:
+        """Say whether a task may begin: those before it are over, and its window is open."""
+        is_free = all(other in over for other in self.before.get(key, ()))
+        return is_free and age >= self.opens.get(key, 0.0)
 
     def is_same_place(self, x: float, y: float, other_x: float, other_y: float) -> bool:
         """Say whether two places are one."""
@@ -121,7 +163,8 @@ class FleetMission:
 
     def reach(self, robot: int, task: TaskFact) -> bool:
         """Say whether there is a way for a robot to a task."""
-        return self.regions[robot] == self.region((task.x, task.y))
+        flies = self.source.robots[robot].flies
+        return flies or self.regions[robot] == self.region((task.x, task.y))
 
     def region(self, place: Place) -> int:
         """Return the connected part of the map that a place is in."""
@@ -144,10 +187,18 @@ class FleetMission:
         named = dict(zip(self.source.capabilities, counts, strict=True))
         return tuple(self.source.in_units(named).values())
 
-    def _facts(self) -> Iterable[TaskFact]:
-        for key, task in enumerate(self.source.tasks):
+    def truth(self, seed: int) -> Mission:
+        """Return the mission as it really is: the same one where nothing about it is uncertain."""
+        return draw_truth(self.source, seed)
+
+    def facts_of(self, mission: Mission) -> tuple[TaskFact, ...]:
+        """Return the tasks of this mission, or of its truth."""
+        return tuple(self._facts(mission))
+
+    def _facts(self, mission: Mission) -> Iterable[TaskFact]:
+        for key, task in enumerate(mission.tasks):
             needs = row_of(task.needs, self.source.capabilities)
-            x, y = task.at
+            x, y = believed_place(self.source.world, task)
             duration, appears = task.duration * self.step, task.appears * self.step
             to = None if task.to is None else (float(task.to[0]), float(task.to[1]))
             unload = task.unload * self.step
@@ -162,6 +213,15 @@ class FleetMission:
                 to=to,
                 unload=unload,
             )
+
+
+def places_to_look(mission: Mission, task: Task) -> tuple[Place, ...]:
+    """Return places from which all are seen that a task may be in, nearest first; often none."""
+    tour: list[Place] = []
+    for place in possible_places(mission.world, task.at, task.within) if task.within else ():
+        if not any(math.dist(place, seen) <= mission.finding_radius for seen in tour):
+            tour.append(place)
+    return tuple(tour)
 
 
 def row_of(counts: Counts, capabilities: tuple[str, ...]) -> Row:

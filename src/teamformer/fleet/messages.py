@@ -22,7 +22,7 @@ from teamformer.world.rules.constants import NOBODY
 if TYPE_CHECKING:
     from teamformer.fleet.signatures import Signatures
 
-PROTOCOL = 1
+PROTOCOL = 2
 """The version of the messages; others are dropped and counted."""
 
 EVERYBODY = -1
@@ -66,6 +66,7 @@ class Word(Struct, frozen=True, array_like=True, gc=False):
     is_fit: bool = True
     hold: Annotated[float, Meta(ge=0, le=3600)] = 0.0  # seconds it stays from now, if READY
     echoes: Annotated[tuple[int, ...], Meta(max_length=128)] = ()  # robot, version heard, robot...
+    has_served: bool = False  # its own part of the task that it serves is over
 
     @property
     def life(self) -> int:
@@ -126,14 +127,27 @@ class Beat(Struct, frozen=True, array_like=True, tag=1):
     uptime: Annotated[float, Meta(ge=0, le=LONGEST)] = 0.0  # seconds since that process began
 
 
+class NeedsFact(Struct, frozen=True, array_like=True):
+    """What an uncertain task really needs, as somebody saw who stood there."""
+
+    key: Whole
+    needs: Annotated[tuple[Amount, ...], Meta(max_length=1000)]
+
+
 class FactsNote(Struct, frozen=True, array_like=True, tag=2):
-    """All tasks done, all that operators added, all loads that were moved, for who knows others."""
+    """All that is known besides words and the plan, for who knows other facts.
+
+    That is the tasks done and called off, those that operators added, loads that were moved, and
+    needs that were seen.
+    """
 
     done: Annotated[tuple[Key, ...], Meta(max_length=MOST_TASKS)]
     added: Annotated[tuple[TaskFact, ...], Meta(max_length=MOST_TASKS)] = ()
     digest: Whole = 0
     loads: Annotated[tuple[LoadFact, ...], Meta(max_length=MOST_TASKS)] = ()
     deeds: Annotated[tuple[DeedFact, ...], Meta(max_length=MOST_DEEDS)] = ()  # for onlookers
+    called_off: Annotated[tuple[Key, ...], Meta(max_length=MOST_TASKS)] = ()
+    needs: Annotated[tuple[NeedsFact, ...], Meta(max_length=MOST_TASKS)] = ()
 
 
 class PlanNote(Struct, frozen=True, array_like=True, tag=3):
@@ -154,9 +168,10 @@ class Offer(Struct, frozen=True, array_like=True, tag=4):
 
 
 class Receipt(Struct, frozen=True, array_like=True, tag=5):
-    """A robot holds an operator's task."""
+    """A robot holds an operator's task, or that a task is called off."""
 
     key: Key
+    is_called_off: bool = False
 
 
 class LeadNote(Struct, frozen=True, array_like=True, tag=6):
@@ -166,7 +181,13 @@ class LeadNote(Struct, frozen=True, array_like=True, tag=6):
     sends_off: Annotated[tuple[Number, ...], Meta(max_length=MOST_TASKS)] = ()
 
 
-Body = Beat | FactsNote | PlanNote | Offer | Receipt | LeadNote
+class CallOff(Struct, frozen=True, array_like=True, tag=7):
+    """An operator calls a task off, and says so until enough robots hold it."""
+
+    key: Key
+
+
+Body = Beat | FactsNote | PlanNote | Offer | Receipt | LeadNote | CallOff
 
 
 class Message(Struct, frozen=True, array_like=True):
@@ -238,7 +259,8 @@ class Post(Struct):
         if message.mission != self.mission:
             return None, "another mission"
         is_from_robot = 0 <= message.sender < self.robots
-        if not is_from_robot and not (message.sender == OPERATOR and type(message.body) is Offer):
+        is_from_operator = message.sender == OPERATOR and type(message.body) in (Offer, CallOff)
+        if not is_from_robot and not is_from_operator:
             return None, "unknown sender"
         fault = _fault_of(message, self.robots)
         if not fault and self.signatures is not None and signed is not None:
@@ -273,6 +295,8 @@ def _fault_of(message: Message, robots: int) -> str:
     elif type(body) is FactsNote:
         if not all(_is_task(task) for task in body.added):
             return "senseless task"
+        if not all(is_exact(need) for seen in body.needs for need in seen.needs):
+            return "senseless needs"
         if not all(math.isfinite(load.x + load.y) for load in body.loads):
             return "senseless load"
         if not all(0 <= robot < robots for deed in body.deeds for robot in deed.robots):

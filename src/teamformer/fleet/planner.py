@@ -25,6 +25,9 @@ class FleetSituation(NamedTuple):
     tasks: tuple[TaskFact, ...]
     serving: Mapping[int, tuple[int, ...]] = {}
     old: tuple[Stop, ...] = ()  # the plan before
+    age: float = 0.0  # of the mission, seconds
+    over: frozenset[int] = frozenset()  # tasks that are done or called off
+    seen: frozenset[int] = frozenset()  # uncertain tasks whose needs have been seen
 
 
 class FleetPlanner(Protocol):
@@ -44,16 +47,21 @@ class CoordinatedPlanner:
 
     def __init__(self, coordinator: Coordinator | None = None) -> None:
         self._coordinator = coordinator
-        self._changed: tuple[int, Sequence[TaskFact], Mission | None] | None = None
+        self._changed: tuple[object, Mission | None] = (None, None)
 
     def plan(self, mission: FleetMission, situation: FleetSituation) -> Sequence[Stop]:
         """Return the coordinator's plan; tasks that are being served come first, as they are."""
         robots = sorted(situation.places)
         own = len(mission.tasks)
         added = [task for task in situation.tasks if task.key >= own]
-        news = [task for task in situation.tasks if task.key >= own or _is_moved(mission, task)]
-        are_sane = all(_can_be_at(mission, robot, situation.places[robot]) for robot in robots)
-        source = self._as_it_is(mission, news) if are_sane else None
+        news = [
+            task
+            for task in situation.tasks
+            if task.key >= own or _is_moved(mission, task) or task.key in situation.seen
+        ]
+        over = frozenset().union(*mission.before.values()) & situation.over
+        are_sane = all(_can_get_to(mission, robot, situation.places[robot]) for robot in robots)
+        source = self._as_it_is(mission, news, over) if are_sane else None
         if source is None:
             return _one_after_another(mission, situation, robots)
         key_of = [*range(own), *(task.key for task in added)]  # of each task of the source
@@ -62,14 +70,16 @@ class CoordinatedPlanner:
         places = [robot.at for robot in mission.source.robots]
         for robot in robots:
             places[robot] = _place(situation.places[robot], is_grid)
-        old = _old_plan(situation, number_of)
+        open_keys = frozenset(number_of)
+        old, step = _old_plan(situation, number_of), int(situation.age / mission.step)
         known = Known(
             mission=source,
-            now=0,
+            now=step,
             open_tasks=tuple(number_of[task.key] for task in situation.tasks),
             places=tuple(places),
             teams=tuple((robot,) for robot in robots),
-            free_at=(0,) * len(places),
+            free_at=(step,) * len(places),
+            unseen_needs=mission.unsure & open_keys - situation.seen,
             news=UNFORESEEN[1:] if situation.old else ("start",),  # nobody tells which it was
         )
         from teamformer.world.guidance.guide import refuse_unfit  # brings numba: most never plan
@@ -95,16 +105,19 @@ class CoordinatedPlanner:
             self._coordinator = SharedPlan(scouts=False, is_brief=True)
         return self._coordinator
 
-    def _as_it_is(self, mission: FleetMission, news: Sequence[TaskFact]) -> Mission | None:
-        """Return the mission with loads where they lie and operators' tasks at its end.
+    def _as_it_is(
+        self, mission: FleetMission, news: Sequence[TaskFact], over: frozenset[int]
+    ) -> Mission | None:
+        """Return the mission as it is believed to be, with operators' tasks at its end.
 
-        None if it could not be run so. The last such mission is kept.
+        Loads are where they lie, tasks need what was seen, and nothing is after what is over. None
+        if it could not be run so. The last such mission is kept.
         """
-        if not news:
-            return mission.source
-        if self._changed is None or self._changed[:2] != (mission.number, news):
-            self._changed = (mission.number, news, _change(mission, news))
-        return self._changed[2]
+        if not news and not over:
+            return mission.believed
+        if self._changed[0] != (mission.number, news, over):
+            self._changed = (mission.number, news, over), _change(mission, news, over)
+        return self._changed[1]
 
 
 def _is_moved(mission: FleetMission, task: TaskFact) -> bool:
@@ -113,10 +126,11 @@ def _is_moved(mission: FleetMission, task: TaskFact) -> bool:
     return (task.x, task.y) != (first.x, first.y)
 
 
-def _can_be_at(mission: FleetMission, robot: int, place: tuple[float, float]) -> bool:
+def _can_get_to(mission: FleetMission, robot: int, place: Place) -> bool:
     """Say whether a robot can have got to where it says that it is."""
-    world = mission.source.world
-    return world.is_free(place) and world.region(place) == mission.regions[robot]
+    is_there = mission.can_be_at(robot, place)
+    flies = mission.source.robots[robot].flies
+    return is_there and (flies or mission.source.world.region(place) == mission.regions[robot])
 
 
 def _old_plan(situation: FleetSituation, number_of: Mapping[int, int]) -> Plan | None:
@@ -133,18 +147,30 @@ def _old_plan(situation: FleetSituation, number_of: Mapping[int, int]) -> Plan |
     return Plan(order, coalitions)
 
 
-def _change(mission: FleetMission, news: Sequence[TaskFact]) -> Mission | None:
-    whole = mission.source
+def _change(
+    mission: FleetMission, news: Sequence[TaskFact], over: frozenset[int]
+) -> Mission | None:
+    whole = mission.believed
     caps, is_grid = whole.capabilities, isinstance(whole.world, Grid)
-    tasks = list(whole.tasks)
+    names = {whole.tasks[key].name for key in over}
+    tasks = [
+        replace(task, after=tuple(name for name in task.after if name not in names))
+        for task in whole.tasks
+    ]
     for task in news:
         if task.key < len(tasks):
-            tasks[task.key] = replace(tasks[task.key], at=_place((task.x, task.y), is_grid))
+            at = _place((task.x, task.y), is_grid)
+            needs = (
+                _named(caps, task.needs)
+                if task.key in mission.unsure
+                else whole.tasks[task.key].needs
+            )
+            tasks[task.key] = replace(tasks[task.key], at=at, needs=needs)
     tasks += [
         Task(
             f"added {task.key}",
             _place((task.x, task.y), is_grid),
-            {cap: need for cap, need in zip(caps, task.needs, strict=True) if need},
+            _named(caps, task.needs),
             round(task.duration / mission.step),
         )
         for task in news
@@ -154,6 +180,10 @@ def _change(mission: FleetMission, news: Sequence[TaskFact]) -> Mission | None:
         return replace(whole, tasks=tuple(tasks))
     except MissionError:  # as of a service that takes longer than can be counted
         return None
+
+
+def _named(caps: Sequence[str], needs: Sequence[float]) -> dict[str, float]:
+    return {cap: need for cap, need in zip(caps, needs, strict=True) if need}
 
 
 def _place(place: tuple[float, float], is_grid: bool) -> Place:

@@ -9,7 +9,7 @@ import numpy as np
 
 from teamformer.base.errors import MissionError, Problem
 from teamformer.mission.checks.loads import rules_without_loads
-from teamformer.mission.checks.rules import rules_of_simulated_missions
+from teamformer.mission.checks.rules import rules_of_robotarium
 from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.plane import Plane
@@ -29,7 +29,7 @@ def check_mission(mission: Mission) -> None:
 
 def find_problems(mission: Mission) -> Iterator[Problem]:
     """Return what is wrong, with the distance needed."""
-    yield from rules_of_simulated_missions(mission)
+    yield from rules_of_robotarium(mission)
     yield from rules_without_loads(mission, "the Robotarium")
     world = mission.world
     if not isinstance(world, Plane) or (world.width, world.height) != (WIDTH, HEIGHT):

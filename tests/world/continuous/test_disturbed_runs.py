@@ -12,6 +12,8 @@ from teamformer.base.errors import TeamformerError
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Coordinator
 from teamformer.mission.truth import draw_truth
+from teamformer.record.referee import judge
+from teamformer.trials.trial import run_trial
 from teamformer.world.continuous.course import Course
 
 MOST_MOMENTS = 10_000
@@ -44,6 +46,14 @@ def test_plans_at_random_come_to_an_end(first: int) -> None:
 def test_the_shared_plan_comes_to_an_end(seed: int) -> None:
     with suppress(TeamformerError):  # linked tasks without enough robots, which no check foresees
         run(seed, SharedPlan())
+
+
+@pytest.mark.parametrize("first", range(300, 400, SEEDS_EACH))
+def test_the_referee_finds_records_of_plans_at_random_legal(first: int) -> None:
+    for seed in range(first, first + SEEDS_EACH):
+        record = run_trial(draw_mission(seed), RandomPlans(seed), seed).record
+        if record.end.status == "completed":
+            assert judge(record).findings == (), f"seed {seed}"
 
 
 @pytest.mark.parametrize("seed", [1, 4, 7])

@@ -96,6 +96,7 @@ def _instances_in(folder: Path) -> Iterator[Instance]:
         number = re.fullmatch(r"(?:env|p)_(\d+)", path.stem)
         published = tables.get(int(number[1]), {}) if number else best.get(path.name, {})
         for mission in import_missions(form, path):
+            assert isinstance(mission, Mission), "a site is no instance"
             yield Instance(folder.resolve().name, mission, published)
 
 

@@ -9,6 +9,7 @@
 missions that people have. `real-half` and `real-double` have half and twice the robots and tasks;
 in `real-sense5` robots sense 5 cells, in `real-senseall` everybody. `real-lost` loses one robot
 that can be spared, in `real-arrivals` a fifth of the tasks appears later.
+`roads` and `clock` are families in continuous time, without incidents.
 `-durations`, `-needs` (with a probability of 50%; `-needs10`, `-needs30`, `-needs70`), `-places`,
 `-delays`, `-calls`, `-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name
 says, in any setting: `4N20T-C4-needs`, `real-mixed`.
@@ -22,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.continuous_missions import CONTINUOUS_FAMILIES
 from teamformer.files.drawn.families import FAMILIES, family_in, split_name
 from teamformer.files.drawn.family_missions import draw_mission
 from teamformer.files.drawn.generate import Spec, generate
@@ -51,6 +53,9 @@ class Size(NamedTuple):
 
 def size_of(setting: str) -> Size:
     """Return how large worlds of a setting are; an unknown name raises `TeamformerError`."""
+    if setting in CONTINUOUS_FAMILIES:
+        family = CONTINUOUS_FAMILIES[setting]
+        return Size(family.robots, family.capabilities)
     found = split_name(setting)
     if found is not None:
         return Size(found[0].robots[1], len(found[0].capabilities))
@@ -62,7 +67,7 @@ def spec_of(setting: str) -> Spec:
     """Return what a setting generates; an impossible name raises `TeamformerError`."""
     match = NAME.fullmatch(setting)
     if match is None:
-        families = ", ".join(FAMILIES)
+        families = ", ".join((*FAMILIES, *CONTINUOUS_FAMILIES))
         hint = f"write for example 4N20T-C4, 100N20T-C100-R10, 4N20+20T-C4-nn; or {families}"
         raise TeamformerError(f"'{setting}' is no setting", hint)
     said = {key: int(text) for key, text in match.groupdict("0").items() if text.isdigit()}
@@ -89,6 +94,9 @@ def world_of(setting: str, world_seed: int) -> Mission:
     Settings that differ only in how late tasks are inserted or in what is uncertain have the same
     worlds, and so have those of a family but for what happens in them.
     """
+    if setting in CONTINUOUS_FAMILIES:
+        rng = np.random.default_rng([TEST, world_seed, *setting.encode()])
+        return CONTINUOUS_FAMILIES[setting].draw(rng, f"{setting}, world {world_seed}")
     found = split_name(setting)
     if found is not None:
         family, incident = found

@@ -7,13 +7,14 @@ from pathlib import Path
 
 from teamformer.base.entry_points import find_brought, names_of
 from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.files.imports.site import Site
 from teamformer.mission.model import Mission
 
 
-def import_missions(form: str, path: Path) -> Sequence[Mission]:
+def import_missions(form: str, path: Path) -> Sequence[Mission | Site]:
     """Return the missions in a file or folder of others, by the importer of a format's name.
 
-    Raises `TeamformerError` with file and place.
+    What lacks robots or tasks is a `Site`. Raises `TeamformerError` with file and place.
     """
     importer = find_brought("importer", form)
     if importer is None:
@@ -24,6 +25,8 @@ def import_missions(form: str, path: Path) -> Sequence[Mission]:
     except MissionError as error:
         lines = [f"{path}: {problem.message}" for problem in error.problems]
         raise TeamformerError("\n".join(lines), "mend the file, or take its original") from None
-    if not (isinstance(missions, Sequence) and all(isinstance(it, Mission) for it in missions)):
+    if not (
+        isinstance(missions, Sequence) and all(isinstance(it, Mission | Site) for it in missions)
+    ):
         raise TeamformerError(f"{importer} returned something else than a list of Mission")
     return missions

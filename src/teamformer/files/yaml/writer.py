@@ -34,7 +34,7 @@ def _lines(key: str, value: Any) -> Iterator[str]:
             yield "  roads:"
             for mover, table in tables.items():
                 yield from _block(f"    {_flow(mover)}", table)
-    elif key in ("rows", "robots", "tasks", "teams"):
+    elif key in ("rows", "robots", "tasks", "teams") and value:
         yield f"{key}:"
         yield from (f"  - {_flow(part)}" for part in value)
     elif key.endswith("_radius") and value == INFINITE:

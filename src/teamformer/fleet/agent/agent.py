@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
-from teamformer.fleet.agent.loads import note_load
-from teamformer.fleet.agent.membership import HEARS_ALL, Membership
+from teamformer.fleet.agent.loads import note_load, note_place
+from teamformer.fleet.agent.membership import HEARS_ALL, Membership, neighbours
 from teamformer.fleet.agent.planning import FleetPlan, PlanKeeper
 from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.voice import Voice
@@ -23,10 +23,12 @@ from teamformer.fleet.messages import (
     SERVE,
     WALK,
     Beat,
+    CallOff,
     DeedFact,
     FactsNote,
     LeadNote,
     Message,
+    NeedsFact,
     Notice,
     Offer,
     PlanNote,
@@ -85,7 +87,9 @@ class Agent:
         self._decided = -1  # the changes that it has decided upon
         self._plan_at = float("inf")
         others = frozenset(range(mission.robots)) - {me}
-        self.watched = others if mission.robots <= HEARS_ALL else self._neighbours()
+        self.watched = (
+            others if mission.robots <= HEARS_ALL else neighbours(self.me, mission.robots)
+        )
         self._watched_for = (-1, -1)  # the goal and the plan that it listens for
 
     def tick(
@@ -105,9 +109,10 @@ class Agent:
             return self.command, notices
         had_load, self._report = self.carries, report
         self._sense(report, now, notices)
-        if had_load and not self.carries and self.command.task not in self.knowledge.done:
+        is_rid = self._has_served or self.command.task in self.knowledge.over
+        if had_load and not self.carries and not is_rid:
             self.membership.doubt_myself(now, *self._place, self._waits(now))
-        self.knowledge.let_appear(self.age(now))
+        self.knowledge.let_happen(self.age(now))
         if now >= self._look_at - LOOK / 4:  # together with a heartbeat, if one is near
             self._look(now)
         self._plan(now, notices)
@@ -137,11 +142,7 @@ class Agent:
 
     def remember(self, now: float) -> Remembered:
         """Return what has to outlive a restart."""
-        knowledge = self.knowledge
-        done, loads = tuple(sorted(knowledge.done)), tuple(knowledge.loads.values())
-        life, age = self.membership.life, self.age(now)
-        deeds = tuple(knowledge.deeds.values())
-        return Remembered(life, done, knowledge.added, age, loads=loads, deeds=deeds)
+        return self.knowledge.remember(self.membership.life, self.age(now))
 
     @property
     def memory_version(self) -> tuple[int, int]:
@@ -150,8 +151,8 @@ class Agent:
 
     @property
     def is_over(self) -> bool:
-        """Say whether every task that this robot knows is done, and none is still to appear."""
-        return len(self.knowledge.done) == len(self.knowledge.tasks)
+        """Say whether every task that this robot knows is over, and none is still to appear."""
+        return len(self.knowledge.over) == len(self.knowledge.tasks)
 
     def _hear(self, message: Message, now: float, notices: list[Notice]) -> None:
         body, sender = message.body, message.sender
@@ -170,12 +171,22 @@ class Agent:
             if self.leading is not None and not self.leading.rests(now):
                 self.leading.hear(body, sender, now)
                 self._mates_changes += 1
+        elif type(body) is CallOff:
+            self._hear_call_off(body.key, notices)
         elif type(body) is Offer:
             is_known = body.task.key in self.knowledge.tasks
             if self.knowledge.add_task(body.task):
                 notices.append(Notice(OPERATOR, Receipt(body.task.key)))
             if is_known:  # who offers what is known wants to know what is
                 notices.append(Notice(OPERATOR, self.knowledge.note_for_onlookers()))
+
+    def _hear_call_off(self, key: int, notices: list[Notice]) -> None:
+        """Hold that an operator has called a task off, and tell the others."""
+        is_news = key not in self.knowledge.over
+        if self.knowledge.call_off(key):
+            notices.append(Notice(OPERATOR, Receipt(key, is_called_off=True)))
+            if is_news:
+                notices.append(Notice(EVERYBODY, self.knowledge.note()))
 
     def _hear_beat(self, beat: Beat, sender: int, now: float, notices: list[Notice]) -> None:
         membership, words = self.membership, self.knowledge.words
@@ -208,18 +219,23 @@ class Agent:
 
     def _sense(self, report: Report, now: float, notices: list[Notice]) -> None:
         self._place = (report.x, report.y)
+        self.service.has_served = self._has_served
         if report.leg != self.command.leg or self.command.task not in self.knowledge.tasks:
             return
-        if report.is_done and self.service.is_at_work_on(self.command.task):
-            robots = self.service.at_work(now)
-            self.knowledge.note_deed(DeedFact(self.command.task, self.age(now), robots))
-        if report.is_done and self.knowledge.mark_done(self.command.task, now):
+        task, knowledge = self.command.task, self.knowledge
+        is_news = report.needs is not None and knowledge.take_needs(NeedsFact(task, report.needs))
+        is_done = report.is_done or self.service.is_over(now)
+        if is_done and self.service.is_at_work_on(task):
+            knowledge.note_deed(DeedFact(task, self.age(now), self.service.at_work(now)))
+        if is_done and knowledge.mark_done(task, now):
             self.voice.hurry()
-        elif self._has_load(self.command.task):
-            is_held = report.is_busy or self.service.is_in_hands(self.command.task, now)
-            is_sought = not is_held and self._is_at(self.command.task)
-            if note_load(self.knowledge, self.command.task, report, is_sought):
-                notices.append(Notice(EVERYBODY, self.knowledge.note()))
+        elif task in self.mission.hidden:
+            is_news |= note_place(knowledge, task, report, self._is_at(task))
+        elif self._has_load(task):
+            is_held = report.is_busy or self.service.is_in_hands(task, now)
+            is_news |= note_load(knowledge, task, report, not is_held and self._is_at(task))
+        if is_news:
+            notices.append(Notice(EVERYBODY, knowledge.note()))
 
     def _look(self, now: float) -> None:
         """Look who is lost, and whether this robot gets on."""
@@ -243,7 +259,7 @@ class Agent:
     def _plan(self, now: float, notices: list[Notice]) -> None:
         self._plan_at = self.keeper.plan_at(now, self.membership)
         if now >= self._plan_at:
-            self.keeper.make(self.membership, self._place, now)
+            self.keeper.make(self.membership, self._place, now, self.age(now))
             self._plan_at = float("inf")
             notices.append(Notice(EVERYBODY, self.keeper.plan.note))
 
@@ -259,7 +275,8 @@ class Agent:
         self._leaves_when = float("inf")
         goal = self.keeper.next_task(self.me) if leading is None else leading.next_goal(now)
         is_done = service.goal in self.knowledge.done
-        if is_done or (goal != service.goal and service.phase != SERVE):
+        is_over = service.goal in self.knowledge.over
+        if is_over or (goal != service.goal and service.phase != SERVE):
             if now < service.promised and not is_done:
                 service.phase, service.waits = HERE, False  # it takes READY back, and stays
                 self._leaves_when = service.promised
@@ -270,13 +287,15 @@ class Agent:
                 leading.part(now, self._place, goal, notices)
                 service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
-        is_there = is_for_it and (self.carries or self._is_at(service.goal))
+        is_there = is_for_it and (self._is_bound or self._is_at(service.goal))
         is_there = is_there and not report.is_unfit
-        if is_there and self._has_load(service.goal):
+        is_elsewhere = self._has_load(service.goal) or service.goal in self.mission.hidden
+        if is_there and is_elsewhere:
             is_on_its_way = self.command.place not in (None, self.knowledge.place_of(service.goal))
             is_there = not (is_on_its_way or report.is_gone or self.membership.is_stuck)
         chosen = None if leading is None else leading.decide(now, self._place, notices)
-        service.stand_by(now, is_there, report.is_busy, chosen)
+        may_begin = self.mission.may_begin(service.goal, self.knowledge.over, self.age(now))
+        service.stand_by(now, is_there, report.is_busy, may_begin, chosen)
 
     def _fellows(self, goal: int) -> frozenset[int]:
         """Return the robots that go to the same task as this one next."""
@@ -295,6 +314,17 @@ class Agent:
         """Say whether this robot carries the load of the task at hand."""
         return self._report.carries and self._report.leg == self.command.leg
 
+    @property
+    def _has_served(self) -> bool:
+        """Say whether this robot has done its part of the task that it serves."""
+        is_it = self.service.is_at_work_on(self.command.task)
+        return is_it and self._report.has_served and self._report.leg == self.command.leg
+
+    @property
+    def _is_bound(self) -> bool:
+        """Say whether it is with its task, wherever that is: it carries or has brought it."""
+        return self.carries or self._has_served
+
     def _has_load(self, key: int) -> bool:
         return key != NOBODY and self.knowledge.tasks[key].to is not None
 
@@ -302,7 +332,7 @@ class Agent:
         """Turn the state of the service into a command; only a new place or task is a new leg."""
         service, command = self.service, self.command
         place, leg, duration, pace = self._place_to_be(now), command.leg, 0.0, 0.0
-        if service.goal != command.task or (place != command.place and not self.carries):
+        if service.goal != command.task or (place != command.place and not self._is_bound):
             leg += 1
         if service.goal != NOBODY:
             duration = self.knowledge.tasks[service.goal].duration
@@ -327,6 +357,8 @@ class Agent:
         place: Place | None = None
         if self.carries and command.task == goal:
             return None
+        if self._has_served and command.task == goal:
+            return command.place
         if self._has_load(goal) and now < service.promised:
             return command.place  # it stays with the load, or where it has let it go
         if self.membership.is_stuck and (goal == NOBODY or self._has_load(goal)):
@@ -345,15 +377,6 @@ class Agent:
         seen, patience = self.membership.seen, 2 * self.mission.timers.near
         return any(now - seen[robot] > patience for robot in self.watched)
 
-    def _neighbours(self) -> frozenset[int]:
-        """Return whom to listen to in a large fleet: those 1, 2, 4, ... numbers away."""
-        robots, away = self.mission.robots, 1
-        near: set[int] = set()
-        while away < robots:
-            near |= {(self.me + away) % robots, (self.me - away) % robots}
-            away *= 2
-        return frozenset(near - {self.me})
-
     def _listen(self, now: float) -> None:
         """In a large fleet, listen to neighbours and to those that this robot is to meet."""
         if self.mission.robots <= HEARS_ALL:
@@ -362,13 +385,13 @@ class Agent:
         if (goal, plan.note.epoch) != self._watched_for:
             self._watched_for = (goal, plan.note.epoch)
             mates = frozenset(plan.coalition(goal)) - {self.me}
-            watched = self._neighbours() | mates
+            watched = neighbours(self.me, self.mission.robots) | mates
             self.membership.watch(watched - self.watched, now)
             self.watched = watched
 
     def _next_time(self, now: float) -> float:
         """Return when something is to be decided, even if nothing is heard until then."""
-        formed = self.service.formed
-        appears = self._born + self.knowledge.appears_next
-        time = min(self._look_at, self._plan_at, self._leaves_when, appears)
-        return formed if now < formed < time else time
+        happens = self._born + self.knowledge.happens_next
+        opens = self._born + self.mission.opens.get(self.service.goal, 0.0)
+        soon = [self._look_at, self._plan_at, self._leaves_when, happens]
+        return min(*soon, *(at for at in (self.service.formed, opens) if at > now))

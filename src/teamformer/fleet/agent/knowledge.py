@@ -22,6 +22,7 @@ from teamformer.fleet.messages import (
     DeedFact,
     FactsNote,
     LoadFact,
+    NeedsFact,
     TaskFact,
     Word,
 )
@@ -30,6 +31,8 @@ from teamformer.world.rules.constants import NOBODY
 
 NEWS_LAST = 4.0
 """Seconds for which a heartbeat tells of a task that it is done."""
+
+NEVER = float("inf")
 
 MOST_ADDED = 1000
 """Tasks of operators that are held at most, so that nobody can fill a robot's memory."""
@@ -45,6 +48,8 @@ class Remembered(Struct, frozen=True, array_like=True):
     seen_at: float = 0.0  # by the clock of the machine, seconds
     loads: tuple[LoadFact, ...] = ()
     deeds: tuple[DeedFact, ...] = ()
+    called_off: tuple[int, ...] = ()
+    needs: tuple[NeedsFact, ...] = ()
 
 
 class Knowledge:
@@ -59,12 +64,16 @@ class Knowledge:
         ]
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
         self.done: set[int] = set()
-        self.loads: dict[int, LoadFact] = {}  # those that are not where their tasks are
+        self.called_off: set[int] = set()
+        self.over: set[int] = set()  # what is done or called off
+        self.seen: dict[int, NeedsFact] = {}  # what uncertain tasks really need
+        self.loads: dict[int, LoadFact] = {}  # and hidden tasks: those that are elsewhere
         self.deeds = {deed.key: deed for deed in remembered.deeds}  # what this robot has done
         self.digest = 0
         self.changes = 0  # grows with every fact
         self.refused = 0  # facts that made no sense
         self._hidden = sorted((t.appears, t.key) for t in mission.tasks if t.appears > 0)[::-1]
+        self._ends = sorted((at, key) for key, at in mission.off_at.items())[::-1]
         self._news: deque[tuple[float, int]] = deque(maxlen=MOST_NEWS)
         self.known = {task.key for task in mission.tasks if task.appears == 0}
         self.undone = set(self.known)
@@ -72,8 +81,12 @@ class Knowledge:
             self.add_task(task)
         for key in remembered.done:
             self.mark_done(key, 0.0)
+        for key in remembered.called_off:
+            self.call_off(key)
         for load in remembered.loads:
             self.take_load(load)
+        for seen in remembered.needs:
+            self.take_needs(seen)
 
     def hear_word(self, word: Word) -> Word | None:
         """Take a word if it is newer than what is known; return the one that it replaces."""
@@ -83,15 +96,17 @@ class Knowledge:
         self.words[word.robot] = word
         return old
 
-    def let_appear(self, age: float) -> None:
-        """Let the tasks become known whose time has come."""
+    def let_happen(self, age: float) -> None:
+        """Let tasks become known, or be called off, whose time has come by the mission's file."""
         while self._hidden and self._hidden[-1][0] <= age:
             self._learn(self._hidden.pop()[1])
+        while self._ends and self._ends[-1][0] <= age:
+            self.call_off(self._ends.pop()[1])
 
     @property
-    def appears_next(self) -> float:
-        """Return the mission's age at which a task will become known, if one will."""
-        return self._hidden[-1][0] if self._hidden else float("inf")
+    def happens_next(self) -> float:
+        """Return the mission's age at which its file has something happen next; inf for never."""
+        return min((times[-1][0] for times in (self._hidden, self._ends) if times), default=NEVER)
 
     def add_task(self, task: TaskFact) -> bool:
         """Take in a task of an operator; say whether it is held now."""
@@ -116,9 +131,41 @@ class Knowledge:
             return False
         self._learn(key)  # done implies known
         self.done.add(key)
-        self.undone.discard(key)
+        self._end(key)
         self.digest ^= _hash(key, True)
         self._news.append((now, key))
+        return True
+
+    def call_off(self, key: int) -> bool:
+        """Note that a task is called off; say whether that is held now."""
+        if key not in self.tasks:
+            self.refused += 1
+            return False
+        if key not in self.called_off:
+            self._learn(key)
+            self.called_off.add(key)
+            self._end(key)
+            self.digest ^= _hash_of(b"off" + key.to_bytes(8, "big"))
+        return True
+
+    def _end(self, key: int) -> None:
+        self.over.add(key)
+        self.undone.discard(key)
+        self.changes += 1
+
+    def take_needs(self, seen: NeedsFact) -> bool:
+        """Take in what an uncertain task really needs; say whether that is news."""
+        is_sound = seen.key in self.mission.unsure
+        if not is_sound or len(seen.needs) != len(self.mission.source.capabilities):
+            self.refused += 1
+            return False
+        known = self.seen.get(seen.key)
+        if known is not None and seen.needs <= known.needs:
+            return False
+        for fact in filter(None, (known, seen)):
+            self.digest ^= _hash_of(encode(fact))
+        self.seen[seen.key] = seen
+        self.tasks[seen.key] = replace(self.tasks[seen.key], needs=seen.needs)
         self.changes += 1
         return True
 
@@ -141,20 +188,40 @@ class Knowledge:
         x, y = float(place[0]), float(place[1])
         return self.take_load(LoadFact(key, min(version + 1, MOST_MOVES), x, y))
 
+    def find(self, key: int, place: Place) -> bool:
+        """Note where a task is whose place was not known; say whether that is news."""
+        known = self.loads.get(key)
+        if known is not None and known.version == MOST_MOVES:
+            return False
+        return self.take_load(LoadFact(key, MOST_MOVES, float(place[0]), float(place[1])))
+
+    def rule_out(self, key: int) -> bool:
+        """Note that a task is not where it was believed; the next place to look holds then."""
+        known, tour = self.loads.get(key), self.mission.hidden[key]
+        version = 1 if known is None else known.version + 1
+        if version >= MOST_MOVES:
+            return False
+        x, y = tour[version % len(tour)]
+        return self.take_load(LoadFact(key, version, float(x), float(y)))
+
     def take_load(self, load: LoadFact) -> bool:
-        """Take in where a load lies, if it is newer than what is known; say whether it is."""
+        """Take in where a load or a hidden task is, if that is newer than what is known.
+
+        Say whether it is.
+        """
         task, known = self.tasks.get(load.key), self.loads.get(load.key)
         place = (load.x, load.y)
-        is_sound = task is not None and task.to is not None and self.mission.is_site(*place)
+        can_move = task is not None and (task.to is not None or load.key in self.mission.hidden)
+        is_sound = can_move and self.mission.is_site(*place)
         if not is_sound or self.mission.region(place) != self.mission.region(self._start_of(load)):
             self.refused += 1
             return False
         if known is not None:
             if load <= known:
                 return False
-            self.digest ^= _hash_of_load(known)
+            self.digest ^= _hash_of(encode(known))
         self.loads[load.key] = load
-        self.digest ^= _hash_of_load(load)
+        self.digest ^= _hash_of(encode(load))
         self.changes += 1
         return True
 
@@ -173,13 +240,36 @@ class Knowledge:
             self.add_task(task)
         for key in note.done:
             self.mark_done(key, now)
+        for key in note.called_off:
+            self.call_off(key)
         for load in note.loads:
             self.take_load(load)
+        for seen in note.needs:
+            self.take_needs(seen)
+
+    def remember(self, life: int, age: float) -> Remembered:
+        """Return what has to outlive a restart."""
+        return Remembered(
+            life=life,
+            done=tuple(sorted(self.done)),
+            added=self.added,
+            age=age,
+            loads=tuple(self.loads.values()),
+            deeds=tuple(self.deeds.values()),
+            called_off=tuple(sorted(self.called_off)),
+            needs=tuple(self.seen.values()),
+        )
 
     def note(self) -> FactsNote:
         """Return all facts, for who knows others."""
-        done = tuple(sorted(self.done))[:MOST_TASKS]
-        return FactsNote(done, self.added, self.digest, tuple(self.loads.values()))
+        return FactsNote(
+            done=tuple(sorted(self.done))[:MOST_TASKS],
+            added=self.added,
+            digest=self.digest,
+            loads=tuple(self.loads.values()),
+            called_off=tuple(sorted(self.called_off))[:MOST_TASKS],
+            needs=tuple(self.seen.values()),
+        )
 
     def note_for_onlookers(self) -> FactsNote:
         """Return all facts, and what this robot has done with whom."""
@@ -192,7 +282,7 @@ class Knowledge:
         return tuple(self.tasks.values())[own:]
 
     def open_tasks(self) -> Iterable[TaskFact]:
-        """Return the known tasks that are not done, by key, with loads where they lie now."""
+        """Return the known tasks that are not over, by key, with loads where they lie now."""
         for key in sorted(self.undone):
             task, load = self.tasks[key], self.loads.get(key)
             yield task if load is None else replace(task, x=load.x, y=load.y)
@@ -204,7 +294,7 @@ class Knowledge:
     def _learn(self, key: int) -> None:
         if key not in self.known:
             self.known.add(key)
-            if key not in self.done:
+            if key not in self.over:
                 self.undone.add(key)
             self.changes += 1
 
@@ -213,10 +303,6 @@ def _hash(key: int, is_done: bool) -> int:
     """Return 62 bits that sum up, by exclusive or, what is known; NOBODY has none."""
     assert key != NOBODY
     return _hash_of(key.to_bytes(8, "big") + bytes([is_done]))
-
-
-def _hash_of_load(load: LoadFact) -> int:
-    return _hash_of(encode(load))
 
 
 def _hash_of(text: bytes) -> int:

@@ -88,13 +88,19 @@ class Leading:
         """Return the task to head for: the leader's, or what is first for the own team."""
         keeper, knowledge = self._keeper, self._knowledge
         leader = self._leader(now)
-        if leader is not None and leader.goal in knowledge.undone:
+        if leader is not None and self._can_go_to(leader.goal):
             return leader.goal
         if self._named in knowledge.undone:
             return self._named
         robots = self._own(now, (0.0, 0.0)).robots if leader is None else (knowledge.me,)
         wanted = {keeper.next_task(robot) for robot in robots}
         return next((key for key in self._order() if key in wanted), NOBODY)
+
+    def _can_go_to(self, key: int) -> bool:
+        """Say whether a task is there to be done, and a way leads this robot to it."""
+        knowledge = self._knowledge
+        is_open = key in knowledge.undone
+        return is_open and knowledge.mission.reach(knowledge.me, knowledge.tasks[key])
 
     def team(self, now: float) -> int:
         """Return the team that this robot goes with: its leader's, or its own."""

@@ -1,9 +1,21 @@
-"""Where loads lie, as far as a robot can find out."""
+"""Where loads lie and hidden tasks are, as far as a robot can find out."""
 
 from __future__ import annotations
 
 from teamformer.fleet.agent.knowledge import Knowledge
 from teamformer.fleet.bodies.body import Report
+
+
+def note_place(knowledge: Knowledge, key: int, report: Report, is_at: bool) -> bool:
+    """Note where a task is whose place was not known; say whether that is news.
+
+    `is_at` says that the robot stands where the task was believed to be.
+    """
+    if key in knowledge.over:
+        return False
+    if report.load is not None:
+        return knowledge.find(key, report.load)
+    return is_at and report.is_gone and knowledge.rule_out(key)
 
 
 def note_load(knowledge: Knowledge, key: int, report: Report, is_sought: bool) -> bool:
@@ -16,7 +28,7 @@ def note_load(knowledge: Knowledge, key: int, report: Report, is_sought: bool) -
     """
     task = knowledge.tasks[key]
     assert task.to is not None
-    if report.carries or key in knowledge.done:
+    if report.carries or key in knowledge.over:
         return False
     if report.load is not None:
         return knowledge.see_load(key, report.load)

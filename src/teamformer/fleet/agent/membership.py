@@ -166,3 +166,13 @@ class Membership:
         others = {w.robot for w in words if not w.is_lost and w.is_fit and w.robot != me}
         is_out = self.is_stuck or self.is_unable or self.is_leaving
         return frozenset(others if is_out else others | {me})
+
+
+def neighbours(robot: int, robots: int) -> frozenset[int]:
+    """Return whom to listen to in a large fleet: those 1, 2, 4, ... numbers away."""
+    away = 1
+    near: set[int] = set()
+    while away < robots:
+        near |= {(robot + away) % robots, (robot - away) % robots}
+        away *= 2
+    return frozenset(near - {robot})

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from teamformer.fleet.agent.knowledge import Knowledge
 from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.fleet_mission import FleetMission
-from teamformer.fleet.messages import SERVE, PlanNote
+from teamformer.fleet.messages import SERVE, PlanNote, TaskFact
 from teamformer.fleet.planner import FleetPlanner, FleetSituation
 from teamformer.world.rules.constants import NOBODY
 
@@ -65,15 +66,46 @@ def first_plan(mission: FleetMission, planner: FleetPlanner) -> FleetPlan:
 def make_plan(
     mission: FleetMission, planner: FleetPlanner, situation: FleetSituation, epoch: int, maker: int
 ) -> PlanNote:
-    """Plan what can be done; tasks that the robots cannot do are left out and said so."""
+    """Plan what can be done; tasks that the robots cannot do are left out and said so.
+
+    So are those that come after such tasks, or after one that nobody knows yet. A task that others
+    come after may have been done by robots that are lost: somebody looks, after all else.
+    """
     robots = tuple(sorted(situation.places))
     able = [task for task in situation.tasks if mission.can_do(robots, task)]
+    able = _without_waiting(mission, able, situation.over)
     left_out = tuple(task.key for task in situation.tasks if task not in able)
     stops: Sequence[tuple[int, tuple[int, ...]]] = ()
     if able:
         stops = planner.plan(mission, situation._replace(tasks=tuple(able)))
+    stops = [*stops, *_looks(mission, situation)]
     order, coalitions = tuple(key for key, _ in stops), tuple(who for _, who in stops)
     return PlanNote(epoch, maker, robots, order, coalitions, left_out)
+
+
+def _looks(
+    mission: FleetMission, situation: FleetSituation
+) -> Iterable[tuple[int, tuple[int, ...]]]:
+    """Yield the tasks that robots cannot do and others come after, each with who is to look."""
+    places = situation.places
+    known = {task.key for task in situation.tasks}
+    awaited = frozenset[int]().union(*(mission.before.get(key, ()) for key in known))
+    for task in situation.tasks:
+        if task.key in awaited and not mission.can_do(places, task):
+            able = [robot for robot in sorted(places) if mission.reach(robot, task)]
+            away = {robot: math.dist(places[robot], (task.x, task.y)) for robot in able}
+            if able:
+                yield task.key, (min(able, key=away.__getitem__),)
+
+
+def _without_waiting(
+    mission: FleetMission, tasks: Sequence[TaskFact], over: frozenset[int]
+) -> list[TaskFact]:
+    """Return the tasks that are after none but those that are over, or among them."""
+    left = {task.key for task in tasks}
+    while waiting := {key for key in left if mission.before.get(key, over) - over - left}:
+        left -= waiting
+    return [task for task in tasks if task.key in left]
 
 
 class PlanKeeper:
@@ -103,15 +135,15 @@ class PlanKeeper:
         self.changes += 1
 
     def next_task(self, robot: int) -> int:
-        """Return a robot's first task that is known here and not done, or NOBODY."""
-        done, tasks = self._knowledge.done, self._knowledge.tasks
+        """Return a robot's first task that is known here and not over, or NOBODY."""
+        over, tasks = self._knowledge.over, self._knowledge.tasks
         route = self.plan.routes.get(robot, ())
         if robot == self._knowledge.me:
-            while self._next < len(route) and route[self._next] in done:
+            while self._next < len(route) and route[self._next] in over:
                 self._next += 1
         begin = self._next if robot == self._knowledge.me else 0
         for place in range(begin, len(route)):
-            if route[place] not in done and route[place] in tasks:
+            if route[place] not in over and route[place] in tasks:
                 return route[place]
         return NOBODY
 
@@ -128,8 +160,10 @@ class PlanKeeper:
         begin = max(self._reason_since, self.since + timers.rest)
         return begin + (timers.settle + timers.turn * ahead) * membership.stretch
 
-    def make(self, membership: Membership, place: tuple[float, float], now: float) -> None:
-        """Make a new plan for those that are live, from where they are."""
+    def make(
+        self, membership: Membership, place: tuple[float, float], now: float, age: float
+    ) -> None:
+        """Make a new plan for those that are live, from where they are; `age` is the mission's."""
         knowledge, words = self._knowledge, self._knowledge.words
         live = membership.live()
         places = {robot: (words[robot].x, words[robot].y) for robot in sorted(live)}
@@ -141,7 +175,10 @@ class PlanKeeper:
                 serving.setdefault(words[robot].goal, []).append(robot)
         tasks = tuple(knowledge.open_tasks())
         at_work = {key: tuple(robots) for key, robots in serving.items()}
-        situation = FleetSituation(places, tasks, at_work, self.plan.stops)
+        situation = FleetSituation(places, tasks, at_work, self.plan.stops, age)
+        situation = situation._replace(
+            over=frozenset(knowledge.over), seen=frozenset(knowledge.seen)
+        )
         epoch = self.plan.note.epoch + 1
         note = make_plan(knowledge.mission, self._planner, situation, epoch, knowledge.me)
         self._follow(FleetPlan(note), now)
@@ -161,6 +198,23 @@ class PlanKeeper:
             self._reason_since = now
 
     def _has_reason(self, live: frozenset[int]) -> bool:
-        """Say whether the plan misses a task, or counts on others than are there."""
+        """Say whether the plan misses a task, counts on others than are there, or on too few."""
         undone = self._knowledge.undone
-        return bool(undone) and (live != self.plan.live or not undone <= self.plan.listed)
+        if undone and (live != self.plan.live or not undone <= self.plan.listed):
+            return True
+        left_out = self.plan.note.left_out
+        return any(self._needs_more(key) for key in self._knowledge.seen if key in undone) or any(
+            self._is_free(key, live) for key in left_out if key in undone
+        )
+
+    def _is_free(self, key: int, live: frozenset[int]) -> bool:
+        """Say whether a task that was left out can be done, since what it waited for is over."""
+        mission, known = self._knowledge.mission, self._knowledge
+        before = mission.before.get(key)
+        is_free = before is not None and before <= known.over
+        return is_free and mission.can_do(live, known.tasks[key])
+
+    def _needs_more(self, key: int) -> bool:
+        """Say whether a task has turned out to need more than its coalition brings."""
+        coalition = () if key in self.plan.note.left_out else self.plan.coalition(key)
+        return bool(coalition) and not self._knowledge.covers(coalition, key)

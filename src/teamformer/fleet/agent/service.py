@@ -31,7 +31,8 @@ class Service:
         self.team = knowledge.me
         self.promised = float("-inf")  # until when this robot stays where it is
         self.formed = float("-inf")  # when the last split or join is over
-        self.waits = False  # others are here, and service has not begun for all
+        self.waits = False  # others are here, and service has not begun or ended for all
+        self.has_served = False  # its own part of the task at hand is over
         self._knowledge = knowledge
         self._membership = membership
         self._sent: dict[int, float] = {}  # when the own words were said, by version
@@ -82,6 +83,13 @@ class Service:
         others = (word.robot for word in self._members(now) if word.phase == SERVE)
         return tuple(sorted((self._knowledge.me, *others)))
 
+    def is_over(self, now: float) -> bool:
+        """Say whether robots of this one's team have each done their part that suffice together."""
+        if self.phase != SERVE or not self.has_served:
+            return False
+        over = [w.robot for w in self._members(now) if w.phase == SERVE and w.has_served]
+        return self._knowledge.covers((self._knowledge.me, *over), self.goal)
+
     def is_in_hands(self, key: int, now: float) -> bool:
         """Say whether another robot says that it is at work on a task."""
         return any(
@@ -95,11 +103,17 @@ class Service:
         return word.robot != me and near and not word.is_lost
 
     def stand_by(
-        self, now: float, is_there: bool, is_busy: bool, chosen: int | None = None
+        self,
+        now: float,
+        is_there: bool,
+        is_busy: bool,
+        may_begin: bool,
+        chosen: int | None = None,
     ) -> None:
         """Go on with the task at hand: gather, promise, begin, break off.
 
-        `chosen` is the team to stand with; without one it is that of the lowest robot there.
+        Nobody promises anything before the task `may_begin`. `chosen` is the team to stand with;
+        without one it is that of the lowest robot there.
         """
         if not is_there or self.goal == NOBODY:
             self.phase, self.waits = WALK, False
@@ -113,11 +127,12 @@ class Service:
                 self.team = team
                 self.formed = now + self._knowledge.mission.forming
         fellows = [word for word in here if word.team == self.team]
-        if now < self.formed and self.phase != SERVE:
+        if self.phase != SERVE and (now < self.formed or not may_begin):
             self.phase = HERE
         else:
             self.phase = self._next_phase(now, fellows, is_busy)
         self.waits = self.phase == READY or any(word.phase == READY for word in fellows)
+        self.waits = self.waits or self.has_served
 
     def _choose_team(self, going: list[Word], here: list[Word]) -> int:
         """Return the team that serves here, or is ready to, or else that of the lowest robot."""

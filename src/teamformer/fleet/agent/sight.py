@@ -103,7 +103,7 @@ def _write_seen(
     is_busy = own.is_serving or team.is_serving
     reach = max(mission.source.join_radius, mission.radius)
     view.can_join[0, column] = not is_busy and math.dist(own.place, team.place) <= reach
-    view.can_go_with[0, column] = True  # nobody of a fleet flies over walls
+    view.can_go_with[0, column] = True  # each robot finds its own way
 
 
 def nearest_first(knowledge: Knowledge, own: Company, seen: Iterable[Company]) -> list[Company]:

@@ -74,7 +74,8 @@ class Voice:
     ) -> None:
         """Say a heartbeat if it is time, or if what others act upon has changed."""
         service, membership = self._agent.service, self._agent.membership
-        state = (service.goal, service.phase, service.team, membership.is_fit, membership.life)
+        at_hand = (service.goal, service.phase, service.team, service.has_served)
+        state = (*at_hand, membership.is_fit, membership.life)
         if now < self.next_beat and state == self._said and not at_once:
             return
         self._said = state
@@ -98,6 +99,7 @@ class Voice:
             is_fit=membership.is_fit,
             hold=service.hold,
             echoes=service.echoes(now),
+            has_served=service.has_served,
         )
         knowledge.words[agent.me] = word
         service.said(word.version, now)

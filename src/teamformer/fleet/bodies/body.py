@@ -25,11 +25,15 @@ class Report(NamedTuple):
 
     `number` grows from report to report, so that one that comes late or twice is known as such.
     `is_done` says that the task of that command is done, as far as one sees who stands there, and
-    `is_busy` that another team is at work on it.
+    `is_busy` that another team is at work on it. A body that sees only its own part reports
+    `has_served` when that is over; agents then say so to one another, and the task is done when the
+    parts of robots are over that together have what it needs. Where it can see what an uncertain
+    task really needs, it reports that in `needs`, in the order of the mission's capabilities.
 
     A body that serves a task with a load takes it up, carries it to where it is to be brought, and
     unloads it there; it sets it down where it is told to stop. Where it can see loads it also says
-    where that of the task lies, and whether none lies where it stands.
+    where that of the task lies, and whether none lies where it stands. It says the same of a task
+    whose place is not known, once it is near enough to see it.
     """
 
     x: float
@@ -42,6 +46,8 @@ class Report(NamedTuple):
     load: Place | None = None  # where it sees the load of the task lie
     is_gone: bool = False  # it sees that the load of the task does not lie where it stands
     is_unfit: bool = False  # it cannot do what it is told, and nobody is to count on it for now
+    has_served: bool = False  # its own part of the task is over
+    needs: tuple[float, ...] | None = None  # of the task, where it stands there and can see them
 
 
 class Body(Protocol):

@@ -41,12 +41,16 @@ class OwnBody:
         if not isinstance(report, Report):
             what = f"report() returned {type(report).__name__}, not a Report"
             raise TeamformerError(f"body '{self._name}': {what}", HINT)
-        x, y, leg, is_done, is_busy, number, carries, load, is_gone, is_unfit = report
+        x, y, leg, is_done, is_busy, number, carries, load, is_gone, is_unfit, has_served, needs = (
+            report
+        )
         try:
             return Report(
                 *(float(x), float(y), int(leg), bool(is_done), bool(is_busy), int(number)),
                 *(bool(carries), load and (float(load[0]), float(load[1])), bool(is_gone)),
                 bool(is_unfit),
+                bool(has_served),
+                None if needs is None else tuple(map(float, needs)),
             )
         except (TypeError, ValueError, LookupError) as error:
             raise TeamformerError(f"body '{self._name}': report(): {error}", HINT) from None

@@ -44,8 +44,10 @@ class Line(Protocol):
 
 encode = Encoder().encode
 decode_order = Decoder(BodyCommand).decode
+Load = tuple[float, float] | None
+Needs = tuple[float, ...] | None
 decode_report = Decoder(
-    tuple[float, float, int, bool, bool, int, bool, tuple[float, float] | None, bool, bool]
+    tuple[float, float, int, bool, bool, int, bool, Load, bool, bool, bool, Needs]
 ).decode
 
 

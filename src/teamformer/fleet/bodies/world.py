@@ -16,10 +16,14 @@ from typing import NamedTuple
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.world.rules.constants import NOBODY
 
 NEVER = float("inf")
+
+OPENS, OFF = -1.0, -2.0
+"""Stand at the end of events that are the begin of a task's window, and that it is called off."""
 
 SERVICE, CARRIED, UNLOADING = range(3)
 """The parts of a service: the service itself, which for a load is taking it up, and what follows
@@ -105,14 +109,19 @@ class Done:
 
 
 class FleetWorld:
-    """All robots and tasks; `advance` lets time pass, which must never run backwards."""
+    """All robots and tasks; `advance` lets time pass, which must never run backwards.
 
-    def __init__(self, mission: FleetMission) -> None:
+    `truth` is the mission as it really is, where something of it is uncertain.
+    """
+
+    def __init__(self, mission: FleetMission, truth: Mission | None = None) -> None:
         self.mission = mission
         self.now = 0.0
         self._is_grid = isinstance(mission.source.world, Grid)
-        self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
+        facts = mission.tasks if truth is None else mission.facts_of(truth)
+        self.tasks: dict[int, TaskFact] = {task.key: task for task in facts}
         self.done: dict[int, Done] = {}
+        self.over: set[int] = set()  # what is done or called off
         self.robots = [
             SimulatedRobot(Leg([robot.at], 0.0, NEVER)) for robot in mission.source.robots
         ]
@@ -120,11 +129,29 @@ class FleetWorld:
         self._lies: dict[int, Place] = {}  # loads that were moved, by task
         self._ways_of_loads: dict[int, Leg] = {}  # of those that are carried
         self._services: dict[int, WorkUnderWay] = {}  # by task
-        self._events: list[tuple[float, int, int, float]] = []  # when, robot or -1, task, stamp
+        # When, robot or -1, task, stamp.
+        self._events = [(at, NOBODY, key, OPENS) for key, at in mission.opens.items()]
+        self._events += [(at, NOBODY, key, OFF) for key, at in mission.off_at.items()]
+        heapq.heapify(self._events)
 
     def add_task(self, task: TaskFact) -> None:
         """Let there be another task."""
         self.tasks.setdefault(task.key, task)
+
+    def call_off(self, key: int) -> None:
+        """Let a task be called off: what comes after it may begin; who does not know may do it."""
+        self._end(key)
+
+    def _end(self, key: int) -> None:
+        self.over.add(key)
+        for other, before in self.mission.before.items():
+            if key in before:
+                self._look_at_services(other)
+
+    @property
+    def is_over(self) -> bool:
+        """Say whether every task is done or called off."""
+        return self.tasks.keys() <= self.over
 
     @property
     def next_event(self) -> float:
@@ -140,6 +167,10 @@ class FleetWorld:
                 if self.robots[robot].leg.end == stamp:
                     touched.add(robot)
                     self._look_at_services(self.robots[robot].command.task)
+            elif stamp == OPENS:
+                self._look_at_services(task)
+            elif stamp == OFF:
+                self.call_off(task)
             elif task in self._services and self._services[task].end == stamp:
                 self._go_on(task, touched)
         self.now = now
@@ -174,6 +205,11 @@ class FleetWorld:
         is_done = is_here and task.key in self.done
         is_busy = is_here and service is not None and service.team != command.team
         report = Report(x, y, command.leg, is_done, is_busy, number)
+        if is_here and task.key in self.mission.unsure:
+            report = report._replace(needs=task.needs)
+        if task.key in self.mission.hidden:
+            is_seen = math.dist((x, y), at) <= self.mission.source.finding_radius
+            return report._replace(load=at if is_seen else None, is_gone=not is_here)
         if task.to is None:
             return report
         if body.carries == task.key:
@@ -292,7 +328,7 @@ class FleetWorld:
             points = [here] if goal is None or goal == here else [here, goal]
             self._set_leg(robot, points, math.dist(here, goal or here) / pace)
         else:
-            way = [] if goal is None else self.mission.ways.cells(here, goal)
+            way = [] if goal is None else self.mission.ways_of(robot).cells(here, goal)
             leg, at, begin = body.leg, body.leg.reached(self.now), self.now
             if way and at + 1 < len(leg.points) and way[0] == leg.points[at + 1]:
                 begin = leg.begin + at * leg.time  # on the way there already
@@ -320,7 +356,7 @@ class FleetWorld:
         if going is not None and going.team not in able:
             del self._services[key]
             going = None
-        if going is None and able:
+        if going is None and able and self.mission.may_begin(key, self.over, self.now):
             self._begin(key, WorkUnderWay(able[0], self.now + self.tasks[key].duration))
 
     def _go_on(self, key: int, touched: set[int]) -> None:
@@ -348,6 +384,7 @@ class FleetWorld:
         team, place = self._services.pop(key).team, self.place_of(key)
         who = tuple(r for r in self.at_work(key) if self.robots[r].command.team == team)
         self.done[key] = Done(self.now, key, team, who)
+        self._end(key)
         if self._ways_of_loads.pop(key, None) is not None:
             self._lies[key] = place
             for robot in who:

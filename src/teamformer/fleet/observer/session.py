@@ -24,7 +24,7 @@ from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.transports.transport import Transport
 from teamformer.live.running.alarm import OnAlerts
 from teamformer.live.running.alerts import Alerts
-from teamformer.live.running.incidents import NewTask
+from teamformer.live.running.incidents import CancelledTask, NewTask
 from teamformer.live.running.messages import read_incident, read_message
 from teamformer.live.running.page_trees import Tree, record_so_far
 from teamformer.live.serving.refusals import or_refuse
@@ -130,11 +130,14 @@ class ObserverSession:
         command = message["do"]
         if command == "happen":
             incident = read_incident(message, self.watch.source)
-            if not isinstance(incident, NewTask):
+            if isinstance(incident, NewTask):
+                await self._add(incident)
+            elif isinstance(incident, CancelledTask):
+                await self._call_off(incident.task)
+            else:
                 raise TeamformerError(
                     "a fleet's robots are lost and back by themselves; end or start their agents"
                 )
-            await self._add(incident)
         elif command == "acknowledge":
             self._alerts.acknowledge(str(message.get("alert")))
             self._tell_all("state", self._state())
@@ -156,18 +159,34 @@ class ObserverSession:
             raise TeamformerError(f"[{x:g}, {y:g}] is not free on the map; name another place")
         if not mission.can_do(range(mission.robots), task):
             raise TeamformerError(f"all robots together cannot do '{name}'; lower what it needs")
-        operator = self._operators[key] = Operator(task, mission.robots)
+        holders = await self._say_until_held(Operator(task, mission.robots), "accepted")
+        self.watch.learn(task)
+        self._tell_of_task(f"task {name} accepted, held by {holders}")
+
+    async def _call_off(self, name: str) -> None:
+        """Say that a task is called off until enough robots hold that, and tell who does."""
+        found = {self.watch.source.tasks[n].name: task for n, task in self.watch.open_tasks()}
+        if name not in found:
+            raise TeamformerError(f"task '{name}' is over, or there is none", "name an open one")
+        operator = Operator(found[name], self.watch.mission.robots, calls_off=True)
+        holders = await self._say_until_held(operator, "called off")
+        self._tell_of_task(f"task {name} called off, held by {holders}")
+
+    async def _say_until_held(self, operator: Operator, what: str) -> str:
+        """Say what an operator has to say until enough robots hold it; return who does."""
+        self._operators[operator.task.key] = operator
         deadline = time.monotonic() + PATIENCE
         while not operator.is_accepted and time.monotonic() < deadline:
             self._say(operator.offer())
             await asyncio.sleep(AGAIN)
-        del self._operators[key]
-        holders = [mission.source.robots[robot].name for robot in sorted(operator.holders)]
+        del self._operators[operator.task.key]
+        robots = self.watch.mission.source.robots
+        holders = ", ".join(robots[robot].name for robot in sorted(operator.holders))
         if not operator.is_accepted:
-            have = f"only {', '.join(holders)} hold it" if holders else "no robot answered"
-            raise TeamformerError(f"task {name} is not accepted, {have}; it may still be done")
-        self.watch.learn(task)
-        self._tell_of_task(f"task {name} accepted, held by {', '.join(holders)}")
+            have = f"only {holders} hold it" if holders else "no robot answered"
+            name = operator.task.name
+            raise TeamformerError(f"task {name} is not {what}, {have}; it may still be done")
+        return holders
 
     def _hear(self, came: Sequence[bytes], now: float) -> None:
         was_any_heard = self._silence.was_any_heard

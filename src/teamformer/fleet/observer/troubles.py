@@ -43,13 +43,14 @@ def _late_tasks(watch: Watch, age: float) -> Iterator[Alert]:
         between = watch.source.tasks[number].between
         due = float("inf") if between is None else between[1] * step
         begun = min(watch.at_work(task.key).values(), default=float("inf")) * step
-        ends = begun + task.duration + SLACK if task.to is None else float("inf")
+        longest = max(task.duration, watch.source.tasks[number].longest * step)
+        ends = begun + longest + SLACK if task.to is None else float("inf")
         do = _who_does(watch, task)
         if age > due:
             why = f"it was due at {due:g} s and is not done"
             yield Alert(f"task {number}", f"{task.name} is late", why, do, due)
         elif age > ends:
-            why = f"robots are at work since {begun:g} s, and it should take {task.duration:g} s"
+            why = f"robots are at work since {begun:g} s, and it should take {longest:g} s"
             yield Alert(f"task {number}", f"{task.name} takes too long", why, do, ends)
 
 

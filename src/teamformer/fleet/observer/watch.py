@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
+from msgspec import structs
+
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import (
     SERVE,
@@ -64,6 +66,7 @@ class Watch:
         self.tellers: set[int] = set()  # who has told it what was done before it came
         self._number = {task.key: number for number, task in enumerate(mission.tasks)}
         self._done: dict[int, int] = {}  # task -> step in which that was heard of
+        self._off: set[int] = set()  # tasks that are called off, and not done as far as is known
         self._told: dict[int, DeedFact] = {}  # who did what and when, by those who did
         self._news: list[int] = []
         self._served: dict[int, _Service] = {}  # by robot: the last that it said it is at work on
@@ -79,13 +82,13 @@ class Watch:
 
     @property
     def is_over(self) -> bool:
-        """Say whether all tasks that it knows are done, and told."""
-        return len(self._done) == len(self.tasks) and not self._news
+        """Say whether all tasks that it knows are done, and told, or called off."""
+        return self.tasks.keys() <= self._done.keys() | self._off and not self._news
 
     def open_tasks(self) -> list[tuple[int, TaskFact]]:
-        """Return the tasks that are not done, with their numbers."""
-        undone = (task for task in self.tasks.values() if task.key not in self._done)
-        return [(self._number[task.key], task) for task in undone]
+        """Return the tasks that are not over, with their numbers."""
+        left = self.tasks.keys() - self._done.keys() - self._off
+        return [(self._number[key], task) for key, task in self.tasks.items() if key in left]
 
     def at_work(self, key: int) -> dict[int, int]:
         """Return the robots that say they are at work on a task, and in which step they began."""
@@ -108,6 +111,11 @@ class Watch:
                 self._note_done(key)
             for load in body.loads:
                 self._note_load(load)
+            for key in body.called_off:
+                self._note_off(key, len(self.steps) + 1)
+            for seen in body.needs:
+                if seen.key in self.mission.unsure:
+                    self.tasks[seen.key] = structs.replace(self.tasks[seen.key], needs=seen.needs)
             return new
         return []
 
@@ -192,12 +200,16 @@ class Watch:
             lost=lost,
             back=back,
         )
-        return self._writer.add(self.source, seen)
+        told = self._writer.add(self.source, seen)
+        for number, task in enumerate(self.mission.source.tasks):
+            if task.cancelled is not None and task.cancelled <= len(self.steps):
+                self._note_off(number, task.cancelled)
+        return told
 
     def record(self) -> Record:
         """Return what has been seen so far; it ends with the step in which all tasks are done."""
         done = sum(len(step.done) for step in self.steps)
-        is_complete = done == len(self.source.tasks)
+        is_complete = done + len(self._off) == len(self.source.tasks)
         return fleet_record(self.source, self.steps, "completed" if is_complete else "interrupted")
 
     def _take(self, word: Word) -> None:
@@ -242,8 +254,22 @@ class Watch:
         robots = {key: tuple(r for r, lay in lifted.items() if lay.key == key) for key in loads}
         return [Deed(self._number[key], at, robots[key]) for key, at in loads.items()]
 
+    def _note_off(self, key: int, step: float) -> None:
+        """Note that a task was called off in a step, if nobody has done it."""
+        if key in self.tasks and key not in self._done and key not in self._off:
+            self._off.add(key)
+            self._set_cancelled(key, step)
+
+    def _set_cancelled(self, key: int, step: float | None) -> None:
+        tasks = list(self.source.tasks)
+        tasks[self._number[key]] = replace(tasks[self._number[key]], cancelled=step)
+        self.source = replace(self.source, tasks=tuple(tasks))
+
     def _note_done(self, key: int) -> None:
         if key in self.tasks and key not in self._done:
+            if key in self._off:  # it was done all the same
+                self._off.discard(key)
+                self._set_cancelled(key, None)
             self._done[key] = len(self.steps) + 1
             self._news.append(key)
 

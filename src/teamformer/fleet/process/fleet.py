@@ -103,7 +103,7 @@ class LocalFleet:
         returns = _moments(((away.back, robot) for away, robot in absences), mission.step)
         told: set[int] = set()
         self._wait_for_all(server, told)
-        while server.now < seconds and len(world.done) < len(world.tasks):
+        while server.now < seconds and not world.is_over:
             for done in server.step():
                 who = ", ".join(mission.source.robots[robot].name for robot in done.robots)
                 self._tell(f"{done.at:.2f} s: {world.tasks[done.key].name} done by {who}")
@@ -118,8 +118,9 @@ class LocalFleet:
         self._let_all_hear(server)
         alive = sum(agent.poll() is None for agent in self._agents)
         names = {key: task.name for key, task in world.tasks.items()}
-        completed = len(world.done) == len(world.tasks)
-        return FleetResult(completed, tuple(world.done.values()), len(world.tasks), alive, names)
+        return FleetResult(
+            world.is_over, tuple(world.done.values()), len(world.tasks), alive, names
+        )
 
     def _let_all_hear(self, server: WorldServer) -> None:
         """Go on for a moment, so that robots and onlookers hear of the last task too."""

@@ -122,7 +122,7 @@ class AgentProcess:
     def _sense(self) -> Report | None:
         """Return what the body reports; None, told once a minute, where no robot can be."""
         report = self.body.report()
-        if report is None or self.mission.source.world.is_free((report.x, report.y)):
+        if report is None or self.mission.can_be_at(self.robot, (report.x, report.y)):
             return report
         if self._is_to_tell("place"):
             place = f"{report.x:g}, {report.y:g}"

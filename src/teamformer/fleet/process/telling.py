@@ -19,6 +19,7 @@ class Telling:
         self._phase = -1
         self._fellows: dict[int, int] = {}  # by robot of its team at its task, the phase last heard
         self._done = set(agent.knowledge.done)
+        self._off = agent.knowledge.called_off - agent.knowledge.done
         self._added = {task.key for task in agent.knowledge.added}
         self._carried = NOBODY
         self._lost: set[int] = set()
@@ -30,8 +31,9 @@ class Telling:
         told = [*self._about_others(), *self._deeds(), *self._about_goal()]
         is_over = self._agent.is_over
         if is_over and not self._is_over:
-            count = len(self._agent.knowledge.tasks)
-            told.append(f"mission complete, {count} of {count} tasks")
+            knowledge = self._agent.knowledge
+            count = f"{len(knowledge.done)} of {len(knowledge.tasks)} tasks"
+            told.append(f"mission complete, {count}")
         self._is_over = is_over
         return told
 
@@ -46,6 +48,10 @@ class Telling:
             if task.key not in self._added:
                 self._added.add(task.key)
                 yield f"an operator has added {task.name}"
+        off = knowledge.called_off - knowledge.done
+        for key in sorted(off - self._off):
+            yield f"{knowledge.tasks[key].name} is called off"
+        self._off = off
         if keeper.plan.version != self._plan:
             self._plan = keeper.plan.version
             maker = keeper.plan.note.maker

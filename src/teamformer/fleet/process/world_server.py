@@ -11,7 +11,7 @@ from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.remote import SILENCE, decode_order, encode
 from teamformer.fleet.bodies.world import Done, FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
-from teamformer.fleet.messages import Offer, Post
+from teamformer.fleet.messages import CallOff, Offer, Post
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
 if TYPE_CHECKING:
@@ -29,7 +29,10 @@ LATEST = 120.0
 
 
 class WorldServer:
-    """Obeys orders and reports; time begins when every mind has given an order."""
+    """Obeys orders and reports; time begins when every mind has given an order.
+
+    `seed` decides what an uncertain mission really is.
+    """
 
     def __init__(
         self,
@@ -37,8 +40,9 @@ class WorldServer:
         transport: ZenohTransport,
         secret: bytes,
         signatures: Signatures | None = None,
+        seed: int = 0,
     ) -> None:
-        self.world = FleetWorld(mission)
+        self.world = FleetWorld(mission, mission.truth(seed))
         self._transport = transport
         self._post = Post(mission.number, mission.robots, secret, signatures)
         self._opened = time.monotonic()
@@ -73,6 +77,8 @@ class WorldServer:
             message, _ = self._post.judge(data)
             if message is not None and type(message.body) is Offer:
                 self.world.add_task(message.body.task)
+            elif message is not None and type(message.body) is CallOff:
+                self.world.call_off(message.body.key)
         for data in self._transport.receive_body():
             touched |= self._obey(data)
         touched |= self._stop_the_mindless()

@@ -7,6 +7,10 @@ The promises:
 - nobody begins to serve a task that is open unless robots that stand there, itself included, have
   what it needs and have said that they will stay; nor to serve one that is done, but for the
   moment that a body which reports late does not know that it is done, in which nothing happens;
+- nobody begins to serve a task before those that come before it are over, nor before its window, by
+  more than clocks may differ; and what is done within has its whole duration after that;
+- nobody serves a task that it knows is called off;
+- nobody goes through a wall who does not fly;
 - who says that it stays, stays: until the time is over or the task is done;
 - no task is done twice, and none without a team that was at work on it for its whole duration and
   had what it needs all the while;
@@ -25,7 +29,16 @@ from dataclasses import dataclass, field
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import HERE, READY, TaskFact
-from teamformer.fleet.rehearsal.trace import Accepted, Broke, Event, Finished, Said, Worked
+from teamformer.fleet.rehearsal.trace import (
+    OFF,
+    Accepted,
+    Broke,
+    Event,
+    Finished,
+    Noticed,
+    Said,
+    Worked,
+)
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.world.rules.constants import NOBODY
 
@@ -52,6 +65,7 @@ class TracedRobot:
     work: tuple[int, int] = (NOBODY, NOBODY)
     is_dead: bool = False
     has_forgotten: bool = False  # its promise, in a crash; the others cannot know
+    off: dict[int, float] = field(default_factory=dict)  # since when it knows of tasks that are off
 
 
 @dataclass
@@ -102,6 +116,8 @@ class Checker:
                 self._finish(event)
             elif isinstance(event, Broke):
                 self._break(event)
+            elif isinstance(event, Noticed) and event.what == OFF:
+                self._robots[event.robot].off[event.task] = event.at
             elif isinstance(event, Accepted):
                 self._accepted[event.task] = event.at
         for key in undone:
@@ -133,6 +149,10 @@ class Checker:
                 f"{event.at:.2f} s: {self._who(event.robot)} leaves task '{task}' {left:.2f} s "
                 "before the time that it said it would stay"
             )
+        if self._is_grid and not self.mission.source.robots[event.robot].flies:
+            blocked = [at for at in event.points if not self.mission.source.world.is_free(at)]
+            if blocked:
+                self._blame(f"{event.at:.2f} s: {self._who(event.robot)} walks through {blocked}")
         robot.walk = event
         for key, load in self._loads.items():
             if event.robot in load.carriers and len(event.points) > 1:
@@ -151,8 +171,7 @@ class Checker:
         """Check that a load is taken up by who may, or set down where those are who carried it."""
         load, task = self._loads[event.task], self._name(event.task)
         if event.robots:
-            since = [at for (key, _), at in self._able_since.items() if key == event.task]
-            worked = event.at - min(since, default=event.at + 1e9)
+            worked = self._worked(event.task, event.at)
             is_there = all(self._is_by(robot, event.task, event.at) for robot in event.robots)
             if load.carriers or event.task in self._done or not is_there:
                 self._blame(f"{event.at:.2f} s: '{task}' is taken up where it does not lie")
@@ -201,6 +220,16 @@ class Checker:
         who, task = self._who(event.robot), self._name(event.task)
         if not self._stands_at(event.robot, event.task, event.at):
             self._blame(f"{event.at:.2f} s: {who} serves task '{task}' without being there")
+        early = self._opens(event.task) - event.at
+        if early > A_TICK + DRIFT * self._opens(event.task):
+            self._blame(f"{event.at:.2f} s: {who} serves '{task}' {early:.2f} s before its window")
+        for other in self.mission.before.get(event.task, ()):
+            if other not in self._done and other not in robot.off:
+                self._blame(
+                    f"{event.at:.2f} s: {who} serves '{task}' before '{self._name(other)}' is over"
+                )
+        if robot.off.get(event.task, event.at) + A_TICK < event.at:
+            self._blame(f"{event.at:.2f} s: {who} serves '{task}' and knows that it is called off")
         if robot.word is not None and robot.word.phase >= HERE:
             said = (robot.word.goal, robot.word.team)
             if said[0] != event.task:
@@ -222,6 +251,16 @@ class Checker:
                 f"{event.at:.2f} s: {who} begins to serve task '{task}' although not all that it "
                 "needs is bound to be there"
             )
+
+    def _opens(self, key: int) -> float:
+        """Return when a task may begin by its window."""
+        return self.mission.opens.get(key, 0.0)
+
+    def _worked(self, key: int, now: float) -> float:
+        """Return for how long an able team has been at work on a task that may begin."""
+        since = [at for (task, _), at in self._able_since.items() if task == key]
+        before = [self._done[k] for k in self.mission.before.get(key, ()) if k in self._done]
+        return now - max([min(since, default=now + 1e9), self._opens(key), *before])
 
     def _count(self, now: float) -> None:
         """Note since when each team has been able to do its task."""
@@ -246,12 +285,15 @@ class Checker:
         if event.task in self._done:
             self._blame(f"{event.at:.2f} s: task '{task}' is done a second time")
         self._done[event.task] = event.at
+        for number, robot in enumerate(self._robots):
+            knows_since = robot.off.get(event.task, event.at)
+            if robot.work[0] == event.task and event.at - knows_since > LATEST:
+                who = self._who(number)
+                self._blame(f"{event.at:.2f} s: {who} does '{task}' and knows that it is off")
         if event.task in self._loads:
             self._unload(event, self._loads[event.task])
             return
-        since = [at for (key, _), at in self._able_since.items() if key == event.task]
-        worked = event.at - min(since, default=event.at + 1e9)
-        if worked + A_TICK < self.tasks[event.task].duration:
+        if self._worked(event.task, event.at) + A_TICK < self.tasks[event.task].duration:
             self._blame(f"{event.at:.2f} s: task '{task}' is done without its service")
 
     def _unload(self, event: Finished, load: Load) -> None:
@@ -263,7 +305,8 @@ class Checker:
         ):
             self._blame(f"{event.at:.2f} s: load '{task.name}' is done and was not brought")
         walks = [self._robots[robot].walk for robot in load.carriers]
-        ends = [walk.begin + (len(walk.points) - 1) * walk.time for walk in walks]
+        ways = [walk for walk in walks if walk.begin >= load.taken_at]  # not those to get there
+        ends = [walk.begin + (len(walk.points) - 1) * walk.time for walk in ways]
         if event.at - max(load.taken_at, *ends, 0.0) + A_TICK < task.unload:
             self._blame(f"{event.at:.2f} s: load '{task.name}' is done before it is unloaded")
         load.carriers, load.at = set(), task.to
@@ -277,6 +320,7 @@ class Checker:
             robot.is_dead = False
             robot.work, robot.word = (NOBODY, NOBODY), None
             robot.has_forgotten = True
+            robot.off.clear()
         self._count(event.at)
 
     def _drop(self, robot: int, but: int = NOBODY) -> None:

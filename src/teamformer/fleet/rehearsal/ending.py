@@ -28,7 +28,7 @@ class EndingWatch:
     def left(self, now: float, held: Set[int]) -> list[TaskFact] | None:
         """Return what cannot be done any more if all else is done; None while it is not.
 
-        `held` are the operators' tasks that somebody knows still.
+        `held` are the operators' tasks, and those called off, that somebody knows still.
         """
         able = self._able()
         waiting = [operator for operator in self._operators if not operator.is_accepted]
@@ -36,18 +36,42 @@ class EndingWatch:
             return None
         unheard = {operator.task.key for operator in waiting}
         impossible = self.impossible(now, held)
-        excused = unheard | {task.key for task in impossible}
+        excused = unheard | {task.key for task in impossible} | self.called_off(now)
         is_over = all(key in excused for key in self._world.tasks if key not in self._world.done)
         return impossible if is_over else None
 
     def impossible(self, now: float, held: Set[int]) -> list[TaskFact]:
-        """Return the tasks that are not done, and that the robots left cannot do or know."""
-        able, lost = self._able(), self._lost_orders(now, held)
-        return [
-            task
-            for key, task in self._world.tasks.items()
-            if key not in self._world.done and (key in lost or not self._mission.can_do(able, task))
-        ]
+        """Return the tasks that are not done, and that the robots left cannot do or know.
+
+        So are those after such a task, or after one that they cannot do and was called off, if all
+        who knew that have lost their memory.
+        """
+        able, lost, left = self._able(), self._lost_orders(now, held), self._left(now)
+        forgotten = self._withdrawn(now) - held - self._world.done.keys()
+        tasks = left | {key: self._world.tasks[key] for key in forgotten}
+        cannot = {key for key, task in tasks.items() if not self._mission.can_do(able, task)} | lost
+        before = self._mission.before
+        while more := {key for key in left if before.get(key, set()) & cannot} - cannot:
+            cannot |= more
+        return [task for key, task in left.items() if key in cannot]
+
+    def undone(self, now: float, held: Set[int]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Return the names of tasks that can be done and are not, and of those that cannot be."""
+        impossible = tuple(task.name for task in self.impossible(now, held))
+        names = (task.name for task in self._left(now).values())
+        return tuple(name for name in names if name not in impossible), impossible
+
+    def _left(self, now: float) -> dict[int, TaskFact]:
+        """Return the tasks that are neither done nor called off."""
+        over = self._world.done.keys() | self.called_off(now)
+        return {key: task for key, task in self._world.tasks.items() if key not in over}
+
+    def called_off(self, now: float) -> set[int]:
+        """Return the tasks that are called off by now, which may be done all the same."""
+        return self._withdrawn(now) | {key for key, at in self._mission.off_at.items() if at <= now}
+
+    def _withdrawn(self, now: float) -> set[int]:
+        return {off.task for off in self._faults.withdrawals if off.at <= now}
 
     def _able(self) -> list[int]:
         """Return the robots that are, or will be, able to work."""
@@ -66,7 +90,7 @@ class EndingWatch:
         }
         return {
             operator.task.key
-            for operator, order in zip(self._operators, self._faults.orders, strict=True)
+            for operator, order in zip(self._operators, self._faults.orders, strict=False)
             if operator.is_accepted
             and operator.task.key not in held
             and all(forgetful.get(robot, -1.0) >= order.at for robot in operator.holders)

@@ -51,6 +51,14 @@ class Order:
 
 
 @dataclass(frozen=True)
+class Withdrawal:
+    """An operator calls a task of the mission off, over the same bad network."""
+
+    at: float
+    task: int
+
+
+@dataclass(frozen=True)
 class Faults:
     """Everything that goes wrong in one rehearsal; `seed` is of the network's chances."""
 
@@ -70,6 +78,7 @@ class Faults:
     pauses: tuple[Spell, ...] = ()
     stuck: tuple[Spell, ...] = ()
     orders: tuple[Order, ...] = ()
+    withdrawals: tuple[Withdrawal, ...] = ()
 
     @property
     def over(self) -> float:
@@ -80,6 +89,7 @@ class Faults:
         for spell in (*self.pauses, *self.stuck):
             times.append(spell.begin if spell.end is None else spell.end)
         times += [order.at for order in self.orders]
+        times += [withdrawal.at for withdrawal in self.withdrawals]
         return max(times)
 
     @property
@@ -119,6 +129,9 @@ class Faults:
                 yield f"the body of {names[robot]} reports {lag:.2f} s late"
         for order in self.orders:
             yield f"{order.at:.2f} s: an operator adds task {order.task.name}"
+        for off in self.withdrawals:
+            name = mission.source.tasks[off.task].name
+            yield f"{off.at:.2f} s: an operator calls task {name} off"
 
     def _lines_of_network(self) -> Iterator[str]:
         if self.loss:
@@ -151,6 +164,7 @@ def draw_faults(mission: FleetMission, seed: int, span: float) -> Faults:
         pauses=tuple(_draw_spells(rng, mission.robots, span, (5, 30), 0.0, 0.35)),
         stuck=tuple(_draw_spells(rng, mission.robots, span, (5, 40), 0.3, 0.25)),
         orders=tuple(_draw_orders(rng, mission, span)) if rng.random() < 0.3 else (),
+        withdrawals=tuple(_draw_withdrawals(rng, mission, span)) if rng.random() < 0.15 else (),
     )
 
 
@@ -225,6 +239,14 @@ def _draw_spells(
         begin = rng.uniform(0, span)
         end = begin + rng.uniform(*seconds)
         yield Spell(robot, begin, None if rng.random() < for_good else end)
+
+
+def _draw_withdrawals(
+    rng: random.Random, mission: FleetMission, span: float
+) -> Iterator[Withdrawal]:
+    keys = range(len(mission.tasks))
+    for key in rng.sample(keys, rng.randint(1, min(2, len(keys)))):
+        yield Withdrawal(rng.uniform(0, span), key)
 
 
 def _draw_orders(rng: random.Random, mission: FleetMission, span: float) -> Iterator[Order]:

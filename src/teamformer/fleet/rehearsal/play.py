@@ -52,7 +52,8 @@ class Rehearsal:
         robots = mission.robots
         self.mission = mission
         self.faults = faults
-        self.world = FleetWorld(mission)
+        self.truth = mission.truth(faults.seed)
+        self.world = FleetWorld(mission, self.truth)
         self.trace = trace or Trace()
         self._planner, self._plan, self._make_policy = planner, plan, make_policy
         self._post = Post(mission.number, robots)
@@ -81,6 +82,9 @@ class Rehearsal:
         self._finished = 0
         self._is_to_look = True  # something has changed that a mission can end with
         self._operators = [Operator(order.task, robots) for order in faults.orders]
+        self._operators += [
+            Operator(mission.tasks[off.task], robots, calls_off=True) for off in faults.withdrawals
+        ]
         self._ending = EndingWatch(mission, faults, self.world, self._operators)
         self._plans = 0
         self._alive_since = [0.0] * robots
@@ -159,6 +163,10 @@ class Rehearsal:
         if agent.memory_version != self._saved_version[robot]:
             self._saved_version[robot] = agent.memory_version
             self._saved[robot] = agent.remember(clock)
+            known = agent.knowledge
+            self.trace.note_knowledge(self.now, robot, known.called_off, known.seen.keys())
+            for key in self.mission.hidden.keys() & known.loads.keys():
+                self.trace.note_place(self.now, known.loads[key])
         if command is not before:
             self._note_work(robot, command)
             for other in self.world.command(robot, command):
@@ -269,8 +277,11 @@ class Rehearsal:
                 self._put(spell.begin, what, spell.robot)
                 if spell.end is not None:
                     self._put(spell.end, ending, spell.robot)
-        for number, order in enumerate(faults.orders):
-            self._put(order.at, "order", number)
+        times = [*(it.at for it in faults.orders), *(it.at for it in faults.withdrawals)]
+        for number, at in enumerate(times):
+            self._put(at, "order", number)
+        for at in self.mission.off_at.values():
+            self._put(at, "over", 0)  # the mission may end with it
         if faults.junk:
             self._put(0.0, "junk", 0)
 
@@ -315,12 +326,16 @@ class Rehearsal:
         self._alive_since[robot] = self.now
         self._saved_version[robot] = (-1, -1)
         self._reports[robot].forget()
+        self.trace.forget(robot)
         self.agents[robot] = self._start(robot, self._saved[robot] if keeps_facts else None)
 
     def _offer(self, number: int) -> set[int]:
         operator = self._operators[number]
         if not operator.is_accepted:
-            self.world.add_task(operator.task)
+            if operator.calls_off:
+                self.world.call_off(operator.task.key)
+            else:
+                self.world.add_task(operator.task)
             alive = [robot for robot, agent in enumerate(self.agents) if agent is not None]
             self._network.send(self.now, OPERATOR, operator.offer(), alive)
             self._put(self.now + AGAIN, "order", number)
@@ -332,7 +347,8 @@ class Rehearsal:
             operator.hear(message)
             if operator.is_accepted and not was:
                 holders = tuple(sorted(operator.holders))
-                self.trace.events.append(Accepted(self.now, operator.task.key, holders))
+                if not operator.calls_off:
+                    self.trace.events.append(Accepted(self.now, operator.task.key, holders))
                 self._is_to_look = True
 
     def _spoil(self) -> set[int]:
@@ -342,28 +358,27 @@ class Rehearsal:
         return set()
 
     def _held(self) -> set[int]:
-        """Return the operators' tasks that somebody knows, or has on its disk and will be back."""
+        """Return what operators added or called off that somebody knows, or will with its disk."""
         agents = [agent for agent in self.agents if agent is not None]
         held = {task.key for agent in agents for task in agent.knowledge.added}
+        held |= {key for agent in agents for key in agent.knowledge.called_off}
         for crash in self.faults.crashes:
             saved = self._saved[crash.robot]
             if saved and crash.keeps_facts and crash.back is not None and crash.back > self.now:
-                held |= {task.key for task in saved.added}
+                held |= {*(task.key for task in saved.added), *saved.called_off}
         return held
 
     def _outcome(self, status: str) -> Outcome:
         world, network = self.world, self._network
         alive = [r for r, agent in enumerate(self.agents) if agent is not None]
         seconds = self._robot_seconds + sum(self.now - self._alive_since[r] for r in alive)
-        undone = [task for key, task in world.tasks.items() if key not in world.done]
-        impossible = [task.name for task in self._ending.impossible(self.now, self._held())]
-        blocked = [task.name for task in undone if task.name not in impossible]
+        undone, impossible = self._ending.undone(self.now, self._held())
         return Outcome(
             status=status,
             makespan=max((done.at for done in world.done.values()), default=None),
             end=self.now,
             tasks_done=len(world.done),
-            blocked_tasks=tuple(blocked if status == "blocked" else impossible),
+            blocked_tasks=undone if status == "blocked" else impossible,
             messages=network.messages,
             bytes=network.bytes,
             received_bytes=network.received_bytes,

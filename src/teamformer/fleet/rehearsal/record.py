@@ -9,14 +9,14 @@ next; so is a load that they took up then. Operators' tasks are tasks that appea
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Sent
+from teamformer.fleet.rehearsal.trace import NEEDS, Believed, Event, Finished, Noticed, Said, Sent
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
@@ -34,7 +34,8 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     events = sorted(events, key=lambda event: event.at)
     tasks, number = _tasks_of(rehearsal)
     done = rehearsal.world.done.values()
-    by_key = {it.key: deed_of(number[it.key], tasks, it.robots) for it in done}
+    truth = _truth_of(rehearsal, tasks)
+    by_key = {it.key: deed_of(number[it.key], truth, it.robots) for it in done}
     finished = ((event.at, event.task) for event in events if isinstance(event, Finished))
     deeds = deeds_by_step(finished, by_key, mission.step)
     deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
@@ -42,10 +43,18 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     source = replace(mission.source, tasks=tasks, robots=robots, teams=())
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: int(step) for robot, step in ends if step is not None}
-    writer = SnapshotWriter(source)
-    _Teller(source, mission.step, number).tell(writer, events, deeds, lost)
-    status = STATUSES[outcome.status]
-    return fleet_record(source, writer.steps, status, seed, outcome.blocked_tasks)
+    true = replace(source, tasks=truth)
+    writer = SnapshotWriter(true)
+    _Teller(true, mission.step, number).tell(writer, events, deeds, lost)
+    status, known = STATUSES[outcome.status], true if source.has_surprises else None
+    return fleet_record(source, writer.steps, status, seed, outcome.blocked_tasks, known)
+
+
+def _truth_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ...]:
+    """Return the tasks as they really were; operators' are as they said."""
+    own = zip(tasks, rehearsal.truth.tasks, strict=False)
+    known = (task.once_known(true.at, true.needs, true.duration) for task, true in own)
+    return (*known, *tasks[len(rehearsal.truth.tasks) :])
 
 
 def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
@@ -69,7 +78,17 @@ def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
     ]
     number = {task.key: task.key for task in mission.tasks}
     number |= {order.task.key: len(mission.tasks) + k for k, order in enumerate(orders)}
-    return (*whole.tasks, *added), number
+    return (*_with_call_offs(rehearsal), *added), number
+
+
+def _with_call_offs(rehearsal: Rehearsal) -> Iterator[Task]:
+    """Yield the mission's tasks with when they were called off; never, of those that were done."""
+    mission, offs = rehearsal.mission, rehearsal.faults.withdrawals
+    withdrawn = {it.task: math.floor(it.at / mission.step) + 1 for it in offs}
+    for key, task in enumerate(mission.source.tasks):
+        times = [at for at in (task.cancelled, withdrawn.get(key)) if at is not None]
+        is_off = bool(times) and key not in rehearsal.world.done
+        yield replace(task, cancelled=min(times) if is_off else None)
 
 
 def _robots_of(rehearsal: Rehearsal, deeds: Sequence[Sequence[Deed]]) -> tuple[Robot, ...]:
@@ -107,6 +126,7 @@ class _Teller:
         self._is_grid = isinstance(mission.world, Grid)
         self._walks = [Walked(0.0, r, (mission.robots[r].at,), 0.0, 1.0) for r in robots]
         self._says = {robot: (robot, NOBODY) for robot in robots}
+        self._shown: set[int] = set()  # tasks whose needs somebody knows
         self._lifted: dict[int, Lifted] = {}  # loads that are up, and no step shows it yet
 
     def tell(
@@ -120,6 +140,7 @@ class _Teller:
         position = 0
         for step, done in enumerate(deeds, start=1):
             heard, lifts = set[tuple[int, int, str]](), list[Lifted]()
+            shown, moved, found = set[int](), dict[int, TaskAt](), list[int]()
             while position < len(events) and events[position].at <= step * self._step + SLACK:
                 event = events[position]
                 position += 1
@@ -131,8 +152,15 @@ class _Teller:
                     heard.add((event.sender, event.receiver, event.kind))
                 elif isinstance(event, Lifted):
                     lifts.append(event)
+                elif isinstance(event, Believed):
+                    moved[event.task] = TaskAt(event.task, *self._as_place(*event.place))
+                    found += [event.task] if event.is_found else []
+                elif isinstance(event, Noticed) and event.what == NEEDS:
+                    shown.add(event.task)
             gone = tuple(r for r, at in lost.items() if at == step)
             seen = self._seen(step * self._step, gone, done, lifts)
+            new, self._shown = tuple(sorted(shown - self._shown)), self._shown | shown
+            seen = replace(seen, shown=new, found=tuple(found), moved=tuple(moved.values()))
             writer.add(self._mission, replace(seen, heard=tuple(sorted(heard))))
 
     def _seen(

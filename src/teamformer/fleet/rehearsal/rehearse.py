@@ -87,7 +87,9 @@ def deadline(mission: FleetMission, faults: Faults) -> float:
     carried = sum(task.to is not None for task in tasks)
     walks += carried * (2 * across + LOOKING * (world.width + world.height))
     walks += sum(task.unload for task in tasks)
-    return faults.over + max(task.appears for task in tasks) + SLACK / (1 - faults.loss) + 2 * walks
+    walks += across * sum(len(tour) for tour in mission.hidden.values())
+    begins = max([*mission.opens.values(), *(task.appears for task in tasks)])
+    return faults.over + begins + SLACK / (1 - faults.loss) + 2 * walks
 
 
 def faults_of(stage: Stage, seed: int, schedule: int) -> Faults:

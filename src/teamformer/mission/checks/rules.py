@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
@@ -11,10 +11,10 @@ from teamformer.mission.checks.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME,
 from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
 from teamformer.mission.checks.windows import find_endless_play
-from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, REAL_ROBOTS, STEPS
+from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, FLEETS, ROBOTARIUM, STEPS
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.mission_keys import HOME, TIMES
-from teamformer.mission.keys.unknown import Found, find_unknown, told_once
+from teamformer.mission.keys.unknown import find_unknown, told_once
 from teamformer.mission.parts.reach import can_reach, way_for
 from teamformer.mission.parts.roads import AIR, GROUND, Roads
 
@@ -117,40 +117,50 @@ def _verbs_for(mission: Mission) -> str:
     return " or ".join(filter(None, (", ".join(verbs[:-1]), *verbs[-1:])))
 
 
-def rules_of_sure_missions(mission: Mission) -> Iterator[Problem]:
-    """Return why a mission cannot be played where everything has to be known; nothing if it can.
+def rules_of_fleets(mission: Mission) -> Iterator[Problem]:
+    """Return why robots that are processes of their own cannot do a mission; nothing if they can.
 
-    So it is where missions are to be done by robots that are real.
+    What may happen to robots is theirs: rehearsals draw it.
     """
-    yield from rules_not_played(mission)
-    verbs = _verbs_for(mission)
-
-    def rest(key: str) -> str:
-        change = "write one number" if key == "duration" else f"drop {key}"
-        return f"which {REAL_ROBOTS} do not know; {change}, or use {verbs}"
-
-    found = find_unknown(mission, REAL_ROBOTS, is_surprise=True)
-    yield from told_once(mission, found, rest)
+    yield from _rules_of_real_robots(mission, FLEETS)
+    both = [
+        (("tasks", number, "within"), f"task '{task.name}' has a load within a region")
+        for number, task in enumerate(mission.tasks)
+        if task.within and task.to is not None
+    ]
+    yield from told_once(mission, both, _remedy(mission, FLEETS))
 
 
-def rules_of_simulated_missions(mission: Mission) -> Iterator[Problem]:
-    """Return which rules only the step simulator and the planner know; nothing if there are none.
-
-    Robots that are processes of their own, or stand in an arena, refuse such missions.
-    """
-    yield from rules_of_sure_missions(mission)
-    verbs = _verbs_for(mission)
-    found: list[Found] = [
+def rules_of_robotarium(mission: Mission) -> Iterator[Problem]:
+    """Return why robots in the Robotarium's arena cannot do a mission, whatever its size."""
+    yield from _rules_of_real_robots(mission, ROBOTARIUM)
+    flying = [
         (("robots", number, "moves"), f"robot '{robot.name}' flies over obstacles")
         for number, robot in enumerate(mission.robots)
         if robot.flies and mission.world.rows
     ]
-    found += find_unknown(mission, REAL_ROBOTS)
+    yield from told_once(mission, flying, _remedy(mission, ROBOTARIUM))
+
+
+def _rules_of_real_robots(mission: Mission, who: str) -> Iterator[Problem]:
+    """Return which keys of a mission in steps `who` does not know."""
+    yield from rules_not_played(mission)
+    remedy = _remedy(mission, who)
+    yield from told_once(mission, find_unknown(mission, who, is_surprise=True), remedy)
+    yield from told_once(mission, find_unknown(mission, who), remedy)
+
+
+def _remedy(mission: Mission, who: str) -> Callable[[str], str]:
+    """Return what is told after what a mission has that `who` does not know, by key."""
+    verbs = _verbs_for(mission)
 
     def rest(key: str) -> str:
-        return f"which {REAL_ROBOTS} do not know; drop {key}, or use {verbs}"
+        what = "write one number" if key == "duration" else f"drop {key}"
+        return (
+            f"which {who} {'does' if who == ROBOTARIUM else 'do'} not know; {what}, or use {verbs}"
+        )
 
-    yield from told_once(mission, found, rest)
+    return rest
 
 
 def _problems_of_end(mission: Mission) -> Iterator[Problem]:

@@ -14,7 +14,7 @@ REQUIRED: Final = "must be there"
 FIRST_VERSION = "0.1.0"
 
 STEPS, CONTINUOUS = "steps", "continuous time"
-REAL_ROBOTS = "fleets and the Robotarium"
+FLEETS, ROBOTARIUM = "fleets of processes", "the Robotarium"
 BEFOREHAND = "plans made beforehand"
 """Who may not know a key."""
 

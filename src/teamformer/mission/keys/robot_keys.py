@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import CONTINUOUS, REAL_ROBOTS, Key, Unknown
+from teamformer.mission.keys.key import CONTINUOUS, FLEETS, ROBOTARIUM, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     LATEST_RETURN,
@@ -25,7 +25,7 @@ MOST_ALIKE = 1000
 """Robots that one entry of a file stands for."""
 
 NOT_KNOWN = "([what is not known](mission/unknown.md))"
-SURPRISES = (REAL_ROBOTS,)
+SURPRISES = (FLEETS, ROBOTARIUM)
 
 BREAKS_KEYS = (
     Key(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, REAL_ROBOTS, Key, Unknown
+from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, ROBOTARIUM, Key, Unknown
 from teamformer.mission.keys.kinds import (
     Chances,
     Counts,
@@ -17,7 +17,7 @@ from teamformer.mission.keys.kinds import (
     Time,
     Window,
 )
-from teamformer.mission.keys.robot_keys import NOT_KNOWN, SURPRISES
+from teamformer.mission.keys.robot_keys import NOT_KNOWN
 
 SMALLEST_WEIGHT, LARGEST_WEIGHT = 1e-3, 1e6
 """Of the weights of a cost and of tasks: they are told apart however far apart they are."""
@@ -51,7 +51,9 @@ TASK_KEYS = (
         f"`[least, most]` {NOT_KNOWN}",
         default=0,
         label="Duration, steps",
-        unknown=Unknown(SURPRISES, "has an uncertain duration", is_surprise=True, field="lasts"),
+        unknown=Unknown(
+            (ROBOTARIUM,), "has an uncertain duration", is_surprise=True, field="lasts"
+        ),
     ),
     Key(
         "appears",
@@ -69,7 +71,7 @@ TASK_KEYS = (
         default=None,
         without="it never is",
         label="Called off in step",
-        unknown=Unknown((CONTINUOUS, BEFOREHAND, REAL_ROBOTS), "is cancelled"),
+        unknown=Unknown((CONTINUOUS, BEFOREHAND, ROBOTARIUM), "is cancelled"),
     ),
     Key(
         "after",
@@ -77,7 +79,7 @@ TASK_KEYS = (
         f"names of tasks that must have ended before this one begins {CONTINUOUS_TIME}",
         default=(),
         without="none",
-        unknown=Unknown((REAL_ROBOTS,), "has after"),
+        unknown=Unknown((ROBOTARIUM,), "has after"),
     ),
     Key(
         "between",
@@ -87,7 +89,7 @@ TASK_KEYS = (
         default=None,
         without="any time",
         example=[0, 20],
-        unknown=Unknown((REAL_ROBOTS,), "has between"),
+        unknown=Unknown((ROBOTARIUM,), "has between"),
     ),
     Key(
         "starts",
@@ -120,7 +122,7 @@ TASK_KEYS = (
         default={},
         without="nothing",
         example={"weld": 0.4},
-        unknown=Unknown(SURPRISES, "has uncertain needs", is_surprise=True),
+        unknown=Unknown((ROBOTARIUM,), "has uncertain needs", is_surprise=True),
     ),
     Key(
         "within",
@@ -130,7 +132,7 @@ TASK_KEYS = (
         default=0.0,
         without="0: it is at `at`",
         label="Within (cells or m)",
-        unknown=Unknown(SURPRISES, "has an uncertain place", is_surprise=True),
+        unknown=Unknown((ROBOTARIUM,), "has an uncertain place", is_surprise=True),
     ),
     Key(
         "weight",

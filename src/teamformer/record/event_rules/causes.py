@@ -12,6 +12,9 @@ from teamformer.world.rules.constants import NOBODY
 FROM_OUTSIDE = ("lost", "back", "appear", "cancel")
 """Events without a cause."""
 
+AT_ONCE = ("plan", "walk", "form", "serve", "know", "broken")
+"""Events that happen as soon as what they hang on."""
+
 PARTS = ("formed", "lift", "unload", "done", "overdue")
 """Events that hang on the part of work that was begun last."""
 
@@ -25,6 +28,9 @@ def judge_cause(now: Standing, event: Event) -> None:
     if due != event.cause:
         by_rules, said = (_named(now, number) for number in (due, event.cause))
         need(False, f"{event.kind} hangs on {by_rules} by the rules and on {said} in the record")
+    if event.kind in AT_ONCE:
+        begun = 0.0 if due == NOBODY else now.events[due].at
+        need(begun == event.at, f"{event.kind} is due at {begun:.9g}")
 
 
 def _cause_of(now: Standing, event: Event) -> int:

@@ -100,7 +100,7 @@ def found(now: Standing, event: Event) -> None:
     need(task in now.appeared and task not in now.over, f"{name} cannot be seen")
     need(event.place == real, f"{name} is at {now.names.place(real)}")
     need(now.sees(robot, real), f"{now.names.robot(robot)} is too far away from {name}")
-    if now.believed[task] != real:
+    if now.believed[task] != real and "start" not in now.news:
         now.news["task found"] = None
     del now.maybe[task], now.believed[task]
 
@@ -112,7 +112,8 @@ def moved(now: Standing, event: Event) -> None:
     need(task in now.maybe, f"where {name} is is known already")
     assert place is not None, "it has been read"
     need(place in now.maybe[task], f"{name} cannot be at {now.names.place(place)}")
-    seen = [robot for robot in now.events[event.cause].robots if event.cause != NOBODY]
+    is_start = event.cause == NOBODY
+    seen = range(len(now.robots)) if is_start else now.events[event.cause].robots
     was = now.believed[task]
     looked = any(now.sees(robot, was) and not now.sees(robot, place) for robot in seen)
     need(looked, f"nobody has looked at {now.names.place(was)}, where {name} was believed")

@@ -37,8 +37,8 @@ def take_plan(now: Standing, event: Event) -> None:
         have = total(now.mission.robots[robot].can for robot in robots)
         lacks = missing(have, sure)
         need(not robots or not lacks, f"the plan's team of {name} lacks {describe(lacks)}")
-        need(end is None or end >= now.now or is_near(end, now.now),
-                   f"the plan expects {name} to end at {end:g}")  # fmt: skip
+        due = now.now if end is None else end
+        need(due >= now.now or is_near(due, now.now), f"the plan expects {name} to end at {due:g}")
     now.go_by(plan)
     now.news = {}
     now.plans += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -35,6 +36,9 @@ class Sighting:
     lost: tuple[int, ...] = ()
     back: tuple[int, ...] = ()
     heard: tuple[tuple[int, int, str], ...] = ()
+    shown: tuple[int, ...] = ()  # tasks whose needs have become known
+    found: tuple[int, ...] = ()  # tasks whose place has become known
+    moved: tuple[TaskAt, ...] = ()  # tasks that are believed elsewhere
 
 
 class SnapshotWriter:
@@ -80,6 +84,9 @@ class SnapshotWriter:
             heard=seen.heard,
             taken=tuple(taken.items()),
             left=seen.left,
+            shown=seen.shown,
+            found=seen.found,
+            moved=seen.moved,
         )
         return self._seen.add(self.steps, made, mission)
 
@@ -94,10 +101,16 @@ def fleet_record(
     status: str,
     seed: int = 0,
     blocked_tasks: tuple[str, ...] = (),
+    truth: Mission | None = None,
 ) -> Record:
-    """Return the record of what was seen of a fleet; a completed one ends with its last task."""
+    """Return the record of what was seen of a fleet; a completed one ends with its last task.
+
+    `truth` is what an uncertain mission really was, where that is known.
+    """
     if status == "completed":
-        steps = steps[: max((n for n, step in enumerate(steps, start=1) if step.done), default=0)]
+        ends = [n for n, step in enumerate(steps, start=1) if step.done]
+        off = (task.cancelled for task in mission.tasks if task.cancelled is not None)
+        steps = steps[: max([*ends, *(math.ceil(at) for at in off)], default=0)]
     made = len(steps)
     return Record(
         mission=replace(mission, teams=()),
@@ -106,6 +119,7 @@ def fleet_record(
         orders=((0, tuple(k for k, task in enumerate(mission.tasks) if task.appears == 0)),),
         start=tuple((robot, (robot,), *at.at) for robot, at in enumerate(mission.robots)),
         steps=tuple(steps),
+        truth=truth,
         end=Ending(
             status=status,
             makespan=made if status == "completed" else None,

@@ -3,6 +3,7 @@
 import { ringColour, taskColour } from "./draw/palette.js";
 import { robotSpot } from "./draw/shapes.js";
 import { needsThatFit, taskBox } from "./draw/tasks.js";
+import { shownMoment } from "./panel/playback.js";
 import { curvesOf } from "./record/over_time.js";
 import { NOBODY } from "./record/state.js";
 import { describeDoing, robotName, taskName } from "./record/words.js";
@@ -12,6 +13,9 @@ export function lookInto(/** @type {App} */ app) {
   return Object.freeze({
     get step() {
       return app.player.step;
+    },
+    get moment() {
+      return app.history.isContinuous ? shownMoment(app, app.player.step) : String(app.player.step);
     },
     get last() {
       return app.history.last;

@@ -87,7 +87,7 @@ class Course:
         for robot in range(len(self.mission.robots)):
             self.world.sense(robot)
         happened = self.world.take_happened()
-        happened.news = {"start": None}
+        happened.news = {"start": None}  # what is seen at once is known to the first plan
         self._act(happened)
 
     def go_on(self) -> None:
@@ -190,7 +190,8 @@ class Course:
     def _follow(self, plan: Plan, known: Known) -> None:
         """Go by a plan that was made because of the news of a moment."""
         refuse_unfit(known, plan)
-        plan, world = replace(plan, why=known.news), self.world
+        coalitions = tuple(tuple(sorted(robots)) for robots in plan.coalitions)
+        plan, world = replace(plan, why=known.news, coalitions=coalitions), self.world
         ends = plan.ends or (None,) * len(plan.order)
         rows = map(PlannedTask, plan.order, plan.coalitions, ends)
         cause = NOBODY if not world.events else world.cause_among([])
@@ -201,7 +202,7 @@ class Course:
             self._hold_links(known)
 
     def _hold_links(self, known: Known | None = None) -> None:
-        """TeamWork out from when on linked tasks may begin."""
+        """Work out from when on linked tasks may begin."""
         known = self.known() if known is None else known
         open_tasks, there = set(known.open_tasks), set(known.robots)
         order = [task for task in self.follower.order if task in open_tasks]
@@ -297,14 +298,19 @@ class Course:
         is_open = release_of(world.truth.tasks[task]) <= world.now
         return is_open and world.over.keys() >= set(self._before.get(task, ()))
 
-    def _serve(self, task: int) -> None:
-        """Have a task served by its team; what it has waited for last is the cause."""
+    def _serve(self, task: int, is_held: bool = True) -> None:
+        """Have a task served by its team; what it has waited for last is the cause.
+
+        If that is none of what is physically so, it `is_held` by a link of its start.
+        """
         world, team = self.world, self._team(task)
         causes = [world.bodies[robot].since for robot in team]
         causes += [world.over[other] for other in self._before.get(task, ())]
         causes += [*self._opened(task), self._plan_now()]
-        if task in self.links.linked and world.events[max(causes)].at < world.now:
+        is_held = is_held and task in self.links.linked
+        if is_held and world.events[max(causes)].at < world.now:
             cause = self.links.cause(world, task, self.follower.robots_of)
+            cause = self.follower.event if cause == NOBODY else cause  # the plan has foreseen it
             causes.append(world.tell("opens", (), task, cause))
         world.serve(task, team, world.cause_among(causes))
 
@@ -338,7 +344,7 @@ class Course:
             return
         for task in self.follower.order:
             if self._is_complete(task) and self._is_released(task):
-                self._serve(task)
+                self._serve(task, is_held=False)  # nobody can keep the link any more
                 return
         if self._is_over():
             self._end(COMPLETED)

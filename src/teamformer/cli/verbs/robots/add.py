@@ -4,29 +4,21 @@ from __future__ import annotations
 
 import math
 import secrets
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.console import out, say
-from teamformer.cli.verbs.robots.mesh import FleetAt, dial_as_operator, read_fleet_mission
+from teamformer.cli.verbs.robots.mesh import FleetAt, read_fleet_mission, say_until_accepted
 from teamformer.mission.parts.capabilities import exact, is_exact
 
 if TYPE_CHECKING:
     from teamformer.fleet.fleet_mission import FleetMission
     from teamformer.fleet.messages import TaskFact
-    from teamformer.fleet.operator import Operator
 
 MOST_NEEDED = 1000
 """Of one capability, by a task that an operator adds."""
-
-PATIENCE = 20.0
-"""Seconds until the operator gives up."""
-
-SILENCE = 2.0
-"""Seconds without an answer after which that is said."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +37,7 @@ def add(path: Path, new: AddedTask, fleet: FleetAt) -> int:
     from teamformer.fleet.operator import Operator
 
     operator = Operator(_task(new, mission), mission.robots)
-    _offer(operator, mission, fleet)
+    say_until_accepted(operator, mission, fleet)
     robots = mission.source.robots
     holders = ", ".join(robots[robot].name for robot in sorted(operator.holders))
     if operator.is_accepted:
@@ -56,33 +48,6 @@ def add(path: Path, new: AddedTask, fleet: FleetAt) -> int:
     if not holders:
         say("hint: MISSION and --keys have to be the fleet's")
     return 1
-
-
-def _offer(operator: Operator, mission: FleetMission, fleet: FleetAt) -> None:
-    """Offer a task until it is accepted or patience ends."""
-    from teamformer.fleet.messages import OPERATOR
-    from teamformer.fleet.operator import AGAIN
-
-    transport, post = dial_as_operator(mission, fleet)
-    begun, told = time.monotonic(), frozenset[int]()
-    is_silence_told = False
-    try:
-        while not operator.is_accepted and time.monotonic() < begun + PATIENCE:
-            notice = operator.offer()
-            transport.send(notice.to, post.seal(OPERATOR, notice))
-            for data in transport.receive(AGAIN):
-                message, _ = post.judge(data)
-                if message is not None:
-                    operator.hear(message)
-            new, told = operator.holders - told, frozenset(operator.holders)
-            if new:
-                names = ", ".join(mission.source.robots[robot].name for robot in sorted(new))
-                say(f"heard by {names}")
-            if not told and not is_silence_told and time.monotonic() > begun + SILENCE:
-                is_silence_told = True
-                say(f"no robot has answered yet; trying for {PATIENCE:.0f} s")
-    finally:
-        transport.close()
 
 
 def _task(new: AddedTask, mission: FleetMission) -> TaskFact:

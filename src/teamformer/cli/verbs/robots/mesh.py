@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.base.extras import require
+from teamformer.cli.terminal.console import say
 from teamformer.files.mission_files import read_mission
-from teamformer.mission.checks.rules import rules_of_simulated_missions
+from teamformer.mission.checks.rules import rules_of_fleets
 
 if TYPE_CHECKING:
     from teamformer.fleet.fleet_mission import FleetMission
     from teamformer.fleet.messages import Post
+    from teamformer.fleet.operator import Operator
     from teamformer.fleet.transports.zenoh_mesh import ZenohTransport
 
 
@@ -24,6 +27,13 @@ class FleetAt:
     keys: Path | None = None
 
 
+PATIENCE = 20.0
+"""Seconds until an operator gives up."""
+
+SILENCE = 2.0
+"""Seconds without an answer after which that is said."""
+
+
 def read_fleet_mission(path: Path, *libraries: str) -> FleetMission:
     """Read a mission as a fleet's agents have it.
 
@@ -33,7 +43,7 @@ def read_fleet_mission(path: Path, *libraries: str) -> FleetMission:
     require("fleet", "msgspec", *libraries)
     from teamformer.fleet.fleet_mission import FleetMission
 
-    mission = read_mission(path, rules_of_simulated_missions)
+    mission = read_mission(path, rules_of_fleets)
     return FleetMission(mission, mission.seconds_a_step)
 
 
@@ -61,3 +71,30 @@ def dial_as_operator(mission: FleetMission, fleet: FleetAt) -> tuple[ZenohTransp
         mission.number, OPERATOR, None, [fleet.endpoint], certificates=keys.certificates
     )
     return transport, post
+
+
+def say_until_accepted(operator: Operator, mission: FleetMission, fleet: FleetAt) -> None:
+    """Say what an operator has to say until it is accepted or patience ends."""
+    from teamformer.fleet.messages import OPERATOR
+    from teamformer.fleet.operator import AGAIN
+
+    transport, post = dial_as_operator(mission, fleet)
+    begun, told = time.monotonic(), frozenset[int]()
+    is_silence_told = False
+    try:
+        while not operator.is_accepted and time.monotonic() < begun + PATIENCE:
+            notice = operator.offer()
+            transport.send(notice.to, post.seal(OPERATOR, notice))
+            for data in transport.receive(AGAIN):
+                message, _ = post.judge(data)
+                if message is not None:
+                    operator.hear(message)
+            new, told = operator.holders - told, frozenset(operator.holders)
+            if new:
+                names = ", ".join(mission.source.robots[robot].name for robot in sorted(new))
+                say(f"heard by {names}")
+            if not told and not is_silence_told and time.monotonic() > begun + SILENCE:
+                is_silence_told = True
+                say(f"no robot has answered yet; trying for {PATIENCE:.0f} s")
+    finally:
+        transport.close()

@@ -80,6 +80,8 @@ class Nav2Body:
         """Take up a command, and see to it that the robot pursues it."""
         if command.serve != self._command.serve or command.task != self._command.task:
             self._began = time.monotonic() if command.serve else None
+            if self._service is not None and command.serve:
+                self._service.forget(self._task(command))
         self._command = command
         self._pursue()
 
@@ -98,7 +100,8 @@ class Nav2Body:
         if self._markers is not None:
             self._markers.show(at, self._command)
         x, y = self._place(at)
-        return Report(x, y, self._command.leg, self._is_served(), False, self._where.count)
+        report = Report(x, y, self._command.leg, number=self._where.count)
+        return report._replace(has_served=self._has_served())
 
     def close(self) -> None:
         """Stop the robot and leave the graph."""
@@ -165,15 +168,17 @@ class Nav2Body:
     def _place(self, at: tuple[float, float]) -> Place:
         return self._arrived if self._arrived is not None else place_of(self._world, *at)
 
-    def _is_served(self) -> bool:
+    def _has_served(self) -> bool:
         """Say whether it has served for as long as the task takes, or its robot says that."""
         command = self._command
         if not command.serve or self._began is None:
             return False
         if self._service is None:
             return time.monotonic() - self._began >= command.duration
-        name = self._names.get(command.task, str(command.task))
-        return self._service.is_done(name, command.team, command.duration)
+        return self._service.is_done(self._task(command), command.team, command.duration)
+
+    def _task(self, command: Command) -> str:
+        return self._names.get(command.task, str(command.task))
 
     def _pose(self, at: tuple[float, float], yaw: float) -> PoseStamped:
         stamp = self._graph.node.get_clock().now().to_msg()
@@ -201,6 +206,10 @@ class ServeCaller:
         graph.node.create_subscription(String, f"{topic}/done", self._take, 10)
         self._done: set[str] = set()
         self._sent = float("-inf")
+
+    def forget(self, task: str) -> None:
+        """Forget that the robot has served a task: it is to do so again."""
+        self._done.discard(task)
 
     def is_done(self, task: str, team: int, duration: float) -> bool:
         """Say whether the robot has served a task; tell it to if it has not."""

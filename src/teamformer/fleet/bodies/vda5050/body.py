@@ -2,11 +2,11 @@
 
 A leg is an order of two nodes, where the vehicle is and where it is to go; it is sent again until
 the vehicle's state shows it, and the order before is cancelled first. Serving is an instant action.
-A task counts as done when the vehicle has finished that action.
+Its part of the task is over when the vehicle has finished that action.
 
 A load is an order of its own: `pick` where the vehicle is, the way at the pace of its team, and
-`drop` where the load is to be brought. Its task counts as done when the vehicle has dropped it. If
-it is told to stop on its way, that order is cancelled and another one has it drop the load there.
+`drop` where the load is to be brought. Its part is over when the vehicle has dropped it. If it is
+told to stop on its way, that order is cancelled and another one has it drop the load there.
 
 What has failed is told again under another name. If it goes on failing, or the vehicle shows
 nothing of it, the vehicle is unfit for a while. It also is where nobody knows where it is.
@@ -81,7 +81,7 @@ class Vda5050Body:
             self._pursue()
             leg = self._command.leg if self._is_on_it() else -1
             taken = self._watch.taken
-            report = Report(*self._place(at), leg, self._is_served(), False, taken)
+            report = Report(*self._place(at), leg, number=taken, has_served=self._has_served())
             if self._load is not None:
                 has = self._held is not None and self._is_bringing()
                 report = report._replace(carries=has, load=self._lies)
@@ -230,7 +230,7 @@ class Vda5050Body:
             return False
         return order == service.name or order.startswith(f"{service.name}-{DROP}")
 
-    def _is_served(self) -> bool:
+    def _has_served(self) -> bool:
         is_it = self._service is not None and self._service.name == self._served
         return self._command.serve and is_it
 
@@ -238,7 +238,7 @@ class Vda5050Body:
         """Return where it is; who has driven its order and is near the goal is there."""
         goal = self._command.place
         if self._is_bringing() and self._load is not None:
-            goal = self._load.to if self._is_served() else None
+            goal = self._load.to if self._has_served() else None
         if goal is None or self._state.is_driving or not self._is_on_it():
             return at
         return goal if math.dist(at, goal) <= NEAR else at

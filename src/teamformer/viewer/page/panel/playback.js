@@ -26,7 +26,7 @@ function timeOf(/** @type {App} */ app) {
 }
 
 // A moment in continuous time; a record ends within its last tick.
-function shownMoment(/** @type {App} */ { history }, step) {
+export function shownMoment(/** @type {App} */ { history }, step) {
   const { last, until = last, mission } = history;
   return describeMoment(mission.world, step === last ? until : step);
 }

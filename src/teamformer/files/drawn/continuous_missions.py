@@ -1,0 +1,190 @@
+"""Families of missions in continuous time: `roads`, on the lanes of sites, and `clock`.
+
+Those of `clock` are on a plane and have each key that plans in continuous time know: order,
+windows, linked starts, loads, forming, ways home, tasks that appear, a cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+
+from teamformer.base.errors import MissionError
+from teamformer.files.drawn.site_graphs import CART, draw_hospital, draw_warehouse
+from teamformer.mission.checks.windows import find_hopeless_windows
+from teamformer.mission.model import Mission, Robot, Task, World
+from teamformer.mission.parts.capabilities import total
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.roads import GROUND
+
+CAPABILITIES = ("carry", "clean", "scan", "steer")
+ROBOTS, TASKS = (6, 12), (15, 40)
+"""How many there are, ends included."""
+
+TWO_ABILITIES, TWO_NEEDS, TWICE = 0.4, 0.4, 0.2
+"""Shares of robots that can two things, of tasks that need two, and of needs for two robots."""
+
+SPEEDS = (1.0, 1.0, 0.5)
+DURATION = (0.0, 30.0)
+
+WIDTH, HEIGHT = 60.0, 40.0
+"""Metres of the plane of `clock`."""
+
+BEHIND, DUE, LINKED, LOADED, LATE = 0.25, 0.3, 0.15, 0.2, 0.15
+"""Shares of the tasks: after others, with a window, linked, with a load, and that appear."""
+
+OPENS, LASTS = (0.0, 90.0), (30.0, 300.0)
+"""Seconds at which windows open, and for which they do besides the task itself."""
+
+
+@dataclass(frozen=True)
+class ContinuousFamily:
+    """How missions of a family are drawn, and how large they are at most."""
+
+    draw: Callable[[np.random.Generator, str], Mission]
+    robots: int = ROBOTS[1]
+    capabilities: int = len(CAPABILITIES)
+
+
+def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission of a hospital or of a warehouse; robots that carry may be carts."""
+
+    def draw() -> Mission:
+        graph = draw_hospital(rng) if rng.random() < 0.5 else draw_warehouse(rng)
+        world = graph.roads()
+        places = [world.at(place) for place in world.places]
+        starts = [places[k] for k in rng.permutation(len(places))[:3].tolist()]
+        robots = [
+            replace(robot, moves=CART if "carry" in robot.can and rng.random() < 0.5 else GROUND)
+            for robot in _draw_robots(rng, starts)
+        ]
+        tasks = _draw_tasks(rng, robots, places)
+        tasks = _with_windows(rng, _in_order(rng, tasks))
+        return _mission(name, world, robots, tasks)
+
+    return _first_sound(draw)
+
+
+def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission with every key that plans in continuous time know."""
+
+    def draw() -> Mission:
+        world = Plane(WIDTH, HEIGHT)
+        starts = [_spot(rng) for _ in range(2)]
+        robots = _draw_robots(rng, starts)
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        tasks = [_with_load(rng, task) for task in tasks]
+        tasks = _linked(rng, tasks, total(robot.can for robot in robots))
+        tasks = _with_windows(rng, _in_order(rng, tasks))
+        late = [replace(t, appears=int(rng.integers(1, 90))) for t in tasks]
+        tasks = [late[n] if rng.random() < LATE else task for n, task in enumerate(tasks)]
+        more = {
+            "forming": float(rng.integers(0, 5)),
+            "ends": "home" if rng.random() < 0.5 else None,
+        }
+        cost = {"makespan": 1.0, "tardiness": 2.0, "travel": 0.05}
+        mission = _mission(name, world, robots, tasks)
+        return replace(mission, cost=cost if rng.random() < 0.5 else None, **more)  # type: ignore[arg-type]
+
+    return _first_sound(draw)
+
+
+CONTINUOUS_FAMILIES = {
+    "roads": ContinuousFamily(draw_on_roads),
+    "clock": ContinuousFamily(draw_by_the_clock),
+}
+
+
+def _first_sound(draw: Callable[[], Mission]) -> Mission:
+    """Return the first mission that can be done, and whose windows can be kept."""
+    for _ in count():
+        try:
+            mission = draw()
+        except MissionError:  # as where linked tasks want more robots than there are
+            continue
+        if not any(find_hopeless_windows(mission)):
+            return mission
+    raise AssertionError
+
+
+def _mission(name: str, world: World, robots: Sequence[Robot], tasks: Sequence[Task]) -> Mission:
+    return Mission(name, world, CAPABILITIES, tuple(robots), tuple(tasks), time="continuous")
+
+
+def _spot(rng: np.random.Generator) -> Place:
+    return round(float(rng.uniform(0, WIDTH)), 1), round(float(rng.uniform(0, HEIGHT)), 1)
+
+
+def _draw_robots(rng: np.random.Generator, starts: Sequence[Place]) -> list[Robot]:
+    """Return robots; every capability is dealt out once before any is again."""
+    robots, deck = [], list[str]()
+    for number in range(int(rng.integers(ROBOTS[0], ROBOTS[1] + 1))):
+        can: list[str] = []
+        while len(can) < 1 + (rng.random() < TWO_ABILITIES):
+            deck = deck or rng.permutation(CAPABILITIES).tolist()
+            cap = deck.pop()
+            can += [cap] if cap not in can else []
+        at, speed = starts[int(rng.integers(len(starts)))], float(rng.choice(SPEEDS))
+        robots.append(
+            Robot(f"r{number}", at, {cap: 1 for cap in CAPABILITIES if cap in can}, speed)
+        )
+    return robots
+
+
+def _draw_tasks(
+    rng: np.random.Generator, robots: Sequence[Robot], places: Sequence[Place]
+) -> list[Task]:
+    have, tasks = total(robot.can for robot in robots), []
+    for number in range(int(rng.integers(TASKS[0], TASKS[1] + 1))):
+        chosen = rng.permutation(sorted(have))[: 1 + (rng.random() < TWO_NEEDS)].tolist()
+        needs = {c: 2 if have[c] > 1 and rng.random() < TWICE else 1 for c in sorted(chosen)}
+        at, takes = places[int(rng.integers(len(places)))], float(rng.uniform(*DURATION))
+        tasks.append(Task(f"t{number}", at, needs, round(takes, 1)))
+    return tasks
+
+
+def _in_order(rng: np.random.Generator, tasks: Sequence[Task]) -> list[Task]:
+    """Let some tasks come after an earlier one that they are not linked with."""
+    ordered = list(tasks)
+    for number in range(1, len(tasks)):
+        other = tasks[int(rng.integers(number))]
+        is_linked = tasks[number].starts or any(other.name in task.starts for task in tasks)
+        if rng.random() < BEHIND and not is_linked and not other.starts:
+            ordered[number] = replace(tasks[number], after=(other.name,))
+    return ordered
+
+
+def _with_windows(rng: np.random.Generator, tasks: Sequence[Task]) -> list[Task]:
+    """Give some tasks that are neither linked nor after others a window."""
+    changed = []
+    for task in tasks:
+        begin, length = round(float(rng.uniform(*OPENS)), 1), float(rng.uniform(*LASTS))
+        is_due = rng.random() < DUE and not task.after
+        between = (begin, round(begin + task.duration + task.unload + length, 1))
+        changed.append(replace(task, between=between) if is_due else task)
+    return changed
+
+
+def _with_load(rng: np.random.Generator, task: Task) -> Task:
+    if "carry" not in task.needs or rng.random() >= LOADED / TWO_NEEDS:
+        return task
+    return replace(task, to=_spot(rng), unload=round(float(rng.uniform(0, 10)), 1))
+
+
+def _linked(
+    rng: np.random.Generator, tasks: Sequence[Task], have: Mapping[str, float]
+) -> list[Task]:
+    """Let some tasks start so long after the one before them, where robots suffice for both."""
+    linked = list(tasks)
+    for number in range(1, len(tasks), 2):
+        one, other = tasks[number], tasks[number - 1]
+        both = total([one.needs, other.needs])
+        if all(have[cap] >= n for cap, n in both.items()) and rng.random() < 2 * LINKED:
+            least = round(float(rng.uniform(0, 10)), 1)
+            gap = (least, round(least + float(rng.uniform(0, 20)), 1))
+            linked[number] = replace(one, starts={other.name: gap})
+    return linked

@@ -1,0 +1,52 @@
+"""Missions in continuous time come to an end, keep promises, and are legal for the referee."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import strategies as st
+
+from clock_missions import RandomPlans, draw_mission
+from clock_promises import check_promises
+from missions import continuous_missions
+from teamformer.base.errors import TeamformerError
+from teamformer.files.mission_files import mission_from_tree, mission_to_tree
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.rules import plan_continuous
+from teamformer.record.referee import judge
+from teamformer.trials.trial import run_trial
+from watching import fuzzed
+
+NEAR = 1e-9
+RUN = "run FILE --seed {seed}"
+SEEDS = st.integers(0, 10**6)
+"""Of what happens, and of plans at random."""
+
+DRAWN = SEEDS.map(lambda seed: mission_to_tree(draw_mission(seed)))
+
+
+@fuzzed(25, "run FILE", mission=continuous_missions())
+def test_a_run_takes_as_long_as_its_plan(mission: Any) -> None:
+    source = mission_from_tree(mission)
+    try:
+        made = plan_continuous(pose_mission(source), "plan", 0)
+        record = run_trial(source, SharedPlan()).record
+    except TeamformerError:  # linked tasks without enough robots, which no check foresees
+        return
+    assert made is not None
+    if all(task.appears == 0 for task in source.tasks):
+        assert record.end.makespan == pytest.approx(made.makespan, rel=NEAR, abs=NEAR)
+        assert record.end.broken_links == ()
+    check_promises(source, record.true_mission, record.events)
+
+
+@fuzzed(40, RUN, mission=DRAWN, seed=SEEDS)
+def test_plans_at_random_come_to_an_end_and_are_legal(mission: Any, seed: int) -> None:
+    source = mission_from_tree(mission)
+    record = run_trial(source, RandomPlans(seed), seed).record
+    assert record.end.status in ("completed", "infeasible")
+    check_promises(record.mission, record.true_mission, record.events)
+    if record.end.status == "completed":
+        assert judge(record).findings == ()

@@ -91,7 +91,7 @@ GOOD = (
 WRONG = (
     {"do": "dance"},
     {},
-    {"do": "speed", "speed": 0.05},
+    {"do": "speed", "speed": 0},
     {"do": "speed"},
     {"do": "happen"},
     {"do": "happen", "weighs": "a"},

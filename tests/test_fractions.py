@@ -189,7 +189,7 @@ def test_an_operators_task_may_be_finer_than_what_robots_bring() -> None:
     message = {"task": {"at": [5, 0], "needs": {"lift": 7.401}, "name": "more"}}
     more = read_incident(message, run.source)
     assert more == NewTask((5, 0), {"lift": 7.401}, "more")
-    assert more.text() == "task more at [5, 0] that needs 7.401 x lift"
+    assert more.text(run.source) == "task more at [5, 0] that needs 7.401 x lift"
     run.happen(more)
     while run.is_running:
         run.step()

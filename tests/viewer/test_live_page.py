@@ -470,7 +470,7 @@ def test_what_is_saved_is_not_asked_about(opened: Opened) -> None:
     wait_for(opened, "#notice", "record.json")
     step_to(opened, 2, begun=1)
     page.click("text=Restart …")
-    assert "since it was saved last is gone" in page.inner_text("#mission .question")
+    assert "since the last save is lost" in page.inner_text("#mission .question")
 
 
 def test_a_silent_server_is_no_server(browser: Any, tmp_path: Path) -> None:

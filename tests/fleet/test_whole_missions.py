@@ -39,6 +39,7 @@ from teamformer.fleet.rehearsal.trace import (
 from teamformer.mission.checks.rules import rules_of_fleets
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
+from teamformer.record.referee import judge as judge_record
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -129,6 +130,7 @@ def test_who_flies_goes_over_walls_and_meets_who_walks() -> None:
     assert dict(plan_of(fleet).stops) == {0: (0,), 1: (0, 1)}
     rehearsal, outcome, trace = rehearse(flown())
     assert outcome.status == "ended"
+    assert judge_record(record_of(rehearsal, outcome, trace.events, 0)).findings == ()
     flights = [e.points for e in trace.events if isinstance(e, Walked) and e.robot == 0]
     assert any((3, 1) in points for points in flights)
     assert all(e.robot == 0 or (3, 1) not in e.points for e in trace.events if type(e) is Walked)
@@ -161,6 +163,7 @@ def test_a_service_is_broken_off_when_its_task_is_called_off(
     assert all(8.0 <= at <= 8.0 + (4.0 if faults.loss else 0.3) for at in heard.values())
     record = record_of(rehearsal, outcome, trace.events, 0)
     assert record.mission.tasks[0].cancelled == 9
+    assert judge_record(record).findings == ()
     assert [task for step in record.steps for task, _ in step.done] == [1]
 
 
@@ -264,6 +267,7 @@ def test_a_task_is_looked_for_from_place_to_place() -> None:
         record = record_of(rehearsal, outcome, trace.events, seed)
         assert [step.found for step in record.steps if step.found] == [(0,)]
         assert record.true_mission.tasks[0].at == (at, 0)
+        assert judge_record(record).findings == ()
     keep(somewhere(), 20)
 
 

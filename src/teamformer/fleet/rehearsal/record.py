@@ -38,7 +38,10 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     by_key = {it.key: deed_of(number[it.key], truth, it.robots) for it in done}
     finished = ((event.at, event.task) for event in events if isinstance(event, Finished))
     deeds = deeds_by_step(finished, by_key, mission.step)
-    deeds += [[] for _ in range(len(deeds), math.ceil(outcome.end / mission.step))]
+    offs = (math.ceil(task.cancelled) for task in tasks if task.cancelled is not None)
+    off = max((at for at in offs if (at - 1) * mission.step <= outcome.end), default=0)
+    length = max(math.ceil(outcome.end / mission.step), off)
+    deeds += [[] for _ in range(len(deeds), length)]
     robots = _robots_of(rehearsal, deeds)
     source = replace(mission.source, tasks=tasks, robots=robots, teams=())
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))

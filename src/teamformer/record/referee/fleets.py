@@ -6,6 +6,7 @@ hold. Whoever did what, they must have been able to: to be there by then, and to
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -19,9 +20,10 @@ from teamformer.record.referee.differences import Wording
 from teamformer.record.referee.verdict import Notes
 from teamformer.record.referee.walking import LeastWalks
 from teamformer.record.snapshots.services_seen import ServicesSeen
+from teamformer.record.task_times import over_steps
 from teamformer.record.teams import Teams
 
-NEVER_WRITTEN = ("named", "took", "shown", "found", "moved", "pursued")
+NEVER_WRITTEN = ("named", "took", "pursued")
 """Kinds of rows that only steps have which are played by rules."""
 
 
@@ -30,11 +32,11 @@ class FleetSeen:
 
     def __init__(self, record: Record) -> None:
         self.done: dict[int, int] = {}  # task -> step
-        self._mission = record.mission
+        self._mission = record.true_mission
         self._teams = Teams(record.mission.robots, record.start)
         self._walks = LeastWalks(record.mission)
         self._words = Wording(record.mission)
-        self._lies = [task.at for task in record.mission.tasks]
+        self._lies = [task.at for task in record.true_mission.tasks]
         self._up: set[int] = set()
         self._steps = 0
 
@@ -97,7 +99,11 @@ class FleetSeen:
             yield f"says again where {words.led_by(row.slot)} is, which has not changed"
         if row.task is not None and self._mission.tasks[row.task].appears > self._steps:
             yield f"{words.led_by(row.slot)} heads for {words.task(row.task)} before that appears"
-        if not self._mission.world.is_free(at):
+        robots = [self._mission.robots[robot] for robot in teams.robots[row.slot]]
+        can_be = self._mission.world.is_free(at)
+        if all(robot.flies for robot in robots):
+            can_be = self._mission.world.is_inside(at)
+        if not can_be:
             yield f"{words.led_by(row.slot)} is at {words.place(at)}, where nobody can be"
             return
         for robot in teams.robots[row.slot]:
@@ -210,9 +216,9 @@ def _judge_form(record: Record, notes: Notes) -> None:
 
 def _judge_services(record: Record, notes: Notes) -> None:
     """Check who serves what: that follows from the rest."""
-    seen, due = ServicesSeen(record.mission), list[Step]()
+    seen, due = ServicesSeen(record.true_mission), list[Step]()
     for step in record.steps:
-        seen.add(due, replace(step, served=(), unloads=()), record.mission)
+        seen.add(due, replace(step, served=(), unloads=()), record.true_mission)
     words = Wording(record.mission)
     for notes.step, (said, found) in enumerate(zip(record.steps, due, strict=True), start=1):
         for kind in ("served", "unloads"):
@@ -227,10 +233,15 @@ def _judge_services(record: Record, notes: Notes) -> None:
 
 def _judge_ending(record: Record, seen: FleetSeen, notes: Notes) -> None:
     end, steps = record.end, record.steps
-    undone = [task.name for k, task in enumerate(record.mission.tasks) if k not in seen.done]
+    over = over_steps(record)
+    undone = [task.name for k, task in enumerate(record.mission.tasks) if k not in over]
     is_complete = end.status == "completed"
+    last = math.ceil(max(over.values(), default=0))
     facts = {
-        "makespan": (end.makespan, max(seen.done.values(), default=0) if is_complete else None),
+        "makespan": (
+            end.makespan,
+            last if is_complete else None,
+        ),
         "steps": (end.steps, len(steps)),
         "tasks_done": (end.tasks_done, len(seen.done)),
         "joins": (end.joins, sum(len(step.joins) for step in steps)),

@@ -34,13 +34,13 @@ class LeastWalks:
     def least(self, robot: int, places: Sequence[Place]) -> float:
         """Return after how many steps at least a robot can have been in all of some places."""
         one = self._mission.robots[robot]
-        apart = {place: self._length(one.at, place) for place in places}
+        apart = {place: self._length(one.at, place, one.flies) for place in places}
         length = 0.0
         while apart:
             near = min(apart, key=apart.__getitem__)
             length += apart.pop(near)
             for place in apart:
-                apart[place] = min(apart[place], self._length(near, place))
+                apart[place] = min(apart[place], self._length(near, place, one.flies))
         return length / self._mission.world.pace(one.speed) - WORDS_TAKE
 
     def fastest(self, one: Place, other: Place) -> float:
@@ -48,9 +48,9 @@ class LeastWalks:
         paces = (self._mission.world.pace(robot.speed) for robot in self._mission.robots)
         return self._length(one, other) / max(paces) - WORDS_TAKE
 
-    def _length(self, one: Place, other: Place) -> float:
+    def _length(self, one: Place, other: Place, flies: bool = False) -> float:
         """Return how long the way between two places is, in cells or metres."""
-        length, world = self._ways.length(one, other, flies=False), self._mission.world
+        length, world = self._ways.length(one, other, flies=flies), self._mission.world
         if isinstance(world, Plane):
             return max(0.0, length / MICROMETRES - 2 * world.arrival_radius)
         return length

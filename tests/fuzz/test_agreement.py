@@ -407,7 +407,7 @@ def test_outputs_of_live_sessions_agree(
 
 def _compare_page_of_the_moment(watching: Opened, mission: Any) -> None:
     """Compare tables, map and header with who is there, also before the step after an incident."""
-    texts = [it.text() for _, it in mission.incidents]
+    texts = [it.text(mission.source) for _, it in mission.incidents]
     watching.wait_until(f"window.teamformer.last === {mission.steps}")
     watching.wait_until(f"window.teamformer.incidents().length === {len(texts)}")
     watching.wait_until("window.teamformer.step === window.teamformer.last")

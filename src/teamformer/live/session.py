@@ -37,8 +37,8 @@ from teamformer.live.running.messages import (
 from teamformer.live.running.page_trees import (
     Tree,
     done_at_to_tree,
-    felt_at,
     forecast_to_tree,
+    happening_text,
     moment_text,
     news_of_move,
     record_so_far,
@@ -163,14 +163,14 @@ class Session:
         """
         self.mission.mission_with(incident)
         self._happening = incident
-        self._tell_planning(self._text_of(self.mission.now, incident))
+        self._tell_planning(happening_text(self.mission, self.mission.now, incident))
         try:
             await asyncio.to_thread(self.mission.happen, incident)
             self._autosave.happen(self.mission)
             self._planning = ""
-            text, source = self._text_of(*self.mission.incidents[-1]), self.mission.source
+            text = happening_text(self.mission, *self.mission.incidents[-1])
             record = self._record()
-            if source.time == "steps":
+            if self.mission.source.time == "steps":
                 record["steps"] = record["steps"][-1:]  # the earlier ones are as they were
             news = {"text": text, "is_loss": isinstance(incident, LostRobot), "record": record}
             self._tell_all("incident", news | self._state())
@@ -336,12 +336,6 @@ class Session:
             if moment != self._moment():
                 raise TeamformerError("the mission has gone on since then; plan anew")
             await self.happen(plan)
-
-    def _text_of(self, at: float, happening: Happening) -> str:
-        """Return what happened at a time, with when it is felt, as words."""
-        source = self.mission.source
-        when = moment_text(source, felt_at(source, at, happening))
-        return f"{when}: {happening.text(source)}"
 
     def _moment(self) -> Moment:
         return self.mission.now, self._changes

@@ -84,6 +84,12 @@ def moment_text(mission: Mission, at: float) -> str:
     return f"step {at:g}" if mission.time == "steps" else f"time {at:g}"
 
 
+def happening_text(mission: LiveMission, at: float, happening: Happening) -> str:
+    """Return what happens at a time, with when it is felt, as words."""
+    when = moment_text(mission.source, felt_at(mission.source, at, happening))
+    return f"{when}: {happening.text(mission.source)}"
+
+
 def record_so_far(record: Record, is_running: bool) -> Tree:
     """Return a record as a page reads it, also while its mission runs."""
     tree = record_to_tree(record)

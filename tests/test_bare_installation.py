@@ -43,6 +43,7 @@ CALLS: dict[str, tuple[tuple[str, ...], str]] = {
     "export .gif": (("export", "out/record.json", "out/record.gif"), "gif"),
     "fleet start": (("fleet", "start", MISSION), "fleet"),
     "fleet add": (("fleet", "add", MISSION, "t", "--at", "0,0", "--needs", "a", *ADDRESS), "fleet"),
+    "fleet cancel": (("fleet", "cancel", MISSION, "t", *ADDRESS), "fleet"),
     "fleet agent": (("fleet", "agent", MISSION, "r1"), "fleet"),
     "fleet rehearse": (("fleet", "rehearse", MISSION), "fleet"),
     "fleet watch": (("fleet", "watch", MISSION, *ADDRESS), "live"),

@@ -30,6 +30,7 @@ from teamformer.methods.by_name import load_method
 from teamformer.methods.listings import method_names
 from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.coordination import Coordinator
+from teamformer.record.event_rules.names import BrokenRuleError
 from teamformer.record.files.values import DamageError
 
 Kind = TypeVar("Kind")
@@ -45,6 +46,7 @@ ERRORS: list[Exception] = [
     WorkerDiedError("it died", "again"),
     TaskRefusedError("it is wrong", ("at", "needs")),
     OutOfReachError("too far"),
+    BrokenRuleError("it is served elsewhere"),
 ]
 
 

@@ -170,7 +170,15 @@ FORGERIES: dict[str, tuple[Callable[[Record], Record], str]] = {
     ),
     "found": (
         lambda it: with_step(it, 3, found=(0,)),
-        "step 3: has rows of found, which no fleet tells",
+        "step 3: where task t0 is was known before",
+    ),
+    "moved": (
+        lambda it: with_step(it, 3, moved=(TaskAt(0, 2, 0),)),
+        "step 3: where task t0 is was known before",
+    ),
+    "shown": (
+        lambda it: with_step(it, 3, shown=(0,)),
+        "step 3: what task t0 needs was known before",
     ),
     "heard twice": (
         lambda it: with_step(it, 3, heard=((0, 1, "beat"), (0, 1, "beat"))),

@@ -13,7 +13,7 @@ from teamformer.cli.app import AsJson, app, split_names
 
 @app.command()
 def methods() -> None:
-    """List the methods that --method can name."""
+    """List the methods by their names, as --method takes them."""
     from teamformer.cli.verbs.policies.listing import methods as command
 
     raise typer.Exit(command())

@@ -13,7 +13,7 @@ from teamformer.methods.coordinators.giving_out import GivesOutTasks
 from teamformer.methods.learned.any_fleet import any_fleet
 from teamformer.methods.learned.autoregressive import spelled_in
 from teamformer.methods.learned.combinations import combining
-from teamformer.methods.learned.dispatch.onnx_scorer import onnx_scorer
+from teamformer.methods.learned.dispatch.onnx_scorer import OnnxScorer
 from teamformer.methods.learned.onnx_sessions import read_network
 from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.coordination import Coordinator
@@ -95,7 +95,7 @@ def _combined(folder: Path, about: PolicyDescription) -> Policy:
 
 
 def _giving_out(folder: Path, about: PolicyDescription) -> Coordinator:
-    return GivesOutTasks(onnx_scorer(read_network(folder / NETWORK), str(folder / NETWORK)))
+    return GivesOutTasks(OnnxScorer(read_network(folder / NETWORK), str(folder / NETWORK)))
 
 
 RUNTIMES: dict[str, Callable[[Path, PolicyDescription], Policy | Coordinator]] = {

@@ -132,7 +132,7 @@ def _problems_of_robots(mission: Mission, apart: Sequence[int]) -> Iterator[Prob
     if len(apart) > len(mission.robots):
         message = f"{listed} are done by different robots, of which there are"
         yield Problem(where, f"{message} {len(mission.robots)}; add some or drop a link")
-    needs = total(tasks[number].needs for number in apart)
+    needs = total(tasks[number].worst_needs for number in apart)
     have = total(robot.can for robot in mission.robots)
     if not covers(have, needs):
         short = describe(missing(have, needs))

@@ -33,6 +33,8 @@ class FleetSeen:
     def __init__(self, record: Record) -> None:
         self.done: dict[int, int] = {}  # task -> step
         self._mission = record.true_mission
+        self._unseen_places = {k for k, task in enumerate(record.mission.tasks) if task.within}
+        self._unseen_needs = {k for k, task in enumerate(record.mission.tasks) if task.may_need}
         self._teams = Teams(record.mission.robots, record.start)
         self._walks = LeastWalks(record.mission)
         self._words = Wording(record.mission)
@@ -49,6 +51,7 @@ class FleetSeen:
             return
         yield from self._placed(step, before)
         yield from self._loads(step)
+        yield from self._learned(step)
         for task, slot in step.done:
             yield from self._did(task, slot, step)
         for kind in NEVER_WRITTEN:
@@ -142,6 +145,17 @@ class FleetSeen:
             else:
                 yield from self._unable(task, slot)
             self._up.add(task)
+
+    def _learned(self, step: Step) -> Iterator[str]:
+        """Say what becomes known that was known before."""
+        for task in (*(row.task for row in step.moved), *step.found):
+            if task not in self._unseen_places:
+                yield f"where task {self._words.task(task)} is was known before"
+        for task in step.shown:
+            if task not in self._unseen_needs:
+                yield f"what task {self._words.task(task)} needs was known before"
+        self._unseen_places -= set(step.found)
+        self._unseen_needs -= set(step.shown)
 
     def _did(self, task: int, slot: int | None, step: Step) -> Iterator[str]:
         """Say what is wrong with a task that was done, and note it."""

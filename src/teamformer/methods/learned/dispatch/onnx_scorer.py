@@ -12,19 +12,20 @@ from teamformer.methods.learned.onnx_sessions import OnnxNetwork, shipped
 NAME = "teamformer-tasks"
 
 
-def onnx_scorer(content: bytes, name: str) -> Scorer:
-    """Return the scorer that a network's file makes; raises `TeamformerError` for another file."""
-    network = OnnxNetwork(content, name, OFFER_INPUTS)
+class OnnxScorer:
+    """Scores offers by a network's file; raises `TeamformerError` for another file."""
 
-    def score(features: Array, count: Array) -> Array:
+    def __init__(self, content: bytes, name: str) -> None:
+        self._network = OnnxNetwork(content, name, OFFER_INPUTS)
+
+    def __call__(self, features: Array, count: Array) -> Array:
+        """Return the scores of offers, as (rows, most offers) float64."""
         is_offer = np.arange(MOST_OFFERS) < count[:, None]
-        [scores] = network(features, is_offer)
+        [scores] = self._network(features, is_offer)
         scored: Array = scores.astype(np.float64)
         return scored
-
-    return score
 
 
 def shipped_scorer() -> Scorer:
     """Return the scorer that comes with the package."""
-    return onnx_scorer(shipped(f"{NAME}.onnx"), NAME)
+    return OnnxScorer(shipped(f"{NAME}.onnx"), NAME)

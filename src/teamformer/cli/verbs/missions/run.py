@@ -105,7 +105,7 @@ def _tell(trial: PlayedTrial, robot: int | None, as_json: bool) -> None:
     else:
         _show(trial)
         if robot is not None:
-            out.print(_story_table(story))
+            out.print(_story_table(story, "times" if trial.record.is_continuous else "steps"))
 
 
 def _robot_number(mission: Mission, name: str) -> int:
@@ -118,9 +118,9 @@ def _robot_number(mission: Mission, name: str) -> int:
     return names.index(name)
 
 
-def _story_table(story: Sequence[tuple[str, str, str]]) -> Table:
+def _story_table(story: Sequence[tuple[str, str, str]], when: str) -> Table:
     table = Table(box=None, header_style="dim")
-    for header in ("steps", "what it does", "why"):
+    for header in (when, "what it does", "why"):
         table.add_column(header, overflow="fold")
     for row in story:
         table.add_row(*(Text(part) for part in row))

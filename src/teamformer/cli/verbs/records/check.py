@@ -75,7 +75,8 @@ def check(path: Path, mission: Path | None, as_json: bool) -> int:
     what = OF_FLEETS if record.method == FLEET else GUARANTEE
     what = GUARANTEE_OF_EVENTS if record.is_continuous else what
     out.print(f"checked {what}{against}", markup=False, style="dim")
-    words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in claimed.items())
+    said = {name: value for name, value in claimed.items() if value is not None}
+    words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in said.items())
     out.print(f"only claimed by the record: {words}", markup=False, style="dim")
     return 1 if findings else 0
 

@@ -290,7 +290,8 @@ def test_outputs_of_a_load_that_is_brought_in_the_step_in_which_it_is_taken_up_a
     robots = [robot("a", 6), robot("a", 0, speed=2.0)]
     tasks = [replace(task_at("a", 6, duration=1), to=(7, 0)), task_at("a", 19)]
     bars = _bars_of_rehearsal(page, tmp_path, make(robots, tasks), Crash(0, 0.5, 40.0))
-    assert Bar("r0", "walking", "t0", 19, 40) in bars
+    assert Bar("r0", "loading", "t0", 1, 19) in bars
+    assert max(bar.ended for bar in bars) == 19  # with the last task, not with the rehearsal
 
 
 def test_outputs_of_a_load_that_is_called_off_on_its_way_agree(tmp_path: Path, page: Any) -> None:

@@ -279,7 +279,7 @@ def test_two_records_run_in_step(open_page: Opener, dock: Tree, tmp_path: Path) 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", "it is no JSON"),
+        ("{", "it is not JSON"),
         ('{"teamformer": 1}', "it is no record of a trial"),
         ('{"teamformer_record": 4}', "it has format 4, and this page knows 3"),
         ('{"teamformer_record": 1}', "this page knows 3; run the mission again"),

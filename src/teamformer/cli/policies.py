@@ -13,7 +13,7 @@ from teamformer.cli.app import AsJson, app, split_names
 
 @app.command()
 def methods() -> None:
-    """List the methods by their names, as --method takes them."""
+    """List the methods by name."""
     from teamformer.cli.verbs.policies.listing import methods as command
 
     raise typer.Exit(command())

@@ -69,8 +69,10 @@ def _play_round(folder: Path, until: float, tests: list[str]) -> tuple[bool, str
 
 
 def _last_begun(folder: Path) -> float:
-    running = folder / RUNNING
-    return running.stat().st_mtime if running.exists() else time.time()
+    try:
+        return (folder / RUNNING).stat().st_mtime
+    except FileNotFoundError:  # none is, or it has just ended
+        return time.time()
 
 
 def _found(folder: Path) -> list[str]:

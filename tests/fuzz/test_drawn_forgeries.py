@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from hypothesis import reject
 from hypothesis import strategies as st
 
 from drawing import pick
@@ -91,7 +92,10 @@ def test_any_record_is_judged_or_refused(
 )
 def test_forged_events_are_found(mission: Any, seed: int, data: st.DataObject) -> None:
     """Honest records in continuous time are legal, and whatever is forged of them is found."""
-    record = record_of(mission, "plan", seed)
+    try:
+        record = record_of(mission, "plan", seed)
+    except TeamformerError:  # linked tasks without enough robots, which no check foresees
+        reject()
     assert findings_in(record) == []
     told = [(name, forged) for name, forged in event_forgeries(record) if name not in AT_THE_END]
     if told:

@@ -159,8 +159,8 @@ def test_robots_are_sent_from_when_they_are_free(cost: dict[int, float] | None) 
 
 def test_bounds_and_proofs_know_when_robots_are_free() -> None:
     problem = one_is_busy()._replace(ready=np.array([10, 9]))
-    solution = solve(problem, 60.0)
+    solution = solve(problem, 8.0)
     assert solution is not None
     assert (solution.worth, solution.bound, solution.is_proven) == (22, 22, True)
-    proof = solve_exactly(problem, solution.plan, 0, 60.0)
+    proof = solve_exactly(problem, solution.plan, 0, 8.0)
     assert proof.bound == 22  # the second is there from 9 + 8 on

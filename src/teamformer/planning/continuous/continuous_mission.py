@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,8 @@ from teamformer.base.errors import TeamformerError
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.coordination import Known, Plan, known_at_start
-from teamformer.mission.model import Mission, Task
+from teamformer.mission.model import Mission, Robot, Task
+from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.tables import (
@@ -37,7 +38,7 @@ from teamformer.planning.problem.relaxed_problem import count_table, least_carri
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.ways import ends_of
 from teamformer.world.rules.starts import Gap
-from teamformer.world.rules.waits import waits_at
+from teamformer.world.rules.waits import Waits, waits_at
 
 STRAIGHT = 1 - 1e-9
 """A way is shorter than another if it is by more than what rounding makes of equal ones."""
@@ -148,24 +149,13 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     depots = list(dict.fromkeys(depot_of))
     places = [*ends_of(tasks), *(place for place, _, _ in depots)]
     sites = [*ends_of(tasks), *(came_from for _, _, came_from in depots)]
-    paces = sorted({(robot.moves, robot.speed) for robot in robots})
-    pace = np.array([paces.index((robot.moves, robot.speed)) for robot in robots])
-    begins = [task.at for task in tasks]
-    world, movers = mission.world, {moves for moves, _ in paces}
-    metres = {moves: distances(world, moves, places, begins) for moves in movers}
-    loads = {moves: ways_of_loads(world, moves, tasks) for moves in movers}
-    ways = np.array([metres[moves] / speed for moves, speed in paces])
-    carry = np.array([loads[moves] / speed for moves, speed in paces])
-    np.einsum("pkk->pk", ways[:, : len(tasks)])[:] = 0.0  # not the way from an end to a beginning
+    pace, ways, carry = _ways_by_pace(mission, robots, tasks, places)
     home = ways_home(mission, robots, places)
     ready = [left for _, left, _ in depots]
     waits = waits_at(known, chosen)
     release = [waits.release[task] for task in chosen]
     number_of = {task: number for number, task in enumerate(chosen)}
-    before = {number_of[k]: [number_of[o] for o in others] for k, others in waits.before.items()}
-    gaps = [
-        gap._replace(task=number_of[gap.task], other=number_of[gap.other]) for gap in waits.gaps
-    ]
+    before, gaps = _renumbered(waits, number_of)
     busy = longest_of(tasks, mission.forming, ways, home, carry) + max(ready, default=0.0)
     longest_wait = max((begin - now for begin in release), default=0.0)
     scale = ticks_in_a_unit(busy, longest_wait, sum(task.weight for task in tasks))
@@ -225,6 +215,36 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         scale=scale,
         problem=problem,
     )
+
+
+def _ways_by_pace(
+    mission: Mission, robots: Sequence[Robot], tasks: Sequence[Task], places: Sequence[Place]
+) -> tuple[Ints, Floats, Floats]:
+    """Return the pace of each robot, and by pace how long ways and carrying take.
+
+    Ways are (paces, places, tasks), to where tasks begin; carrying is (paces, tasks).
+    """
+    paces = sorted({(robot.moves, robot.speed) for robot in robots})
+    pace = np.array([paces.index((robot.moves, robot.speed)) for robot in robots])
+    begins = [task.at for task in tasks]
+    world, movers = mission.world, {moves for moves, _ in paces}
+    metres = {moves: distances(world, moves, places, begins) for moves in movers}
+    loads = {moves: ways_of_loads(world, moves, tasks) for moves in movers}
+    ways = np.array([metres[moves] / speed for moves, speed in paces])
+    carry = np.array([loads[moves] / speed for moves, speed in paces])
+    np.einsum("pkk->pk", ways[:, : len(tasks)])[:] = 0.0  # not the way from an end to a beginning
+    return pace, ways, carry
+
+
+def _renumbered(
+    waits: Waits, number_of: Mapping[int, int]
+) -> tuple[dict[int, list[int]], list[Gap]]:
+    """Return the tasks before each and the gaps between starts, in the numbers of a problem."""
+    before = {number_of[k]: [number_of[o] for o in others] for k, others in waits.before.items()}
+    gaps = [
+        gap._replace(task=number_of[gap.task], other=number_of[gap.other]) for gap in waits.gaps
+    ]
+    return before, gaps
 
 
 def rounding_of(tasks: int) -> int:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import heapq
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
@@ -36,7 +38,7 @@ class Happened:
         return bool(self.news or self.robots or self.tasks)
 
 
-class MovingWorld:
+class MovingWorld(ABC):
     """Where robots are and go, what is on the agenda, and what has happened."""
 
     def __init__(self, mission: Mission, truth: Mission, is_all_known: bool = False) -> None:
@@ -125,10 +127,10 @@ class MovingWorld:
         body.since = body.set_out = number
         self.put(way[-1].at, ARRIVE, robot, number)
 
-    def tell(self, kind: str, robots: Sequence[int], task: int, cause: int, **said: object) -> int:
+    def tell(self, kind: str, robots: Sequence[int], task: int, cause: int, **said: Any) -> int:
         """Write down an event of this moment, and return its number."""
         event = Event(self.now, kind, tuple(robots), task, cause=cause)
-        self.events.append(event._replace(**said))  # type: ignore[arg-type]
+        self.events.append(event._replace(**said))
         return len(self.events) - 1
 
     def wake(self, at: float, task: int) -> None:
@@ -181,9 +183,9 @@ class MovingWorld:
         self.note(robots=(robot,))
         self.sense(robot)
 
+    @abstractmethod
     def sense(self, robot: int) -> None:
         """Let it be known what a robot finds where it is."""
-        raise NotImplementedError
 
     def times(self, robot: int, here: Place, goal: Place) -> list[tuple[Place, float]]:
         """Return the places on a robot's way, each with the time it takes there."""
@@ -191,6 +193,6 @@ class MovingWorld:
         stages = self.ways.stages(here, goal, real.moves)
         return [(place, length / real.speed) for place, length in stages]
 
+    @abstractmethod
     def is_due(self, entry: Entry) -> bool:
         """Say whether an entry of the agenda still holds."""
-        raise NotImplementedError

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.graph.arc_problem import StepRules, pose_arcs
 from teamformer.planning.graph.graph import COST, empty_graph, lay, plan_of
 from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledger, room_for_change
@@ -20,7 +21,6 @@ from teamformer.planning.problem.links import have_weights
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.planning.search.annealing import anneal, copy_graph
 from teamformer.planning.search.group_start import construct
-from teamformer.planning.search.start import first_plan
 from teamformer.world.rules.chance import SLACKS
 
 HOT, COLD = 20, 800
@@ -86,9 +86,8 @@ class ArcSearch:
                 if plan is not None and self.begin_at(plan):
                     return True
             return False
-        if (self.problem.counts.sum(axis=0) < self.problem.needs).any():
-            return False
-        return self.begin_at(first_plan(self.problem, self.arcs, self.graph))
+        drawn = draw_plan(self.problem, seed=0)
+        return drawn is not None and self.begin_at(drawn)
 
     def begin_at(self, plan: CoalitionPlan) -> bool:
         """Stand at a plan; say whether nobody waits in it for ever.

@@ -33,7 +33,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     from teamformer.base.kernels.jit import needs_compiling
     from teamformer.planning.continuous.rules import warm_up
     from teamformer.planning.crews.deal import deal_crews
-    from teamformer.planning.dispatch.first_plan import construct
+    from teamformer.planning.dispatch.futures import play_out
     from teamformer.planning.relaxation import threshold
     from teamformer.planning.search.annealing import anneal
     from teamformer.planning.steps.arc_search import LARGE
@@ -55,7 +55,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     ):
         _compile(wanted.values())
     is_large = mission is not None and len(mission.tasks) >= LARGE
-    if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(construct):
+    if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(play_out):
         _plan_anew()
 
 

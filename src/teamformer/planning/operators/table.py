@@ -32,11 +32,10 @@ class OperatorShares(NamedTuple):
     with_spares: bool = False
 
 
-SWAP, REPLACE, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(7)
+SWAP, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(6)
 
 OPERATORS = (
     OperatorShares("swap heads", 40, 0, 25, 30),
-    OperatorShares("replace a member", 0, 0, 20, 10),
     OperatorShares("ride", 15, 10, 20, 5, with_spares=True),
     OperatorShares("move a stretch", 0, 0, 15, 0),
     OperatorShares("exchange rests", 0, 30, 0, 0),

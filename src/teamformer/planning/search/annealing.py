@@ -29,7 +29,6 @@ from teamformer.planning.graph.ledger import (
 from teamformer.planning.operators.draws import draw_task
 from teamformer.planning.operators.exchanges import exchange_rests
 from teamformer.planning.operators.group_moves import move_group
-from teamformer.planning.operators.members import replace_member
 from teamformer.planning.operators.moved import take_back
 from teamformer.planning.operators.riders import ride
 from teamformer.planning.operators.room import Room
@@ -38,7 +37,6 @@ from teamformer.planning.operators.swaps import swap_heads
 from teamformer.planning.operators.table import (
     EXCHANGE,
     MOVE_GROUP,
-    REPLACE,
     RIDE,
     STRETCH,
     SWAP,
@@ -131,8 +129,6 @@ def _change(
     """Have an operator change the graph around a task; say whether it did."""
     if number == SWAP:
         return swap_heads(problem, graph, trial, ledger, room, random, task, leg, limit)
-    if number == REPLACE:
-        return replace_member(problem, graph, trial, ledger, room, random, task, leg, limit)
     if number == RIDE:
         return ride(problem, graph, trial, ledger, room, random, task, leg, limit)
     if number == STRETCH:

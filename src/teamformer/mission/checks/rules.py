@@ -80,18 +80,6 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
     """Return why a mission cannot be run, be it in steps or in continuous time."""
     if mission.time == "steps":
         yield from rules_not_played(mission)
-    else:
-        yield from _shifts_not_served(mission)
-
-
-def _shifts_not_served(mission: Mission) -> Iterator[Problem]:
-    """Return which robots work in shifts, which nobody plans for."""
-    working = [
-        (("robots", number, "shifts"), f"robot '{robot.name}' works in shifts")
-        for number, robot in enumerate(mission.robots)
-        if robot.shifts
-    ]
-    yield from told_once(mission, working, "which plans do not know; drop {}".format)
 
 
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
@@ -109,7 +97,6 @@ def rules_not_planned(mission: Mission) -> Iterator[Problem]:
     if mission.time == "continuous":
         rest = "which a plan made in advance does not count with; drop {}, or use `teamformer run`"
         yield from told_once(mission, find_unknown(mission, CONTINUOUS), rest.format)
-        yield from _shifts_not_served(mission)
         return
     yield from rules_not_played(mission)
     yield from rules_not_known_beforehand(mission)

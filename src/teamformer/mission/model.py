@@ -172,9 +172,10 @@ class Task:
     lasts: tuple[float, float] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
-    weight: float = 1.0  # of its lateness and its end in the cost
+    weight: float = 1.0  # of its lateness, its end and of missing it in the cost
     has_arrived: bool = field(default=False, compare=False)
     note: str = ""  # for people
+    optional: bool = False  # it may be left out
 
     def __post_init__(self) -> None:
         if self.lasts is not None:
@@ -222,7 +223,7 @@ class Mission:
     quantities.
 
     A task with `within` is found once a team is within `finding_radius` of it. `arrivals` are tasks
-    that appear at random.
+    that appear at random. At `until` the mission is over, whatever is left.
     """
 
     name: str
@@ -241,6 +242,7 @@ class Mission:
     cost: Mapping[str, float] | None = None
     finding_radius: float = 1.0
     arrivals: Arrivals | None = None
+    until: float | None = None
 
     def __post_init__(self) -> None:
         problems = list(find_problems(self))

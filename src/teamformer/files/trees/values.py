@@ -210,6 +210,11 @@ def _(kind: kinds.OneOf, reader: Reader, where: Where, value: Any, given: Given)
 
 
 @read.register
+def _(kind: kinds.Truth, reader: Reader, where: Where, value: Any, given: Given) -> bool:
+    return reader.truth(where, value)
+
+
+@read.register
 def _(kind: kinds.Moves, reader: Reader, where: Where, value: Any, given: Given) -> str:
     word = reader.text(where, value)
     if word not in kind.choices and not isinstance(given.world, Roads):

@@ -124,6 +124,11 @@ class OneOf:
 
 
 @dataclass(frozen=True)
+class Truth:
+    """`true` or `false`."""
+
+
+@dataclass(frozen=True)
 class Moves:
     """How a robot moves: one of a few words; on roads the name of one of their tables."""
 
@@ -203,6 +208,7 @@ Kind = (
     | TeamLists
     | Place
     | OneOf
+    | Truth
     | Moves
     | KeyedPart
     | KeyedParts

@@ -28,7 +28,7 @@ LEAST_CHANCE = {"needed": 0.0, "absent": math.inf, "scouting": LIKELY}
 """By foresight, from which probability on needs that nobody knows are expected."""
 FORESIGHTS = tuple(LEAST_CHANCE)
 
-MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until"})
+MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until", "shifts"})
 """Keys of a file whose values are moments of a mission."""
 
 
@@ -94,8 +94,20 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
     """Return why a mission cannot be run, be it in steps or in continuous time."""
     if mission.time == "steps":
         yield from rules_not_played(mission)
-    elif mission.until is not None:
+        return
+    if mission.until is not None:
         yield Problem(("until",), "missions with until are checked, but not run yet; drop until")
+    yield from _shifts_not_served(mission)
+
+
+def _shifts_not_served(mission: Mission) -> Iterator[Problem]:
+    """Return which robots work in shifts, which nobody plans for."""
+    working = [
+        (("robots", number, "shifts"), f"robot '{robot.name}' works in shifts")
+        for number, robot in enumerate(mission.robots)
+        if robot.shifts
+    ]
+    yield from told_once(mission, working, "which plans do not know; drop {}".format)
 
 
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:

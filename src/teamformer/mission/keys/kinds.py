@@ -82,6 +82,11 @@ class Window:
 
 
 @dataclass(frozen=True)
+class Shifts:
+    """A list of at least one window, in the order of time."""
+
+
+@dataclass(frozen=True)
 class StartLinks:
     """How long after others something starts: the least and the most, by the others' names."""
 
@@ -200,6 +205,7 @@ Kind = (
     | Moments
     | Range
     | Window
+    | Shifts
     | StartLinks
     | Counts
     | Chances

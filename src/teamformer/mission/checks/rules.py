@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
+from teamformer.mission.checks.batteries import rules_not_run_with_batteries
 from teamformer.mission.checks.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
@@ -80,6 +81,8 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
     """Return why a mission cannot be run, be it in steps or in continuous time."""
     if mission.time == "steps":
         yield from rules_not_played(mission)
+    else:
+        yield from rules_not_run_with_batteries(mission)
 
 
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
@@ -97,6 +100,7 @@ def rules_not_planned(mission: Mission) -> Iterator[Problem]:
     if mission.time == "continuous":
         rest = "which a plan made in advance does not count with; drop {}, or use `teamformer run`"
         yield from told_once(mission, find_unknown(mission, CONTINUOUS), rest.format)
+        yield from rules_not_run_with_batteries(mission)
         return
     yield from rules_not_played(mission)
     yield from rules_not_known_beforehand(mission)

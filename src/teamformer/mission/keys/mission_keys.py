@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from teamformer.mission.keys.charging_keys import CHARGER_KEYS, NEW
 from teamformer.mission.keys.key import STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
@@ -175,5 +176,15 @@ MISSION_KEYS = (
         default=None,
         without="none",
         unknown=Unknown(SURPRISES, "tasks appear at random", is_surprise=True),
+    ),
+    Key(
+        "chargers",
+        KeyedParts(CHARGER_KEYS, makes="Charger"),
+        "`[{at: [1, 1], room: 2}]`: where robots with a battery charge "
+        "([batteries and chargers](mission/charging.md))",
+        default=(),
+        without="none",
+        example=[{"at": [1, 1]}],
+        since=NEW,
     ),
 )

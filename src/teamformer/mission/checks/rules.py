@@ -137,7 +137,7 @@ VERBS = {
     "run": rules_not_run,
     "compare": rules_not_run,
     "plan": rules_not_planned,
-    "live": rules_not_played,
+    "live": rules_not_run,
 }
 """What refuses a mission, by verb."""
 

@@ -98,6 +98,8 @@ def schema_of(kind: kinds.Kind) -> Schema:
             return {"anyOf": [_pair(FINITE), NAME]}
         case kinds.OneOf():
             return {"enum": list(kind.choices)}
+        case kinds.Truth():
+            return {"type": "boolean"}
         case kinds.Moves():
             return NAME | {"examples": list(kind.choices)}
         case kinds.KeyedPart():

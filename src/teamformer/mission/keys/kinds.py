@@ -129,6 +129,11 @@ class OneOf:
 
 
 @dataclass(frozen=True)
+class Truth:
+    """`true` or `false`."""
+
+
+@dataclass(frozen=True)
 class Moves:
     """How a robot moves: one of a few words; on roads the name of one of their tables."""
 
@@ -150,9 +155,13 @@ class KeyedPart:
 
 @dataclass(frozen=True)
 class KeyedParts:
-    """A list of at least one mapping, all with the same keys."""
+    """A list of at least one mapping, all with the same keys.
+
+    `makes` is the class of the model that each becomes, if they are read like other keys.
+    """
 
     keys: tuple[Key, ...]
+    makes: str = ""
 
 
 @dataclass(frozen=True)
@@ -209,6 +218,7 @@ Kind = (
     | TeamLists
     | Place
     | OneOf
+    | Truth
     | Moves
     | KeyedPart
     | KeyedParts

@@ -72,6 +72,7 @@ class ContinuousMission:
         return replace(
             timed,
             bound=min(timed.makespan, bound),
+            least_cost=self._least_cost_of(solution, timed.cost),
             is_proven=solution.is_proven,
             curve=self._curve_of(solution),
         )
@@ -100,6 +101,15 @@ class ContinuousMission:
         ends = {stop.task: stop.end for route in plan.routes for stop in route.stops}
         return weighed(self.source, weights, ends, plan.makespan)
 
+    def _least_cost_of(self, solution: Solution, cost: float | None) -> float | None:
+        """Return what no plan costs less than; every part of it may be rounded by some ticks."""
+        if cost is None:
+            return None
+        links, parts = self.problem.links, len(self.robots) * (1 + len(self.tasks))
+        rounding = rounding_of(len(self.tasks)) * (parts + float(links.task_weight.sum()))
+        least = solution.least_cost - rounding * float(links.weight.sum())
+        return min(cost, max(0.0, least / self.scale))
+
     def _curve_of(self, solution: Solution) -> tuple[tuple[float, float], ...]:
         """Return a curve in units; that of a linked problem without a cost is none of times."""
         if have_weights(self.problem.links) and self.source.cost is None:
@@ -113,11 +123,12 @@ class ContinuousMission:
     def as_plan(self, found: CoalitionPlan, made_from: str = "") -> Plan:
         """Return a plan in the numbers of the mission, with the time at which each task ends.
 
-        Tasks that end at no time are not in it: shifts are over, or no way leads there.
+        Tasks that end at no time because shifts are over are not in it.
         """
         routes = self.time(found).routes
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
-        order = [task for task in found.order.tolist() if math.isfinite(ends[task])]
+        has_shifts = len(self.clock.rotas) > 0
+        order = [k for k in found.order.tolist() if not has_shifts or math.isfinite(ends[k])]
         return Plan(
             order=tuple(self.tasks[task] for task in order),
             coalitions=tuple(

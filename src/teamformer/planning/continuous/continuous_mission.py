@@ -209,7 +209,9 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
         ready=ticks(ready),
         apart=[different.index(robot.rota) for robot in robots],
-        rotas=rotas_in_ticks(later, lambda when: round(when * scale), late),
+        rotas=rotas_in_ticks(
+            later, lambda when: round(when * scale), late, rounding_of(len(tasks))
+        ),
     )
     if judged_by(mission) is not None or gaps:
         problem = problem._replace(links=_links(mission, tasks, len(robots), gaps, scale))

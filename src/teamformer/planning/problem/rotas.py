@@ -33,11 +33,16 @@ def no_rotas() -> Rotas:
     return Rotas(np.zeros((0, 0, 2), np.int64), nothing, nothing, nothing)
 
 
-def rotas_in_ticks(rotas: Sequence[Rota], ticks: Callable[[float], int], late: int) -> Rotas:
-    """Return the shifts of kinds of robots in ticks, counted from the present."""
+def rotas_in_ticks(
+    rotas: Sequence[Rota], ticks: Callable[[float], int], late: int, rounding: int
+) -> Rotas:
+    """Return the shifts of kinds of robots in ticks, counted from the present.
+
+    They are longer by what times are rounded, so that what just fits does.
+    """
     if not any(rotas):
         return no_rotas()
-    rows = [_rows(rota, ticks, late) for rota in rotas]
+    rows = [_rows(rota, ticks, late, rounding) for rota in rotas]
     shifts = np.full((len(rows), max(map(len, rows)), 2), NEVER)
     for kind, row in enumerate(rows):
         shifts[kind, : len(row)] = row
@@ -52,10 +57,12 @@ def rotas_in_ticks(rotas: Sequence[Rota], ticks: Callable[[float], int], late: i
     )
 
 
-def _rows(rota: Rota, ticks: Callable[[float], int], late: int) -> list[tuple[int, int]]:
+def _rows(
+    rota: Rota, ticks: Callable[[float], int], late: int, rounding: int
+) -> list[tuple[int, int]]:
     if not rota:
         return [(0, NEVER)]
-    shifts = [(ticks(opens), ticks(closes)) for opens, closes in rota.shifts]
+    shifts = [(ticks(opens), ticks(closes) + rounding) for opens, closes in rota.shifts]
     return shifts if rota.every else [*(one for one in shifts if one[1] > 0), (late, NEVER)]
 
 

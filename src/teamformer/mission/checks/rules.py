@@ -98,18 +98,7 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
         return
     if mission.until is not None:
         yield Problem(("until",), "missions with until are checked, but not run yet; drop until")
-    yield from _shifts_not_served(mission)
     yield from rules_not_run_with_batteries(mission)
-
-
-def _shifts_not_served(mission: Mission) -> Iterator[Problem]:
-    """Return which robots work in shifts, which nobody plans for."""
-    working = [
-        (("robots", number, "shifts"), f"robot '{robot.name}' works in shifts")
-        for number, robot in enumerate(mission.robots)
-        if robot.shifts
-    ]
-    yield from told_once(mission, working, "which plans do not know; drop {}".format)
 
 
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:

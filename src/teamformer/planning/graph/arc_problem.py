@@ -19,6 +19,7 @@ from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.links import Links, have_weights
 from teamformer.planning.problem.prices import SHARES, Prices
 from teamformer.planning.problem.prices import SMOOTH as SMOOTH_IF_PRICED
+from teamformer.planning.problem.rotas import Rotas
 
 Records = np.recarray[Any, np.dtype[np.void]]
 
@@ -69,6 +70,7 @@ class ArcProblem(NamedTuple):
     together: Int32s  # (paces, paces) the pace of those who go together
     weights: Ints  # (4,) in steps: of makespan and ends, the divisor, and if there are prices
     links: Links  # as in the coalition problem
+    rotas: Rotas  # the same
 
 
 def near_of(problem: CoalitionProblem) -> int:
@@ -136,6 +138,7 @@ def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcP
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
         weights=_weights(len(problem.needs), steps),
         links=problem.links,
+        rotas=problem.rotas,
     )
 
 

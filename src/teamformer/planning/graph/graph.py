@@ -19,6 +19,7 @@ import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
+from teamformer.mission.parts.shifts import MOST_TRIED
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways, start_in_steps
 from teamformer.planning.graph.arc_problem import (
     ArcProblem,
@@ -32,6 +33,7 @@ from teamformer.planning.graph.arc_problem import (
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.problem.constants import SPREAD, TICKS
+from teamformer.planning.problem.rotas import fits, have_shifts, walked
 from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -150,15 +152,37 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
     for seat in range(first_seat, first_seat + node.taken):
         place = graph.seats[graph.seats[seat].prev].node
         pace = problem.kinds[graph.seats[seat].kind].pace
-        there = max(there, graph.nodes[place].end + problem.ways_to[pace, task, place])
+        way = problem.ways_to[pace, task, place]
+        kind = graph.seats[seat].kind
+        there = max(there, walked(problem.rotas, kind, graph.nodes[place].end, way))
         comes_apart |= problem.site[place] != first_site
-    start = max(node.release, there + problem.forming[0] * comes_apart)
+    if comes_apart and problem.forming[0] > 0:
+        there = fitted(problem, graph, task, first_seat, there, problem.forming[0])
+        there += problem.forming[0]
+    start = max(node.release, there)
     if node.has_links:
         for other in problem.before[task]:
             if other == NOBODY:
                 break
             start = max(start, graph.nodes[other].end)
-    return start
+    return fitted(problem, graph, task, first_seat, start, node.duration)
+
+
+@kernel
+def fitted(
+    problem: ArcProblem, graph: Graph, task: int, first_seat: int, earliest: int, takes: int
+) -> int:
+    """Return the first moment from which something fits into a shift of each robot of a task."""
+    if not have_shifts(problem.rotas):
+        return earliest
+    start = earliest
+    for _ in range(MOST_TRIED):
+        before = start
+        for seat in range(first_seat, first_seat + graph.nodes[task].taken):
+            start = fits(problem.rotas, graph.seats[seat].kind, start, takes)
+        if start == before:
+            return start
+    return max(earliest, problem.rotas.late[0])
 
 
 @kernel
@@ -204,8 +228,8 @@ def tail_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> in
 def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
     """Return when a home is reached."""
     home = len(graph.seats) - len(graph.back) + robot
-    last = graph.seats[graph.seats[home].prev].node
-    return graph.nodes[last].end + problem.home[graph.seats[home].kind, last]
+    last, kind = graph.seats[graph.seats[home].prev].node, graph.seats[home].kind
+    return walked(problem.rotas, kind, graph.nodes[last].end, problem.home[kind, last])
 
 
 @kernel

@@ -70,6 +70,8 @@ export function describeDoing(/** @type {TrialHistory} */ history, /** @type {Te
       return "is lost with the next step";
     case "idle":
       return "has no assignment";
+    case "off":
+      return "is off its shift";
     case "forms":
       return `forms a team for ${name}`;
     case "leads home":

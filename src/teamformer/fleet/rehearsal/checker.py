@@ -10,7 +10,8 @@ The promises:
 - nobody begins to serve a task before those that come before it are over, nor before its window, by
   more than clocks may differ; and what is done within has its whole duration after that;
 - nobody serves a task that it knows is called off;
-- nobody goes through a wall who does not fly;
+- nobody goes through a wall who does not fly, nor on roads where no way leads, or faster than it
+  can;
 - who says that it stays, stays: until the time is over or the task is done;
 - no task is done twice, and none without a team that was at work on it for its whole duration and
   had what it needs all the while;
@@ -25,7 +26,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
+from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import HERE, READY, TaskFact
@@ -40,6 +43,8 @@ from teamformer.fleet.rehearsal.trace import (
     Worked,
 )
 from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.roads import Roads
+from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
 
 DRIFT = 0.06
@@ -48,6 +53,9 @@ DRIFT = 0.06
 A_TICK = 0.05
 """Seconds in which things count as happening at once."""
 
+
+SLOWER = 1e-6
+"""By such a share a way may be shorter than it takes: sums are rounded."""
 
 LATEST = 3.0
 """Seconds that a body may take to report at most: twice what a schedule lets it be late."""
@@ -76,6 +84,7 @@ class Load:
     carriers: set[int] = field(default_factory=set)
     taken_at: float = 0.0
     left: list[tuple[float, Place]] = field(default_factory=list)  # where it lay, until when
+    carried_until: dict[int, float] = field(default_factory=dict)  # by robots that let go of it
 
 
 @dataclass
@@ -94,9 +103,10 @@ class Checker:
     def __post_init__(self) -> None:
         starts = [robot.at for robot in self.mission.source.robots]
         self._robots = [
-            TracedRobot(Walked(0.0, number, (at,), 0.0, 1.0)) for number, at in enumerate(starts)
+            TracedRobot(Walked(0.0, number, Journey((Passed(0.0, at),))))
+            for number, at in enumerate(starts)
         ]
-        self._is_grid = isinstance(self.mission.source.world, Grid)
+        self._map = self.mission.source.world
         for key, task in self.tasks.items():
             if task.to is not None:
                 self._loads[key] = Load((task.x, task.y))
@@ -136,36 +146,67 @@ class Checker:
 
     def _walk(self, event: Walked) -> None:
         robot = self._robots[event.robot]
-        leaves = len(event.points) > 1 and not robot.has_forgotten
+        points = [passed.place for passed in event.journey.way]
+        leaves = len(points) > 1 and not robot.has_forgotten
         if robot.stays_at in self._loads:  # it stays with the load, wherever that goes
             is_by = self._is_by(event.robot, robot.stays_at, event.at)
             leaves = leaves and is_by and event.robot not in self._loads[robot.stays_at].carriers
         slack = event.at + A_TICK + DRIFT * robot.hold
         is_early = leaves and robot.stays_until > slack and robot.stays_at not in self._done
-        if is_early and not all(self._is_near(place, robot.stays_at) for place in event.points):
+        if is_early and not all(self._is_near(place, robot.stays_at) for place in points):
             left = robot.stays_until - event.at
             task = self._name(robot.stays_at)
             self._blame(
                 f"{event.at:.2f} s: {self._who(event.robot)} leaves task '{task}' {left:.2f} s "
                 "before the time that it said it would stay"
             )
-        if self._is_grid and not self.mission.source.robots[event.robot].flies:
-            blocked = [at for at in event.points if not self.mission.source.world.is_free(at)]
-            if blocked:
-                self._blame(f"{event.at:.2f} s: {self._who(event.robot)} walks through {blocked}")
+        self._check_way(event, points)
         robot.walk = event
         for key, load in self._loads.items():
-            if event.robot in load.carriers and len(event.points) > 1:
+            if event.robot in load.carriers and len(points) > 1:
                 self._go_with(event, key, load)
         self._count(event.at)
 
+    def _check_way(self, event: Walked, points: Sequence[Place]) -> None:
+        """Check that a robot goes where it can, and on roads no faster than it can."""
+        who = self.mission.source.robots[event.robot]
+        blocked: list[Place] = []
+        if isinstance(self._map, Grid) and not who.flies:
+            blocked = [at for at in points if not self._map.is_free(at)]
+        elif isinstance(self._map, Roads):
+            pairs = pairwise(_ahead(event))
+            carries = any(event.robot in load.carriers for load in self._loads.values())
+            blocked = [
+                b.place for a, b in pairs if not (carries or self._can_go(event.robot, a, b))
+            ]
+        if blocked:
+            self._blame(f"{event.at:.2f} s: {self._who(event.robot)} walks through {blocked}")
+
+    def _can_go(self, robot: int, one: Passed, after: Passed) -> bool:
+        """Say whether a robot can get so fast from one place of roads to another."""
+        assert isinstance(self._map, Roads), "the caller has looked"
+        times = self._map.ways[self.mission.source.robots[robot].moves]
+        way = times[int(one.place[0])][int(after.place[0])]
+        return way <= (after.at - one.at) * self.mission.paces[robot] + SLOWER * max(1.0, way)
+
     def _go_with(self, event: Walked, key: int, load: Load) -> None:
         """Check that who carries a load goes no faster than the slowest who do."""
-        metres = 1.0 if self._is_grid else math.dist(*event.points[:2])
-        pace = min(self.mission.paces[robot] for robot in load.carriers)
-        if metres > pace * event.time * (1 + 1e-6) + 2 * self.mission.radius:
+        way = _ahead(event)
+        if isinstance(self._map, Roads):  # by the ways of one of them
+            is_slow = all(self._can_go(robot, way[0], way[-1]) for robot in load.carriers)
+        else:
+            pace = min(self.mission.paces[robot] for robot in load.carriers)
+            slack = 2 * self.mission.radius
+            is_slow = all(
+                self._metres(one, after) <= pace * (after.at - one.at) * (1 + SLOWER) + slack
+                for one, after in pairwise(way)
+            )
+        if not is_slow:
             who, task = self._who(event.robot), self._name(key)
             self._blame(f"{event.at:.2f} s: {who} carries '{task}' faster than all can who do")
+
+    def _metres(self, one: Passed, after: Passed) -> float:
+        return 1.0 if isinstance(self._map, Grid) else math.dist(one.place, after.place)
 
     def _lift(self, event: Lifted) -> None:
         """Check that a load is taken up by who may, or set down where those are who carried it."""
@@ -182,6 +223,7 @@ class Checker:
         else:
             if not self._is_with(load, event.place, event.at):
                 self._blame(f"{event.at:.2f} s: '{task}' is set down where nobody carried it to")
+            load.carried_until |= dict.fromkeys(load.carriers, event.at)
             load.carriers, load.at = set(), event.place
         for each in [each for each in self._able_since if each[0] == event.task]:
             del self._able_since[each]
@@ -190,10 +232,11 @@ class Checker:
     def _is_with(self, load: Load, place: Place, now: float) -> bool:
         """Say whether those who carry a load, or carried it a moment ago, are at a place."""
         reach = self.mission.radius + 1e-6
-        who = load.carriers or set()
-        return all(
-            math.dist(self._place(self._robots[robot].walk, now), place) <= reach for robot in who
-        )
+        walks = [self._robots[robot].walk for robot in load.carriers]
+        if isinstance(self._map, Roads):  # it lies where they passed last
+            passed = (walk.journey.way[walk.journey.passed(now)].place for walk in walks)
+            return all(at == place for at in passed)
+        return all(math.dist(self._place(walk, now), place) <= reach for walk in walks)
 
     def _say(self, event: Said) -> None:
         robot = self._robots[event.robot]
@@ -305,8 +348,8 @@ class Checker:
         ):
             self._blame(f"{event.at:.2f} s: load '{task.name}' is done and was not brought")
         walks = [self._robots[robot].walk for robot in load.carriers]
-        ways = [walk for walk in walks if walk.begin >= load.taken_at]  # not those to get there
-        ends = [walk.begin + (len(walk.points) - 1) * walk.time for walk in ways]
+        ways = [walk.journey.way for walk in walks]
+        ends = [way[-1].at for way in ways if way[0].at >= load.taken_at]  # not those to get there
         if event.at - max(load.taken_at, *ends, 0.0) + A_TICK < task.unload:
             self._blame(f"{event.at:.2f} s: load '{task.name}' is done before it is unloaded")
         load.carriers, load.at = set(), task.to
@@ -330,8 +373,11 @@ class Checker:
                 load.carriers.discard(robot)
 
     def _stands_at(self, number: int, key: int, now: float) -> bool:
-        """Say whether a robot is at a task; at a load also if that has left not long ago."""
+        """Say whether a robot is at a task; at a load also if one has left the other lately."""
         left = self._loads[key].left if key in self._loads else []
+        carried = self._loads[key].carried_until if key in self._loads else {}
+        if now - carried.get(number, -LATEST - 1) <= LATEST:
+            return True
         x, y = self._place(self._robots[number].walk, now)
         reach = (self.mission.radius + 1e-9) ** 2
         was_here = any(
@@ -355,19 +401,27 @@ class Checker:
         return (x - to_x) ** 2 + (y - to_y) ** 2 <= (self.mission.radius + 1e-9) ** 2
 
     def _place(self, walk: Walked, now: float) -> Place:
-        if len(walk.points) == 1:
-            return walk.points[0]
-        passed = (now - walk.begin) / walk.time + 1e-6
-        at = int(passed)
-        if at >= len(walk.points) - 1:
-            return walk.points[-1]
-        (x, y), (to_x, to_y) = walk.points[at], walk.points[at + 1]
-        if self._is_grid:
+        way, when = walk.journey.way, min(now, walk.journey.stopped)
+        at = sum(passed.at <= when + SLOWER for passed in way) - 1
+        if at < 0 or at == len(way) - 1:
+            return way[max(0, at)].place
+        (begun, (x, y)), (ends, (to_x, to_y)) = way[at : at + 2]
+        if isinstance(self._map, Grid):
             return x, y
-        return x + (passed - at) * (to_x - x), y + (passed - at) * (to_y - y)
+        if isinstance(self._map, Roads):
+            return to_x, (ends - when if when > begun else 0.0)
+        part = (when - begun) / (ends - begun)
+        return x + part * (to_x - x), y + part * (to_y - y)
 
     def _covers(self, robots: Iterable[int], key: int) -> bool:
         counts = [self.mission.counts[robot] for robot in robots]
         has = [sum(column) for column in zip(*counts, strict=True)] if counts else []
         needs = self.tasks[key].needs
         return bool(has) and all(round(h - n, 3) >= 0 for h, n in zip(has, needs, strict=True))
+
+
+def _ahead(event: Walked) -> tuple[Passed, ...]:
+    """Return the places of a way but those that were passed before it was set out on."""
+    way = event.journey.way
+    passed = sum(one.at < event.at - SLOWER for one in way)
+    return way[passed:] or way[-1:]

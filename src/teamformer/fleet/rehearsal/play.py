@@ -57,7 +57,7 @@ class Rehearsal:
         self.trace = trace or Trace()
         self._planner, self._plan, self._make_policy = planner, plan, make_policy
         self._post = Post(mission.number, robots)
-        self._network = RehearsedNetwork(self._post, faults, self._deliver)
+        self._network = RehearsedNetwork(self._post, faults, self._deliver, mission.apart)
         self._skew = faults.skew or (0.0,) * robots
         self._drift = faults.drift or (0.0,) * robots
         self._tick = 0
@@ -142,6 +142,7 @@ class Rehearsal:
     def _advance(self) -> set[int]:
         """Let the world go on to now."""
         awake = self.world.advance(self.now)
+        self._is_to_look |= self.mission.ends and bool(awake)  # somebody may be home
         self._note_moves()
         if len(self.world.done) > self._finished:
             for done in list(self.world.done.values())[self._finished :]:
@@ -373,9 +374,13 @@ class Rehearsal:
         alive = [r for r, agent in enumerate(self.agents) if agent is not None]
         seconds = self._robot_seconds + sum(self.now - self._alive_since[r] for r in alive)
         undone, impossible = self._ending.undone(self.now, self._held())
+        times = [done.at for done in world.done.values()]
+        if self.mission.ends and times:
+            ways = (world.robots[robot].journey.way for robot in alive)
+            times += [way[-1].at for way in ways if len(way) > 1]  # when they were home
         return Outcome(
             status=status,
-            makespan=max((done.at for done in world.done.values()), default=None),
+            makespan=max(times, default=None),
             end=self.now,
             tasks_done=len(world.done),
             blocked_tasks=undone if status == "blocked" else impossible,

@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
@@ -23,6 +24,7 @@ from teamformer.mission.parts.plane import DECIMALS
 from teamformer.record.record import HEARD, Record, TaskAt
 from teamformer.record.snapshots.deeds import SLACK, Deed, deed_of, deeds_by_step
 from teamformer.record.snapshots.writer import Sighting, SnapshotWriter, fleet_record
+from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
 
 STATUSES = {"ended": "completed", "infeasible": "infeasible", "blocked": "step limit"}
@@ -43,7 +45,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     length = max(math.ceil(outcome.end / mission.step), off)
     deeds += [[] for _ in range(len(deeds), length)]
     robots = _robots_of(rehearsal, deeds)
-    source = replace(mission.source, tasks=tasks, robots=robots, teams=())
+    source = replace(mission.source, tasks=tasks, robots=robots, teams=(), arrivals=None)
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: int(step) for robot, step in ends if step is not None}
     true = replace(source, tasks=truth)
@@ -57,7 +59,7 @@ def _truth_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ...]:
     """Return the tasks as they really were; operators' are as they said."""
     own = zip(tasks, rehearsal.truth.tasks, strict=False)
     known = (task.once_known(true.at, true.needs, true.duration) for task, true in own)
-    return (*known, *tasks[len(rehearsal.truth.tasks) :])
+    return (*known, *tasks[len(rehearsal.mission.tasks) :])
 
 
 def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
@@ -104,7 +106,12 @@ def _robots_of(rehearsal: Rehearsal, deeds: Sequence[Sequence[Deed]]) -> tuple[R
     }
     mission, faults = rehearsal.mission, rehearsal.faults
     return tuple(
-        replace(robot, absences=_lost_at(faults, k, mission.step, busy_until.get(k, 0)))
+        replace(
+            robot,
+            absences=_lost_at(faults, k, mission.step, busy_until.get(k, 0)),
+            breaks=None,
+            delays=None,
+        )
         for k, robot in enumerate(mission.source.robots)
     )
 
@@ -127,7 +134,8 @@ class _Teller:
         robots = range(len(mission.robots))
         self._mission, self._step, self._number = mission, step, number
         self._is_grid = isinstance(mission.world, Grid)
-        self._walks = [Walked(0.0, r, (mission.robots[r].at,), 0.0, 1.0) for r in robots]
+        starts = (Journey((Passed(0.0, mission.robots[r].at),)) for r in robots)
+        self._walks = [Walked(0.0, robot, journey) for robot, journey in enumerate(starts)]
         self._says = {robot: (robot, NOBODY) for robot in robots}
         self._shown: set[int] = set()  # tasks whose needs somebody knows
         self._lifted: dict[int, Lifted] = {}  # loads that are up, and no step shows it yet
@@ -210,12 +218,4 @@ class _Teller:
         return (int(x), int(y)) if self._is_grid else (round(x, DECIMALS), round(y, DECIMALS))
 
     def _place(self, walk: Walked, now: float) -> Place:
-        if len(walk.points) == 1:
-            return walk.points[0]
-        passed = min((now - walk.begin) / walk.time + 1e-6, len(walk.points) - 1)
-        at = min(int(max(0.0, passed)), len(walk.points) - 2)
-        (x, y), (to_x, to_y) = walk.points[at], walk.points[at + 1]
-        part = passed - at
-        if self._is_grid:
-            return (to_x, to_y) if part >= 1 else (x, y)
-        return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
+        return self._as_place(*walk.journey.place(now, self._mission.world))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import STEPS, Key, Unknown
+from teamformer.mission.keys.key import FLEETS, ROBOTARIUM, STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     Either,
@@ -17,7 +17,7 @@ from teamformer.mission.keys.kinds import (
     Text,
     Whole,
 )
-from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS, SURPRISES
+from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS
 from teamformer.mission.keys.task_keys import (
     CONTINUOUS_TIME,
     LARGEST_WEIGHT,
@@ -174,6 +174,6 @@ MISSION_KEYS = (
         f"`{{rate: 0.05, until: 60}}`: tasks that appear at random {NOT_KNOWN}",
         default=None,
         without="none",
-        unknown=Unknown(SURPRISES, "tasks appear at random", is_surprise=True),
+        unknown=Unknown((FLEETS, ROBOTARIUM), "tasks appear at random", is_surprise=True),
     ),
 )

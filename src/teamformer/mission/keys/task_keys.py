@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, ROBOTARIUM, Key, Unknown
+from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, FLEETS, ROBOTARIUM, Key, Unknown
 from teamformer.mission.keys.kinds import (
     Chances,
     Counts,
@@ -99,6 +99,7 @@ TASK_KEYS = (
         default={},
         without="whenever it can",
         example={"drip": [5, 10]},
+        unknown=Unknown((FLEETS,), "has starts"),
     ),
     Key(
         "to",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -10,11 +11,19 @@ from fleets import plan_of
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
-from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell
+from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell, draw_faults, losses_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
-from teamformer.mission.model import Absence, Delays, Mission, Robot, Task
+from teamformer.fleet.rehearsal.trace import Trace
+from teamformer.mission.model import Absence, Arrivals, Breakdown, Delays, Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import Roads
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
+from teamformer.record.record import Record
+from teamformer.record.referee import judge as judge_record
+from teamformer.world.continuous.delays import StandingStill
+from teamformer.world.continuous.events import Passed
 
 FAR = float("inf")
 
@@ -81,8 +90,6 @@ def test_a_delayed_robot_stands_still_in_whole_units_of_time() -> None:
     fleet = FleetMission(replace(mission, robots=(late,)))
     world = FleetWorld(fleet, fleet.truth(0))
     world.command(0, Command(1, WARD, 0))
-    from teamformer.world.continuous.delays import StandingStill
-
     due = StandingStill([late]).after((0,), 0.0, 4.0)
     assert world.robots[0].journey.end == due > 4.0
 
@@ -129,8 +136,6 @@ def test_a_robot_lost_in_continuous_time_is_lost_at_that_time() -> None:
     mission = ring([Task("t", WARD, {"a": 1}, duration=5)])
     gone = replace(mission.robots[0], absences=(Absence(6.5, None),))
     fleet = FleetMission(replace(mission, robots=(gone, mission.robots[1])))
-    from teamformer.fleet.rehearsal.faults import losses_of
-
     assert losses_of(fleet) == (Crash(0, 6.5, None),)
 
 
@@ -159,3 +164,71 @@ def test_a_plane_in_continuous_time_is_crossed_at_speed_whatever_its_step() -> N
 def test_a_spell_on_a_road_is_survived() -> None:
     mission = ring([Task("t", WARD, {"a": 2}, duration=3)])
     assert ended(mission, Faults(stuck=(Spell(1, 2.0, 12.0),)))["t"] >= 21.0
+
+
+def recorded(mission: Mission, faults: Faults) -> Record:
+    """Return the record of a rehearsal, as it is read again."""
+    fleet, trace = FleetMission(mission), Trace()
+    rehearsal, outcome, _ = play(fleet, plan_of(fleet), faults, trace)
+    return record_of(rehearsal, outcome, trace.events, faults.seed)
+
+
+def told(record: Record, kind: str) -> list[tuple[float, tuple[int, ...], int]]:
+    """Return when events of a kind were, of which robots, and of which task."""
+    return [(e.at, e.robots, e.task) for e in record.events if e.kind == kind]
+
+
+def test_the_record_of_a_rehearsal_tells_events_that_check_finds_right(tmp_path: Path) -> None:
+    """Robot 0 sets out, breaks down between dock and ward for 5, and serves with robot 1."""
+    mission = ring([Task("t", WARD, {"a": 2}, duration=3)])
+    record = recorded(mission, Faults(crashes=(Crash(0, 2.0, 7.0),)))
+    [(lost, _, _)], [(back, _, _)] = told(record, "lost"), told(record, "back")
+    [(begun, robots, task)], [(done, _, _)] = told(record, "serve"), told(record, "done")
+    assert (lost, back, robots, task) == (2.0, 7.0, (0, 1), 0)
+    assert done == begun + 3 == record.end.makespan
+    save_record(record, tmp_path / "record.json")
+    assert read_record(tmp_path / "record.json") == record
+    assert judge_record(record).findings == ()
+
+
+def test_what_a_fleet_cannot_have_done_is_found() -> None:
+    record = recorded(ring([Task("t", WARD, {"a": 2}, duration=3)]), Faults())
+
+    def found(kind: str, **changes: object) -> str:
+        events = tuple(
+            event._replace(**changes) if event.kind == kind else event  # type: ignore[arg-type]
+            for event in record.events
+        )
+        return "\n".join(
+            one.message for one in judge_record(replace(record, events=events)).findings
+        )
+
+    assert "the team of task t lacks a" in found("serve", robots=(0,))
+    assert "and takes 4 there from dock" in found("walk", way=(Passed(0.0, WARD),), until=0.0)
+    assert "the record says makespan" in found("over", at=99.0)
+    assert "no fleet tells that form" in found("arrive", kind="form")
+    short = "\n".join(
+        one.message
+        for one in judge_record(
+            replace(record, events=tuple(e for e in record.events if e.kind != "serve"))
+        ).findings
+    )
+    assert "done of task t comes after 0, and takes 3" in short
+
+
+def test_breakdowns_and_tasks_at_random_are_drawn_as_in_the_simulator() -> None:
+    """What the truth of the schedule's seed has: when r0 breaks down, and which tasks appear."""
+    mission = ring([Task("t", WARD, {"a": 1})], arrivals=Arrivals(0.5, 10, duration=1))
+    shaky = replace(mission.robots[0], breaks=Breakdown(0.05, (2, 5)))
+    fleet = FleetMission(replace(mission, robots=(shaky, mission.robots[1])))
+    faults = draw_faults(fleet, 5, 40.0)
+    truth = fleet.truth(faults.seed)
+    own = [(crash.at, crash.back) for crash in faults.crashes if crash.robot == 0]
+    absences = [(away.lost, away.back) for away in truth.robots[0].absences]
+    assert own == absences[: len(own)]
+    assert own
+    arrived = [order for order in faults.orders if order.task.name.startswith("call-")]
+    assert [(order.at, (order.task.x, 0)) for order in arrived] == [
+        (task.appears, task.at) for task in truth.tasks[1:]
+    ]
+    assert arrived

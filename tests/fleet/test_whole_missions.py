@@ -20,11 +20,11 @@ from teamformer.fleet.messages import (
     Notice,
     Receipt,
 )
-from teamformer.fleet.rehearsal.checker import Checker
+from teamformer.fleet.rehearsal.checking.checker import Checker
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Withdrawal
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
 from teamformer.fleet.rehearsal.trace import (
     OFF,

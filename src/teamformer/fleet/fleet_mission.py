@@ -138,6 +138,11 @@ class FleetMission:
         ends = self.source.ends
         return self.source.robots[robot].at if isinstance(ends, str) else ends
 
+    def place_to_wait(self, robot: int, here: Place, is_to_meet: bool) -> Place | None:
+        """Return where a robot goes without a task: to meet others, else home; None: nowhere."""
+        place = self.bases[robot] if is_to_meet else self.home_of(robot)
+        return place if place is not None and self.leads(robot, here, place) else None
+
     def begin_of(self, moment: float) -> float:
         """Return the seconds after which a step begins, or what is the time in continuous time."""
         return (moment - 1 if self.source.time == "steps" else moment) * self.step
@@ -296,6 +301,13 @@ def _opens(task: Task, is_in_steps: bool) -> float:
 def _length_across(world: World) -> float:
     """Return a length that a walk across the map has at most, or hardly more."""
     return world.longest_way if isinstance(world, Roads) else world.width + world.height
+
+
+def place_in(world: World, at: Place) -> Place:
+    """Return a place as missions have it; on roads the one that a robot comes to next."""
+    if isinstance(world, Roads):
+        return int(at[0]), 0
+    return (int(at[0]), int(at[1])) if isinstance(world, Grid) else at
 
 
 def places_to_look(mission: Mission, task: Task) -> tuple[Place, ...]:

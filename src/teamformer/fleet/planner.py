@@ -8,11 +8,11 @@ from operator import itemgetter
 from typing import NamedTuple, Protocol
 
 from teamformer.base.errors import MissionError
-from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.fleet_mission import FleetMission, place_in
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.coordination import UNFORESEEN, Coordinator, Known, Plan
-from teamformer.mission.model import Mission, Task, World, as_believed
-from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.model import Mission, Task, as_believed
+from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 
 Stop = tuple[int, tuple[int, ...]]
@@ -127,7 +127,7 @@ def _present(
     places = [robot.at for robot in mission.source.robots]
     free_at = [now] * len(places)
     for robot, at in situation.places.items():
-        places[robot] = _place(mission.source.world, at)
+        places[robot] = place_in(mission.source.world, at)
         if isinstance(mission.source.world, Roads):
             free_at[robot] = now + at[1] / mission.step
     return now, tuple(places), tuple(free_at)
@@ -171,7 +171,7 @@ def _change(
     ]
     for task in news:
         if task.key < len(tasks):
-            at = _place(whole.world, (task.x, task.y))
+            at = place_in(whole.world, (task.x, task.y))
             needs = (
                 _named(caps, task.needs)
                 if task.key in mission.unsure
@@ -181,7 +181,7 @@ def _change(
     tasks += [
         Task(
             f"added {task.key}",
-            _place(whole.world, (task.x, task.y)),
+            place_in(whole.world, (task.x, task.y)),
             _named(caps, task.needs),
             mission.in_time(task.duration),
         )
@@ -198,13 +198,6 @@ def _change(
 
 def _named(caps: Sequence[str], needs: Sequence[float]) -> dict[str, float]:
     return {cap: need for cap, need in zip(caps, needs, strict=True) if need}
-
-
-def _place(world: World, at: Place) -> Place:
-    """Return a place as missions have it; on roads the one that a robot comes to next."""
-    if isinstance(world, Roads):
-        return int(at[0]), 0
-    return (int(at[0]), int(at[1])) if isinstance(world, Grid) else at
 
 
 def _without(situation: FleetSituation, stops: Sequence[Stop]) -> FleetSituation:

@@ -364,21 +364,14 @@ class Agent:
         if self.membership.is_stuck and (goal == NOBODY or self._has_load(goal)):
             place = self._wanted  # it goes on trying
         elif goal == NOBODY:
-            place = self._place_to_wait(now)
+            is_to_meet = self._misses_somebody(now) and not (self.is_over and self.mission.ends)
+            place = self.mission.place_to_wait(self.me, self._place, is_to_meet)
         elif now >= service.formed:
             is_here = command.task == goal and command.place is None and self._is_at(goal)
             place = None if is_here else self.knowledge.place_of(goal)
         if place is None and goal == command.task != NOBODY:
             return command.place  # forming where it stands
         return place
-
-    def _place_to_wait(self, now: float) -> Place | None:
-        """Return where to go without a task: to others, or home; None for staying where it is."""
-        is_late = self.is_over and self.mission.ends
-        place = self.mission.bases[self.me] if self._misses_somebody(now) and not is_late else None
-        place = self.mission.home_of(self.me) if place is None else place
-        is_led = place is not None and self.mission.leads(self.me, self._place, place)
-        return place if is_led else None
 
     def _misses_somebody(self, now: float) -> bool:
         """Say whether somebody is out of hearing: then who has nothing to do goes to the base."""

@@ -10,18 +10,25 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.journey import Journey
+from teamformer.fleet.bodies.simulated import (
+    CARRIED,
+    SERVICE,
+    UNLOADING,
+    SimulatedRobot,
+    WorkUnderWay,
+)
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.world.continuous.delays import StandingStill
-from teamformer.world.continuous.events import Passed
+from teamformer.world.continuous.events import Event, Passed
 from teamformer.world.continuous.ways import Stage, way_together
 from teamformer.world.rules.constants import NOBODY
 
@@ -30,21 +37,6 @@ NEVER = float("inf")
 OPENS, OFF = -1.0, -2.0
 """Stand at the end of events for the begin of a task's window, and that it is called off."""
 
-SERVICE, CARRIED, UNLOADING = range(3)
-"""The parts of a service: the service itself, which for a load is taking it up, and what follows
-where there is one."""
-
-
-@dataclass(slots=True)
-class SimulatedRobot:
-    """A robot as it really is."""
-
-    journey: Journey
-    command: Command = field(default_factory=Command)
-    is_dead: bool = False
-    is_stuck: bool = False
-    carries: int = NOBODY  # the task whose load it carries or unloads
-
 
 class Walked(NamedTuple):
     """A robot set out on a way, or stays where it is: at a place, or stopped between two."""
@@ -52,6 +44,7 @@ class Walked(NamedTuple):
     at: float
     robot: int
     journey: Journey
+    carries: int = NOBODY  # the task whose load it carries
 
 
 class Lifted(NamedTuple):
@@ -61,14 +54,6 @@ class Lifted(NamedTuple):
     task: int
     robots: tuple[int, ...]
     place: Place
-
-
-class WorkUnderWay(NamedTuple):
-    """A team is at work on a task; the part at hand ends at a time."""
-
-    team: int
-    end: float
-    part: int = SERVICE
 
 
 @dataclass(frozen=True)
@@ -99,7 +84,7 @@ class FleetWorld:
         self.robots = [
             SimulatedRobot(Journey((Passed(0.0, robot.at),))) for robot in mission.source.robots
         ]
-        self.moves: list[Walked | Lifted] = []
+        self.moves: list[Walked | Lifted | Event] = []  # events are those of services
         self._lies: dict[int, Place] = {}  # loads that were moved, by task
         self._ways_of_loads: dict[int, Journey] = {}  # of those that are carried
         self._services: dict[int, WorkUnderWay] = {}  # by task
@@ -277,6 +262,8 @@ class FleetWorld:
             self._set_out(robot, way if is_road else Journey((at, *way.way[1:])))
         team = self.robots[who[0]].command.team
         self._begin(key, WorkUnderWay(team, way.end, CARRIED))
+        if way.end < NEVER:
+            self._tell("lift", key, who, until=way.end, way=way.way)
 
     def _let_go(self, robot: int, touched: set[int]) -> None:
         """Let a robot carry no more: the others go on if they can, or set the load down."""
@@ -296,6 +283,7 @@ class FleetWorld:
             self.robots[other].carries = NOBODY
             self._stop(other)
         self.moves.append(Lifted(self.now, key, (), self._lies[key]))
+        self._tell("broken", key, (robot, *who))
 
     def _begin(self, key: int, service: WorkUnderWay) -> None:
         """Begin a part of a service."""
@@ -342,7 +330,7 @@ class FleetWorld:
 
     def _set_out(self, robot: int, journey: Journey) -> None:
         self.robots[robot].journey = journey
-        self.moves.append(Walked(self.now, robot, journey))
+        self.moves.append(Walked(self.now, robot, journey, self.robots[robot].carries))
         if journey.end < NEVER:
             heapq.heappush(self._events, (journey.end, robot, NOBODY, journey.end))
 
@@ -358,9 +346,12 @@ class FleetWorld:
         going = self._services.get(key)
         if going is not None and going.team not in able:
             del self._services[key]
+            self._tell("broken", key, ())
             going = None
         if going is None and able and self.mission.may_begin(key, self.over, self.now):
-            self._begin(key, WorkUnderWay(able[0], self.now + self.tasks[key].duration))
+            service = WorkUnderWay(able[0], self.now + self.tasks[key].duration)
+            self._begin(key, service)
+            self._tell("serve", key, teams[able[0]], until=service.end)
 
     def _go_on(self, key: int, touched: set[int]) -> None:
         """Go on with what follows a part of a service."""
@@ -370,7 +361,9 @@ class FleetWorld:
         if task.to is None or part == UNLOADING:
             self._finish(key, touched)
         elif self.place_of(key) == task.to:
-            self._begin(key, WorkUnderWay(team, self.now + task.unload, UNLOADING))
+            end = self.now + task.unload
+            self._begin(key, WorkUnderWay(team, end, UNLOADING))
+            self._tell("unload", key, list(self.at_work(key)), until=end)
 
     def _take_up(self, key: int, touched: set[int]) -> None:
         """Let those who have taken up a load set out with it; all who are there sense it."""
@@ -387,12 +380,18 @@ class FleetWorld:
         team, place = self._services.pop(key).team, self.place_of(key)
         who = tuple(r for r in self.at_work(key) if self.robots[r].command.team == team)
         self.done[key] = Done(self.now, key, team, who)
+        self._tell("done", key, who)
         self._end(key)
         if self._ways_of_loads.pop(key, None) is not None:
             self._lies[key] = place
             for robot in who:
                 self.robots[robot].carries = NOBODY
         self._touch(place, touched)
+
+    def _tell(self, kind: str, key: int, robots: Sequence[int], **said: Any) -> None:
+        """Write down an event of the service of a task."""
+        event = Event(self.now, kind, tuple(sorted(robots)), key, place=self.place_of(key))
+        self.moves.append(event._replace(**said))
 
     def _touch(self, place: Place, touched: set[int]) -> None:
         """Let all sense something new who are at a place."""

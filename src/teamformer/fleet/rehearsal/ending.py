@@ -38,7 +38,8 @@ class EndingWatch:
         impossible = self.impossible(now, held)
         excused = unheard | {task.key for task in impossible} | self.called_off(now)
         is_over = all(key in excused for key in self._world.tasks if key not in self._world.done)
-        return impossible if is_over and all(map(self._is_home, able)) else None
+        is_home = bool(impossible) or all(map(self._is_home, able))
+        return impossible if is_over and is_home else None
 
     def _is_home(self, robot: int) -> bool:
         """Say whether a robot is where it has to be in the end, or cannot get there."""

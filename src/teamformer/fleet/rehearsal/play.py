@@ -55,7 +55,8 @@ class Rehearsal:
         self.truth = mission.truth(faults.seed)
         self.world = FleetWorld(mission, self.truth)
         self.trace = trace or Trace()
-        self._planner, self._plan, self._make_policy = planner, plan, make_policy
+        self.plan = plan  # that all begin with
+        self._planner, self._make_policy = planner, make_policy
         self._post = Post(mission.number, robots)
         self._network = RehearsedNetwork(self._post, faults, self._deliver, mission.apart)
         self._skew = faults.skew or (0.0,) * robots
@@ -255,7 +256,7 @@ class Rehearsal:
             mission=self.mission,
             me=robot,
             planner=self._planner,
-            plan=self._plan,
+            plan=self.plan,
             now=self._clock(robot),
             remembered=remembered,
             nonce=nonce,

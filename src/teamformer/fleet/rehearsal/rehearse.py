@@ -11,7 +11,7 @@ from teamformer.base.worker_processes import work_in_processes
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
-from teamformer.fleet.rehearsal.checker import Checker
+from teamformer.fleet.rehearsal.checking.checker import Checker
 from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Lifted, Walked
+from teamformer.fleet.fleet_mission import place_in
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
@@ -28,15 +29,17 @@ from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
 
 STATUSES = {"ended": "completed", "infeasible": "infeasible", "blocked": "step limit"}
+"""How a record says that a rehearsal ended."""
 
 
-def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int) -> Record:
-    """Return the record of a rehearsal that has been played."""
+def record_in_steps(
+    rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int
+) -> Record:
+    """Return the record of a rehearsal of a mission in steps."""
     mission = rehearsal.mission
-    events = sorted(events, key=lambda event: event.at)
-    tasks, number = _tasks_of(rehearsal)
+    tasks, number = tasks_of(rehearsal)
     done = rehearsal.world.done.values()
-    truth = _truth_of(rehearsal, tasks)
+    truth = true_tasks_of(rehearsal, tasks)
     by_key = {it.key: deed_of(number[it.key], truth, it.robots) for it in done}
     finished = ((event.at, event.task) for event in events if isinstance(event, Finished))
     deeds = deeds_by_step(finished, by_key, mission.step)
@@ -55,29 +58,29 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     return fleet_record(source, writer.steps, status, seed, outcome.blocked_tasks, known)
 
 
-def _truth_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ...]:
+def true_tasks_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ...]:
     """Return the tasks as they really were; operators' are as they said."""
-    own = zip(tasks, rehearsal.truth.tasks, strict=False)
+    count = len(rehearsal.mission.tasks)
+    own = zip(tasks[:count], rehearsal.truth.tasks, strict=False)
     known = (task.once_known(true.at, true.needs, true.duration) for task, true in own)
-    return (*known, *tasks[len(rehearsal.mission.tasks) :])
+    return (*known, *tasks[count:])
 
 
-def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
+def tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
     """Return the tasks with those that operators added, and the number of each by its key."""
     mission, whole = rehearsal.mission, rehearsal.mission.source
     orders = [it for it in rehearsal.faults.orders if it.task.key in rehearsal.world.tasks]
-    is_grid = isinstance(whole.world, Grid)
     added = [
         Task(
             order.task.name,
-            (int(order.task.x), int(order.task.y)) if is_grid else (order.task.x, order.task.y),
+            place_in(whole.world, (order.task.x, order.task.y)),
             {
                 cap: need
                 for cap, need in zip(whole.capabilities, order.task.needs, strict=True)
                 if need
             },
-            round(order.task.duration / mission.step),
-            math.ceil(order.at / mission.step),
+            mission.in_time(order.task.duration),
+            order.at if whole.time == "continuous" else math.ceil(order.at / mission.step),
         )
         for order in orders
     ]
@@ -89,7 +92,10 @@ def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
 def _with_call_offs(rehearsal: Rehearsal) -> Iterator[Task]:
     """Yield the mission's tasks with when they were called off; never, of those that were done."""
     mission, offs = rehearsal.mission, rehearsal.faults.withdrawals
-    withdrawn = {it.task: math.floor(it.at / mission.step) + 1 for it in offs}
+    is_in_steps = mission.source.time == "steps"
+    withdrawn = {
+        it.task: math.floor(it.at / mission.step) + 1 if is_in_steps else it.at for it in offs
+    }
     for key, task in enumerate(mission.source.tasks):
         times = [at for at in (task.cancelled, withdrawn.get(key)) if at is not None]
         is_off = bool(times) and key not in rehearsal.world.done

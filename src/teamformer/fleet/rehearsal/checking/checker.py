@@ -26,12 +26,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import HERE, READY, TaskFact
+from teamformer.fleet.rehearsal.checking.ways import WayChecker
 from teamformer.fleet.rehearsal.trace import (
     OFF,
     Accepted,
@@ -42,7 +42,7 @@ from teamformer.fleet.rehearsal.trace import (
     Said,
     Worked,
 )
-from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
@@ -53,9 +53,6 @@ DRIFT = 0.06
 A_TICK = 0.05
 """Seconds in which things count as happening at once."""
 
-
-SLOWER = 1e-6
-"""By such a share a way may be shorter than it takes: sums are rounded."""
 
 LATEST = 3.0
 """Seconds that a body may take to report at most: twice what a schedule lets it be late."""
@@ -106,7 +103,7 @@ class Checker:
             TracedRobot(Walked(0.0, number, Journey((Passed(0.0, at),))))
             for number, at in enumerate(starts)
         ]
-        self._map = self.mission.source.world
+        self._map, self._ways = self.mission.source.world, WayChecker(self.mission)
         for key, task in self.tasks.items():
             if task.to is not None:
                 self._loads[key] = Load((task.x, task.y))
@@ -160,53 +157,16 @@ class Checker:
                 f"{event.at:.2f} s: {self._who(event.robot)} leaves task '{task}' {left:.2f} s "
                 "before the time that it said it would stay"
             )
-        self._check_way(event, points)
-        robot.walk = event
-        for key, load in self._loads.items():
-            if event.robot in load.carriers and len(points) > 1:
-                self._go_with(event, key, load)
-        self._count(event.at)
-
-    def _check_way(self, event: Walked, points: Sequence[Place]) -> None:
-        """Check that a robot goes where it can, and on roads no faster than it can."""
-        who = self.mission.source.robots[event.robot]
-        blocked: list[Place] = []
-        if isinstance(self._map, Grid) and not who.flies:
-            blocked = [at for at in points if not self._map.is_free(at)]
-        elif isinstance(self._map, Roads):
-            pairs = pairwise(_ahead(event))
-            carries = any(event.robot in load.carriers for load in self._loads.values())
-            blocked = [
-                b.place for a, b in pairs if not (carries or self._can_go(event.robot, a, b))
-            ]
-        if blocked:
+        carried = [key for key, load in self._loads.items() if event.robot in load.carriers]
+        is_on_roads = isinstance(self._map, Roads)  # where a load goes by the ways of one mover
+        if not (carried and is_on_roads) and (blocked := self._ways.blocked(event)):
             self._blame(f"{event.at:.2f} s: {self._who(event.robot)} walks through {blocked}")
-
-    def _can_go(self, robot: int, one: Passed, after: Passed) -> bool:
-        """Say whether a robot can get so fast from one place of roads to another."""
-        assert isinstance(self._map, Roads), "the caller has looked"
-        times = self._map.ways[self.mission.source.robots[robot].moves]
-        way = times[int(one.place[0])][int(after.place[0])]
-        return way <= (after.at - one.at) * self.mission.paces[robot] + SLOWER * max(1.0, way)
-
-    def _go_with(self, event: Walked, key: int, load: Load) -> None:
-        """Check that who carries a load goes no faster than the slowest who do."""
-        way = _ahead(event)
-        if isinstance(self._map, Roads):  # by the ways of one of them
-            is_slow = all(self._can_go(robot, way[0], way[-1]) for robot in load.carriers)
-        else:
-            pace = min(self.mission.paces[robot] for robot in load.carriers)
-            slack = 2 * self.mission.radius
-            is_slow = all(
-                self._metres(one, after) <= pace * (after.at - one.at) * (1 + SLOWER) + slack
-                for one, after in pairwise(way)
-            )
-        if not is_slow:
-            who, task = self._who(event.robot), self._name(key)
-            self._blame(f"{event.at:.2f} s: {who} carries '{task}' faster than all can who do")
-
-    def _metres(self, one: Passed, after: Passed) -> float:
-        return 1.0 if isinstance(self._map, Grid) else math.dist(one.place, after.place)
+        robot.walk = event
+        for key in carried if len(points) > 1 else ():
+            if not self._ways.can_carry(event, self._loads[key].carriers):
+                who, task = self._who(event.robot), self._name(key)
+                self._blame(f"{event.at:.2f} s: {who} carries '{task}' faster than all can who do")
+        self._count(event.at)
 
     def _lift(self, event: Lifted) -> None:
         """Check that a load is taken up by who may, or set down where those are who carried it."""
@@ -236,7 +196,7 @@ class Checker:
         if isinstance(self._map, Roads):  # it lies where they passed last
             passed = (walk.journey.way[walk.journey.passed(now)].place for walk in walks)
             return all(at == place for at in passed)
-        return all(math.dist(self._place(walk, now), place) <= reach for walk in walks)
+        return all(math.dist(self._ways.place(walk, now), place) <= reach for walk in walks)
 
     def _say(self, event: Said) -> None:
         robot = self._robots[event.robot]
@@ -253,7 +213,7 @@ class Checker:
     def _work(self, event: Worked) -> None:
         robot = self._robots[event.robot]
         robot.work = (event.task, event.team)
-        self._drop(event.robot, event.task)
+        self._drop(event.at, event.robot, event.task)
         if event.task != NOBODY:
             self._begin(event, robot)
         self._count(event.at)
@@ -358,7 +318,7 @@ class Checker:
         robot = self._robots[event.robot]
         if event.what == "crash":
             robot.is_dead = True
-            self._drop(event.robot)
+            self._drop(event.at, event.robot)
         elif event.what == "restart":
             robot.is_dead = False
             robot.work, robot.word = (NOBODY, NOBODY), None
@@ -366,19 +326,23 @@ class Checker:
             robot.off.clear()
         self._count(event.at)
 
-    def _drop(self, robot: int, but: int = NOBODY) -> None:
+    def _drop(self, now: float, robot: int, but: int = NOBODY) -> None:
         """Let a robot carry nothing more, but the load of a task; what it held is with the rest."""
         for key, load in self._loads.items():
             if key != but and robot in load.carriers and len(load.carriers) > 1:
                 load.carriers.discard(robot)
+                load.carried_until[robot] = now
 
     def _stands_at(self, number: int, key: int, now: float) -> bool:
-        """Say whether a robot is at a task; at a load also if one has left the other lately."""
+        """Say whether a robot is at a task; at a load also if that has left not long ago.
+
+        On roads a load lies behind those who set it down.
+        """
         left = self._loads[key].left if key in self._loads else []
         carried = self._loads[key].carried_until if key in self._loads else {}
-        if now - carried.get(number, -LATEST - 1) <= LATEST:
+        if isinstance(self._map, Roads) and now - carried.get(number, -2 * LATEST) <= LATEST:
             return True
-        x, y = self._place(self._robots[number].walk, now)
+        x, y = self._ways.place(self._robots[number].walk, now)
         reach = (self.mission.radius + 1e-9) ** 2
         was_here = any(
             (x - was_x) ** 2 + (y - was_y) ** 2 <= reach
@@ -392,7 +356,7 @@ class Checker:
         load = self._loads.get(key)
         if load is not None and load.carriers:
             return number in load.carriers
-        return self._is_near(self._place(self._robots[number].walk, now), key)
+        return self._is_near(self._ways.place(self._robots[number].walk, now), key)
 
     def _is_near(self, place: Place, key: int) -> bool:
         """Say whether a place is at a task, or where its load lies."""
@@ -400,28 +364,8 @@ class Checker:
         to_x, to_y = (self.tasks[key].x, self.tasks[key].y) if load is None else load.at
         return (x - to_x) ** 2 + (y - to_y) ** 2 <= (self.mission.radius + 1e-9) ** 2
 
-    def _place(self, walk: Walked, now: float) -> Place:
-        way, when = walk.journey.way, min(now, walk.journey.stopped)
-        at = sum(passed.at <= when + SLOWER for passed in way) - 1
-        if at < 0 or at == len(way) - 1:
-            return way[max(0, at)].place
-        (begun, (x, y)), (ends, (to_x, to_y)) = way[at : at + 2]
-        if isinstance(self._map, Grid):
-            return x, y
-        if isinstance(self._map, Roads):
-            return to_x, (ends - when if when > begun else 0.0)
-        part = (when - begun) / (ends - begun)
-        return x + part * (to_x - x), y + part * (to_y - y)
-
     def _covers(self, robots: Iterable[int], key: int) -> bool:
         counts = [self.mission.counts[robot] for robot in robots]
         has = [sum(column) for column in zip(*counts, strict=True)] if counts else []
         needs = self.tasks[key].needs
         return bool(has) and all(round(h - n, 3) >= 0 for h, n in zip(has, needs, strict=True))
-
-
-def _ahead(event: Walked) -> tuple[Passed, ...]:
-    """Return the places of a way but those that were passed before it was set out on."""
-    way = event.journey.way
-    passed = sum(one.at < event.at - SLOWER for one in way)
-    return way[passed:] or way[-1:]

@@ -137,37 +137,44 @@ def _verbs_for(mission: Mission) -> str:
     return " or ".join(filter(None, (", ".join(verbs[:-1]), *verbs[-1:])))
 
 
-def rules_of_fleets(mission: Mission) -> Iterator[Problem]:
-    """Return why robots that are processes of their own cannot do a mission; nothing if they can.
-
-    What may happen to robots is theirs: rehearsals draw it.
-    """
-    yield from _rules_of_real_robots(mission, FLEETS)
+def rules_of_rehearsals(mission: Mission) -> Iterator[Problem]:
+    """Return why a fleet of processes cannot rehearse a mission; nothing if it can."""
+    yield from rules_not_run(mission)
+    if mission.time == "continuous":
+        yield from find_flown_loads(mission)
+    remedy = _remedy(mission, FLEETS)
+    yield from told_once(mission, find_unknown(mission, FLEETS), remedy)
     both = [
         (("tasks", number, "within"), f"task '{task.name}' has a load within a region")
         for number, task in enumerate(mission.tasks)
         if task.within and task.to is not None
     ]
-    yield from told_once(mission, both, _remedy(mission, FLEETS))
+    yield from told_once(mission, both, remedy)
+
+
+def rules_of_fleets(mission: Mission) -> Iterator[Problem]:
+    """Return why robots that are processes of their own cannot do a mission; nothing if they can.
+
+    Their tasks come from operators, so none appears at random.
+    """
+    yield from rules_of_rehearsals(mission)
+    yield from told_once(
+        mission, find_unknown(mission, FLEETS, is_surprise=True), _remedy(mission, FLEETS)
+    )
 
 
 def rules_of_robotarium(mission: Mission) -> Iterator[Problem]:
     """Return why robots in the Robotarium's arena cannot do a mission, whatever its size."""
-    yield from _rules_of_real_robots(mission, ROBOTARIUM)
+    yield from rules_not_played(mission)
+    remedy = _remedy(mission, ROBOTARIUM)
+    yield from told_once(mission, find_unknown(mission, ROBOTARIUM, is_surprise=True), remedy)
+    yield from told_once(mission, find_unknown(mission, ROBOTARIUM), remedy)
     flying = [
         (("robots", number, "moves"), f"robot '{robot.name}' flies over obstacles")
         for number, robot in enumerate(mission.robots)
         if robot.flies and mission.world.rows
     ]
-    yield from told_once(mission, flying, _remedy(mission, ROBOTARIUM))
-
-
-def _rules_of_real_robots(mission: Mission, who: str) -> Iterator[Problem]:
-    """Return which keys of a mission in steps `who` does not know."""
-    yield from rules_not_played(mission)
-    remedy = _remedy(mission, who)
-    yield from told_once(mission, find_unknown(mission, who, is_surprise=True), remedy)
-    yield from told_once(mission, find_unknown(mission, who), remedy)
+    yield from told_once(mission, flying, remedy)
 
 
 def _remedy(mission: Mission, who: str) -> Callable[[str], str]:

@@ -18,6 +18,7 @@ from teamformer.record.event_rules.standing import (
     WorkNow,
     expect,
     has_to_form,
+    is_too_late,
     turning,
     work_on,
 )
@@ -53,6 +54,7 @@ def serve(now: Standing, event: Event) -> None:
     need(now.is_released(task), f"{name} may not begin yet")
     need(task not in now.maybe, f"nobody knows where {name} is")
     need(not has_to_form(now, event.robots), f"the team of {name} has not formed")
+    need(not is_too_late(now, task, event.robots), f"{name} cannot end by {now.mission.until}")
     carried = now.carried(task, event.robots)
     expect(event, now.now + (wanted.duration + carried + wanted.unload))
     ends = now.now + real.duration

@@ -108,6 +108,9 @@ KINDS = {
     "back": EventKind(("robots", "place"), "a lost robot is back, where it was lost"),
     "appear": EventKind(("task",), "a task becomes known"),
     "cancel": EventKind(("task",), "a task is called off"),
+    "missed": EventKind(
+        ("task",), "a task is not done any more: it is given up, or the mission is over at `until`"
+    ),
     "know": EventKind(
         ("robots", "task", "needs"),
         "what a task needs becomes known, to robots that are there or to everybody",

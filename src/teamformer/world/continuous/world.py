@@ -11,6 +11,7 @@ import copy
 import heapq
 from collections.abc import Iterator
 
+from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.world.continuous.body import turning
@@ -19,6 +20,7 @@ from teamformer.world.continuous.moving import (
     ARRIVE,
     BRING_BACK,
     CALL_OFF,
+    CLOSE,
     EXPECT,
     FINISH,
     LOOK,
@@ -34,6 +36,7 @@ from teamformer.world.rules.constants import NOBODY
 COPIED = (
     "over",
     "done",
+    "missed",
     "started",
     "served_by",
     "appeared",
@@ -69,6 +72,8 @@ class PhysicalWorld(WorkingWorld):
         """Go to the next moment and let all happen that is due then."""
         self.now = self._reached = self.next_time
         while self.next_time <= self.now:
+            if self.agenda[0][1] == CLOSE and self.happened:
+                break  # what follows from the rest of the moment is done before
             _, what, which, stamp = heapq.heappop(self.agenda)
             self._let_happen(what, which, stamp)
         return self.take_happened()
@@ -79,6 +84,8 @@ class PhysicalWorld(WorkingWorld):
         heapq.heapify(self.agenda)
 
     def _from_outside(self) -> Iterator[Entry]:
+        if self.mission.until is not None:
+            yield self.mission.until, CLOSE, NOBODY, NOBODY
         for number, robot in enumerate(self.truth.robots):
             for away in robot.absences:
                 yield away.lost, LOSE, number, NOBODY
@@ -126,6 +133,8 @@ class PhysicalWorld(WorkingWorld):
             self.expect_anew(which)
         elif what == LOOK:
             self.look_around(which)
+        elif what == CLOSE:
+            self._close()
         else:
             self.note(tasks=(which,))
 
@@ -160,3 +169,19 @@ class PhysicalWorld(WorkingWorld):
         if task in self.works:
             self.break_off(task, number)
         self.note("task cancelled", tasks=(task,))
+
+    def _close(self) -> None:
+        """Let all be missed that is not done, but for what ends at this very moment."""
+        for task in range(len(self.truth.tasks)):
+            work = self.works.get(task)
+            ends_now = work is not None and work.is_service and is_in_time(work.all_done, self.now)
+            if task not in self.over and not ends_now:
+                self.miss(task)
+
+    def miss(self, task: int) -> None:
+        """Let a task be missed: it is not done any more."""
+        number = self.over[task] = self.tell("missed", (), task, NOBODY)
+        self.missed.append(task)
+        if task in self.works:
+            self.break_off(task, number)
+        self.note(tasks=(task,))

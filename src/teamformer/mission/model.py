@@ -14,6 +14,7 @@ from teamformer.mission.checks.windows import opening_step
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.robot_keys import SLOWEST
 from teamformer.mission.parts.capabilities import Counts, in_units, out_of_units, total, units_of
+from teamformer.mission.parts.charging import Battery, Charger, Charging, has_batteries
 from teamformer.mission.parts.grid import FREE, Grid, Place
 from teamformer.mission.parts.places import possible_places
 from teamformer.mission.parts.plane import Plane
@@ -96,6 +97,7 @@ class Robot:
     note: str = ""  # for people
     shifts: tuple[Shift, ...] = ()  # in the order of time
     every: float = 0.0
+    battery: Battery | None = None
 
     @cached_property
     def rota(self) -> Rota:
@@ -253,6 +255,7 @@ class Mission:
     finding_radius: float = 1.0
     arrivals: Arrivals | None = None
     until: float | None = None
+    chargers: tuple[Charger, ...] = ()
 
     def __post_init__(self) -> None:
         problems = list(find_problems(self))
@@ -287,6 +290,11 @@ class Mission:
         )
 
     @cached_property
+    def charging(self) -> Charging | None:
+        """Return which tasks robots can do with their batteries; None if none has one."""
+        return Charging(self) if has_batteries(self.robots) else None
+
+    @cached_property
     def units(self) -> Mapping[str, int]:
         """Return the unit of each capability that robots bring, in thousandths."""
         return units_of(robot.can for robot in self.robots)
@@ -306,7 +314,7 @@ def as_believed(mission: Mission, **changes: object) -> Mission:
     What is believed at a moment may be impossible: robots that are needed are lost, say.
     """
     changed = copy.copy(mission)
-    for name in ("units", "has_surprises"):
+    for name in ("units", "has_surprises", "charging"):
         changed.__dict__.pop(name, None)  # worked out of what is changed
     for name, value in changes.items():
         object.__setattr__(changed, name, value)

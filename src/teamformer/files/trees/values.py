@@ -14,9 +14,10 @@ from teamformer.files.yaml.words import describe, shorten
 from teamformer.mission.keys import kinds
 from teamformer.mission.keys.key import Key
 from teamformer.mission.model import Arrivals, Breakdown, Delays, World
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.roads import Roads
 
-MADE = {made.__name__: made for made in (Arrivals, Breakdown, Delays)}
+MADE = {made.__name__: made for made in (Arrivals, Battery, Breakdown, Charger, Delays)}
 """What parts become, by name."""
 
 
@@ -249,3 +250,14 @@ def _(kind: kinds.KeyedPart, reader: Reader, where: Where, value: Any, given: Gi
     else:
         said = read_part(reader, where, value, kind.keys, given)
     return MADE[kind.makes](**said) if kind.makes else said
+
+
+@read.register
+def _(
+    kind: kinds.KeyedParts, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[Any, ...]:
+    one = kinds.KeyedPart(kind.keys, kind.makes)
+    if value == []:
+        reader.refuse(where, f"{name_of(where)} is an empty list; write one, or drop it")
+    parts = enumerate(reader.sequence(where, value))
+    return tuple(read(one, reader, (*where, number), part, given) for number, part in parts)

@@ -14,6 +14,7 @@ from teamformer.mission.keys.kinds import (
     Counts,
     Either,
     KeyedPart,
+    KeyedParts,
     Kind,
     Number,
     Place,
@@ -70,6 +71,8 @@ def to_tree(kind: Kind, value: Any, world: World) -> Any:
             return [list(window) for window in value]
         case StartLinks():
             return {name: list(gap) for name, gap in value.items()}
+        case KeyedParts() if kind.makes:
+            return [part_to_tree(kind.keys, vars(part), world) for part in value]
         case KeyedPart(makes=""):
             return dict(value)
         case KeyedPart():

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
+from teamformer.mission.checks.batteries import rules_not_run_with_batteries
 from teamformer.mission.checks.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
@@ -98,6 +99,7 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
     if mission.until is not None:
         yield Problem(("until",), "missions with until are checked, but not run yet; drop until")
     yield from _shifts_not_served(mission)
+    yield from rules_not_run_with_batteries(mission)
 
 
 def _shifts_not_served(mission: Mission) -> Iterator[Problem]:

@@ -155,9 +155,13 @@ class KeyedPart:
 
 @dataclass(frozen=True)
 class KeyedParts:
-    """A list of at least one mapping, all with the same keys."""
+    """A list of at least one mapping, all with the same keys.
+
+    `makes` is the class of the model that each becomes, if they are read like other keys.
+    """
 
     keys: tuple[Key, ...]
+    makes: str = ""
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from teamformer.mission.keys.charging_keys import CHARGER_KEYS, NEW
 from teamformer.mission.keys.key import FLEETS, ROBOTARIUM, STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
@@ -193,5 +194,15 @@ MISSION_KEYS = (
         without="with its last task",
         since="0.2.0",
         unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "until is for continuous time"),
+    ),
+    Key(
+        "chargers",
+        KeyedParts(CHARGER_KEYS, makes="Charger"),
+        "`[{at: [1, 1], room: 2}]`: where robots with a battery charge "
+        "([batteries and chargers](mission/charging.md))",
+        default=(),
+        without="none",
+        example=[{"at": [1, 1]}],
+        since=NEW,
     ),
 )

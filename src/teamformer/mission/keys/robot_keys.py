@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from teamformer.mission.keys.charging_keys import BATTERY_KEYS, NEW
 from teamformer.mission.keys.key import CONTINUOUS, FLEETS, ROBOTARIUM, STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
@@ -131,6 +132,16 @@ ROBOT_KEYS = (
         "it says which of the tables the robot uses",
         default=GROUND,
         label="Flies",
+    ),
+    Key(
+        "battery",
+        KeyedPart(BATTERY_KEYS, makes="Battery"),
+        "`{lasts: 300, fills: 60}`: what it has to spend before it has to charge "
+        "([batteries and chargers](mission/charging.md))",
+        default=None,
+        without="it never has to charge",
+        since=NEW,
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "has a battery"),
     ),
     Key(
         "count",

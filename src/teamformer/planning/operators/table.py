@@ -37,8 +37,8 @@ class OperatorShares(NamedTuple):
 DROP, EXCHANGE_TASKS, SWAP, REPLACE, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(9)
 
 OPERATORS = (
-    OperatorShares("drop a task", 20, 20, 20, 20, with_misses=True),
-    OperatorShares("exchange tasks", 40, 40, 40, 40, with_misses=True),
+    OperatorShares("drop a task", 10, 10, 10, 10, with_misses=True),
+    OperatorShares("exchange tasks", 20, 20, 20, 20, with_misses=True),
     OperatorShares("swap heads", 40, 0, 25, 30),
     OperatorShares("replace a member", 0, 0, 20, 10),
     OperatorShares("ride", 15, 10, 20, 5, with_spares=True),

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.base.array_types import Int32s, Ints
+from teamformer.base.array_types import Ints
 from teamformer.mission.model import Mission, Task
 
 LEFT_OUT = 2**56
@@ -20,9 +20,6 @@ FINEST = 1000
 MOST_UNITS = 2**52
 """What all tasks together are worth at most: floats hold it exactly."""
 
-CHEAPER = 8
-"""A search takes a missed task of mean weight to cost a leg, divided by this."""
-
 
 class Misses(NamedTuple):
     """What is missed if tasks end later than `until`; empty arrays if a mission has no end."""
@@ -30,13 +27,13 @@ class Misses(NamedTuple):
     until: Ints  # (1,) in ticks
     judged: Ints  # (tasks,) what plans are judged by for each that is missed
     leads: Ints  # (tasks,) the same of what leads a search
-    optional: Int32s  # (tasks,) whether it may be left out
+    optional: Ints  # (tasks,) whether it may be left out
 
 
 def no_misses() -> Misses:
     """Return what a mission has whose end is that of its last task."""
     nothing = np.zeros(0, np.int64)
-    return Misses(nothing, nothing, nothing, nothing.astype(np.int32))
+    return Misses(nothing, nothing, nothing, nothing)
 
 
 def can_miss(misses: Misses) -> bool:
@@ -50,10 +47,11 @@ def misses_of(
     """Return what is missed of some tasks of a mission that is over at a tick.
 
     Without `missed` in the mission's cost nothing outweighs a missed task: no plan is worth `most`.
-    With it a weight of one costs `cost`. A task takes a robot about `leg` ticks, with the way.
+    With it a weight of one costs `cost`. A search takes a missed task of mean weight to cost a `leg`,
+    what a task takes a robot about with the way: less tempts it to leave out what it could do.
     One that must be done outweighs all others.
     """
-    optional = np.array([task.optional for task in tasks], np.int32)
+    optional = np.array([task.optional for task in tasks], np.int64)
     weights = np.array([task.weight for task in tasks])
     if mission.cost is not None and "missed" in mission.cost:
         judged = leads = np.rint(weights * cost).astype(np.int64) * optional
@@ -62,7 +60,7 @@ def misses_of(
         units //= max(1, math.gcd(*units.tolist()))
         judged = units * min(most, max(1, MOST_UNITS // (1 + int(units.sum()) * (len(tasks) + 1))))
         mean = max(1.0, float(units.sum()) / max(1, int(optional.sum())))
-        leads = np.maximum(1, units * leg / mean / CHEAPER).astype(np.int64) * optional
+        leads = np.maximum(1, units * leg / mean).astype(np.int64) * optional
     must = 1 - optional
     return Misses(
         until=np.array([until], np.int64),

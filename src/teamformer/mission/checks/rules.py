@@ -96,18 +96,7 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
     if mission.time == "steps":
         yield from rules_not_played(mission)
         return
-    yield from _shifts_not_served(mission)
     yield from rules_not_run_with_batteries(mission)
-
-
-def _shifts_not_served(mission: Mission) -> Iterator[Problem]:
-    """Return which robots work in shifts, which nobody plans for."""
-    working = [
-        (("robots", number, "shifts"), f"robot '{robot.name}' works in shifts")
-        for number, robot in enumerate(mission.robots)
-        if robot.shifts
-    ]
-    yield from told_once(mission, working, "which plans do not know; drop {}".format)
 
 
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
@@ -135,7 +124,7 @@ VERBS = {
     "run": rules_not_run,
     "compare": rules_not_run,
     "plan": rules_not_planned,
-    "live": rules_not_played,
+    "live": rules_not_run,
 }
 """What refuses a mission, by verb."""
 

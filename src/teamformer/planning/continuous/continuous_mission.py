@@ -18,6 +18,7 @@ from teamformer.mission.coordination import Known, Plan, known_at_start
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.shifts import rotas_of
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.tables import (
     distances,
@@ -42,6 +43,7 @@ from teamformer.planning.problem.coalition_problem import (
 from teamformer.planning.problem.links import PART_OF, Link, Links, have_weights, link_tasks
 from teamformer.planning.problem.misses import Misses, can_miss, misses_of
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
+from teamformer.planning.problem.rotas import longest_pauses, rotas_in_ticks
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.ways import ends_of
 from teamformer.world.rules.starts import Gap
@@ -140,12 +142,14 @@ class ContinuousMission:
     def as_plan(self, found: CoalitionPlan, made_from: str = "") -> Plan:
         """Return a plan in the numbers of the mission, with the time at which each task ends.
 
-        Tasks that are left out are not in it.
+        Tasks that are left out are not in it, nor those that end at no time as shifts are over.
         """
         found = self.in_time(found)
-        order = [task for task in found.order.tolist() if found.size[task] > 0]
         routes = self.time(found).routes
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
+        has_shifts = len(self.clock.rotas) > 0
+        kept = [task for task in found.order.tolist() if found.size[task] > 0]
+        order = [task for task in kept if not has_shifts or math.isfinite(ends[task])]
         return Plan(
             order=tuple(self.tasks[task] for task in order),
             coalitions=tuple(
@@ -190,13 +194,17 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     number_of = {task: number for number, task in enumerate(chosen)}
     before, gaps = _renumbered(waits, number_of)
     busy = longest_of(tasks, mission.forming, ways, home, carry) + max(ready, default=0.0)
+    different = list(dict.fromkeys(robot.rota for robot in robots))
+    later = [rota.counted_from(now) for rota in different]
     longest_wait = max((begin - now for begin in release), default=0.0)
+    longest_wait += longest_pauses(later, busy, len(tasks))
     scale = ticks_in_a_unit(busy, longest_wait, sum(task.weight for task in tasks))
 
     def ticks(times: npt.ArrayLike) -> Ints:
         finite = np.where(np.isfinite(times), times, NO_WAY * (busy + longest_wait))
         return np.rint(finite * scale).astype(np.int64)
 
+    late = round(NO_WAY * (busy + longest_wait) * scale)
     counts = count_table([robot.can for robot in robots], mission)
     needs = count_table([task.needs for task in tasks], mission)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
@@ -221,6 +229,10 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         spares=SPARES if _may_spare_pay(mission, tasks, ways, home, pace, takes) else 0,
         site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
         ready=ticks(ready),
+        apart=[different.index(robot.rota) for robot in robots],
+        rotas=rotas_in_ticks(
+            later, lambda when: round(when * scale), late, rounding_of(len(tasks))
+        ),
     )
     if mission.until is not None:
         problem = problem._replace(misses=_misses(mission, now, tasks, ticks, problem))
@@ -239,6 +251,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         before=before,
         gaps=gaps,
         forming=mission.forming,
+        rotas=rotas_of(robots),
         cost=mission.cost,
     )
     return ContinuousMission(
@@ -362,7 +375,10 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
     need the same ones.
     """
     if math.isinf(plan.makespan):
+        within, more = "", ""
+        if any(robot.shifts for robot in mission.source.robots):
+            within, more = " within their shifts", "lengthen shifts, have them come again (every), "
         raise TeamformerError(
-            f"{mission.source.name}: no plan was found in which all can get to their tasks",
-            "open the map, give ways a time under roads, move robots or tasks, or drop a link",
+            f"{mission.source.name}: no plan was found in which all can get to their tasks{within}",
+            f"{more}open the map, give ways a time under roads, move robots or tasks, drop a link",
         )

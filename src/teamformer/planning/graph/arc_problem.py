@@ -19,6 +19,7 @@ from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.links import Links, have_weights
 from teamformer.planning.problem.prices import SHARES, Prices
 from teamformer.planning.problem.prices import SMOOTH as SMOOTH_IF_PRICED
+from teamformer.planning.problem.rotas import Rotas
 
 Records = np.recarray[Any, np.dtype[np.void]]
 
@@ -70,6 +71,7 @@ class ArcProblem(NamedTuple):
     weights: Ints  # (5,) in steps: of makespan and ends, the divisor, and if there are prices;
     # last by how much a search may be led on that a task is missed no more, 0 if none can be
     links: Links  # as in the coalition problem
+    rotas: Rotas  # the same
 
 
 def near_of(problem: CoalitionProblem) -> int:
@@ -137,6 +139,7 @@ def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcP
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
         weights=_weights(problem, steps),
         links=problem.links,
+        rotas=problem.rotas,
     )
 
 

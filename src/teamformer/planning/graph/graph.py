@@ -13,12 +13,13 @@ leave it are at their next one: `approximate_steps` has that for the latter.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
+from teamformer.mission.parts.shifts import MOST_TRIED
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways, start_in_steps
 from teamformer.planning.graph.arc_problem import (
     ArcProblem,
@@ -29,10 +30,12 @@ from teamformer.planning.graph.arc_problem import (
     most_seats,
     takes_with,
 )
+from teamformer.planning.graph.worth import WORTH, missed, missed_leads, priced
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.problem.constants import SPREAD, TICKS
 from teamformer.planning.problem.misses import LEFT_OUT, can_miss
+from teamformer.planning.problem.rotas import fits, have_shifts, walked
 from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -55,18 +58,6 @@ NODE = np.dtype(
     align=True,
 )
 """64 bytes; what is asked less often is in `WORTH`."""
-
-WORTH = np.dtype(
-    [
-        ("due", np.int64),
-        ("price", np.int64),  # in steps: of each tick until its end
-        ("late_price", np.int64),  # in steps: of each tick that it is late
-        ("until", np.int64),  # it is missed if it ends later
-        ("miss", np.int64),  # what plans are judged by for that, and what leads a search
-        ("leads", np.int64),
-        ("is_optional", np.int64),
-    ]
-)
 
 SEAT = np.dtype([("prev", np.int32), ("next", np.int32), ("node", np.int32), ("kind", np.int32)])
 
@@ -163,15 +154,37 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
     for seat in range(first_seat, first_seat + node.taken):
         place = graph.seats[graph.seats[seat].prev].node
         pace = problem.kinds[graph.seats[seat].kind].pace
-        there = max(there, graph.nodes[place].end + problem.ways_to[pace, task, place])
+        way = problem.ways_to[pace, task, place]
+        kind = graph.seats[seat].kind
+        there = max(there, walked(problem.rotas, kind, graph.nodes[place].end, way))
         comes_apart |= problem.site[place] != first_site
-    start = max(node.release, there + problem.forming[0] * comes_apart)
+    if comes_apart and problem.forming[0] > 0:
+        there = fitted(problem, graph, task, first_seat, there, problem.forming[0])
+        there += problem.forming[0]
+    start = max(node.release, there)
     if node.has_links:
         for other in problem.before[task]:
             if other == NOBODY:
                 break
             start = max(start, graph.nodes[other].end)
-    return start
+    return fitted(problem, graph, task, first_seat, start, node.duration)
+
+
+@kernel
+def fitted(
+    problem: ArcProblem, graph: Graph, task: int, first_seat: int, earliest: int, takes: int
+) -> int:
+    """Return the first moment from which something fits into a shift of each robot of a task."""
+    if not have_shifts(problem.rotas):
+        return earliest
+    start = earliest
+    for _ in range(MOST_TRIED):
+        before = start
+        for seat in range(first_seat, first_seat + graph.nodes[task].taken):
+            start = fits(problem.rotas, graph.seats[seat].kind, start, takes)
+        if start == before:
+            return start
+    return max(earliest, problem.rotas.late[0])
 
 
 @kernel
@@ -219,8 +232,8 @@ def tail_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> in
 def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
     """Return when a home is reached."""
     home = len(graph.seats) - len(graph.back) + robot
-    last = graph.seats[graph.seats[home].prev].node
-    return graph.nodes[last].end + problem.home[graph.seats[home].kind, last]
+    last, kind = graph.seats[graph.seats[home].prev].node, graph.seats[home].kind
+    return walked(problem.rotas, kind, graph.nodes[last].end, problem.home[kind, last])
 
 
 @kernel
@@ -243,34 +256,6 @@ def cost_of(
         weights = problem.weights
         return (weights[0] * makespan + weights[1] * end_sum + price) // weights[2]
     return makespan + back_sum // (SPREAD * len(graph.back))
-
-
-@kernel
-def priced(worth: Any, end: int) -> int:
-    """Return what it costs that a task ends then, by its row of WORTH, unless it is missed."""
-    if end > worth.until:
-        return 0
-    return worth.price * end + worth.late_price * max(0, end - worth.due)
-
-
-@kernel
-def missed(worth: Any, end: int) -> int:
-    """Return what plans are judged by for it that a task ends then, if that is too late."""
-    return worth.miss if end > worth.until else 0
-
-
-@kernel
-def missed_leads(worth: Any, end: int) -> int:
-    """Return the same of what leads a search: the more, the later it is, unless it is left out."""
-    if end <= worth.until:
-        return 0
-    return worth.leads if end >= LEFT_OUT else worth.leads + end - worth.until
-
-
-@kernel
-def late_by(worth: Any, end: int) -> int:
-    """Return by how much a task is late that ends then, unless it is missed."""
-    return 0 if end > worth.until else max(0, end - worth.due)
 
 
 @entry

@@ -31,13 +31,11 @@ from teamformer.planning.graph.graph import (
     back_of,
     cost_of,
     is_in_steps,
-    missed,
-    missed_leads,
-    priced,
     start_of,
     tail_of,
     takes,
 )
+from teamformer.planning.graph.worth import missed, missed_leads, priced
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 

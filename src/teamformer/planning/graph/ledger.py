@@ -24,9 +24,6 @@ from teamformer.planning.graph.graph import (
     Graph,
     back_of,
     is_in_steps,
-    late_by,
-    missed,
-    missed_leads,
     start_of,
     time_anew,
 )
@@ -53,6 +50,7 @@ from teamformer.planning.graph.judging import (
     undo,
     wait,
 )
+from teamformer.planning.graph.worth import late_by, missed, missed_leads
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import (
     COMPLETION,

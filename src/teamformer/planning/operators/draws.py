@@ -5,12 +5,14 @@ from __future__ import annotations
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, takes_with
-from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, late_by, leave
+from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.ledger import Ledger
+from teamformer.planning.graph.worth import late_by
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.links import MAX_TARDINESS, TARDINESS
+from teamformer.planning.problem.rotas import walked
 from teamformer.world.rules.chance import draw_below
 
 ON_CHAIN = 65  # percent
@@ -92,7 +94,8 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
         else:
             place = graph.seats[tail].node
             pace = problem.kinds[graph.seats[seat].kind].pace
-            comes = nodes[place].end + problem.ways_to[pace, task, place]
+            way = problem.ways_to[pace, task, place]
+            comes = walked(problem.rotas, graph.seats[seat].kind, nodes[place].end, way)
         if comes > there:
             latest, there = seat, comes
     return latest, NOBODY
@@ -147,7 +150,8 @@ def cut_beside_near(
         if problem.useful[nodes[task].need, problem.kinds[kind].type] == 0:
             continue
         pace = problem.kinds[kind].pace
-        comes = nodes[place].end + problem.ways_to[pace, task, place]
+        way = problem.ways_to[pace, task, place]
+        comes = walked(problem.rotas, kind, nodes[place].end, way)
         takes = takes_with(problem, pace, task)
         latest = limit - takes - leave(problem, graph, kind, task, head)
         if comes <= latest:

@@ -47,9 +47,9 @@ def misses_of(
     """Return what is missed of some tasks of a mission that is over at a tick.
 
     Without `missed` in the mission's cost nothing outweighs a missed task: no plan is worth `most`.
-    With it a weight of one costs `cost`. A search takes a missed task of mean weight to cost a `leg`,
-    what a task takes a robot about with the way: less tempts it to leave out what it could do.
-    One that must be done outweighs all others.
+    With it a weight of one costs `cost`. A search takes a missed task of mean weight to cost a
+    `leg`, what a task takes a robot about with the way: it leaves out too much if that is less. One
+    that must be done outweighs all others.
     """
     optional = np.array([task.optional for task in tasks], np.int64)
     weights = np.array([task.weight for task in tasks])

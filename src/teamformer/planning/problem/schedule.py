@@ -13,6 +13,7 @@ from teamformer.planning.problem.coalition_plan import CoalitionPlan, copy_plan,
 from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
 from teamformer.planning.problem.constants import SPREAD
 from teamformer.planning.problem.misses import LEFT_OUT
+from teamformer.planning.problem.rotas import fits_all, walked
 
 if TYPE_CHECKING:
     from teamformer.base.array_types import Array
@@ -73,17 +74,23 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
     for seat in range(schedule.plan.size[task]):
         robot = schedule.plan.coalition[task, seat]
         place = last[position, robot]
-        there = max(there, end[place] + problem.ways[problem.pace[robot], place, task])
+        way = problem.ways[problem.pace[robot], place, task]
+        there = max(there, walked(problem.rotas, problem.kind[robot], end[place], way))
         first = last[position, schedule.plan.coalition[task, 0]]
         comes_apart |= problem.site[place] != problem.site[first]
         slower = max(slower, problem.slower[problem.pace[robot], task])
         last[position + 1, robot] = task
-    start = max(start, there + problem.forming[0] * comes_apart)
-    if schedule.plan.size[task] == 0:
+    crew, size = schedule.plan.coalition[task], schedule.plan.size[task]
+    takes = problem.duration[task] + slower
+    if comes_apart and problem.forming[0] > 0:
+        there = fits_all(problem.rotas, problem.kind, crew, size, there, problem.forming[0])
+        there += problem.forming[0]
+    start = fits_all(problem.rotas, problem.kind, crew, size, max(start, there), takes)
+    if size == 0:
         start = LEFT_OUT
     schedule.rank[task] = position
     schedule.start[task] = start
-    end[task] = start + problem.duration[task] + slower
+    end[task] = start + takes
 
 
 @kernel
@@ -113,7 +120,8 @@ def sum_up(problem: CoalitionProblem, schedule: Schedule) -> None:
     leads = 0
     for robot in range(robots):
         place = schedule.last[tasks, robot]
-        back = schedule.end[place] + problem.home[problem.kind[robot], place]
+        home = problem.home[problem.kind[robot], place]
+        back = walked(problem.rotas, problem.kind[robot], schedule.end[place], home)
         total[BACK_SUM] += back
         total[MAKESPAN] = max(total[MAKESPAN], back)
     for task in range(tasks):

@@ -15,7 +15,7 @@ from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledge
 from teamformer.planning.operators.room import empty_room
 from teamformer.planning.operators.table import shares_of
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats, without_tasks
-from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 from teamformer.planning.problem.links import have_weights
 from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.race import Race, search_by_clock
@@ -135,7 +135,8 @@ class ArcSearch:
         """Return where an annealing begins and ends."""
         if self._is_weighed:
             visits = max(1, int(self.graph.nodes.taken.sum()))
-            hot = HOT_IF_WEIGHED * float(self._ledger.lead[NOW]) / visits
+            lead = float(self._ledger.lead[NOW])
+            hot = HOT_IF_WEIGHED * (self.leg if self._is_late(lead) else lead / visits)
             return hot, hot * COOLER**COOLINGS
         is_few = has_few_tasks(len(self.problem.needs))
         hottest, coldest = (HOT_IF_FEW, COLD_IF_FEW) if is_few else (HOT, COLD)
@@ -145,15 +146,20 @@ class ArcSearch:
     def leg(self) -> int:
         """Return the ticks that a task takes a robot on average, with the way there.
 
-        If plans have a cost, it is the ticks of a task, with half of the way to a near one.
+        If plans have a cost, or one cannot be carried out, it is the ticks of a task, with half of
+        the way to a near one.
         """
-        if self._is_weighed:
+        if self._is_weighed or self._is_late(int(self.graph.total[COST])):
             near = self.arcs.near
             ways = np.take_along_axis(self.arcs.ways[0][: len(near)], near, axis=1)
             way = float(ways.mean()) if ways.size else 0.0
             return max(1, int(self.problem.duration.mean() + way / 2))
         visits, total = max(1, int(self.graph.nodes.taken.sum())), self.graph.total
         return max(1, int(total[COST] - total[LEADS]) * len(self.problem.counts) // visits)
+
+    def _is_late(self, cost: float) -> bool:
+        """Say whether a plan takes longer than any does that keeps to the shifts of its robots."""
+        return bool(cost >= self.problem.rotas.late.min(initial=NEVER))
 
     def anneal(self, hot: float, cold: float, begin: int, end: int, rounds: int) -> None:
         """Make the rounds from `begin` to `end` of so many, from `hot` to `cold`."""

@@ -29,6 +29,8 @@ TAKE: Mapping[str, Callable[[Standing, Event], None]] = {
     "opens": from_outside.opens,
     "lost": from_outside.lost,
     "back": from_outside.back,
+    "rests": from_outside.rests,
+    "works": from_outside.works,
     "appear": from_outside.appear,
     "cancel": from_outside.cancel,
     "missed": missing.missed,

@@ -8,6 +8,7 @@ and links allow it.
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -286,19 +287,21 @@ class Course:
         return began
 
     def _forms(self, task: int) -> bool:
-        """Let a team form that has not; say whether it did."""
+        """Let a team form that has not, if that fits into its shifts; say whether it had to."""
         world, team = self.world, self._team(task)
         if not self.mission.forming or len({world.bodies[r].came_from for r in team}) == 1:
             return False
         since = [world.bodies[robot].since for robot in team]
-        world.form(task, team, world.cause_among([*since, self._plan_now()]))
+        if world.when_forms(team) == world.now:
+            world.form(task, team, world.cause_among([*since, self._plan_now()]))
         return True
 
     def _is_released(self, task: int) -> bool:
         """Say whether a task may begin, but for links of its start."""
         world = self.world
         is_open = release_of(world.truth.tasks[task]) <= world.now
-        return is_open and world.over.keys() >= set(self._before.get(task, ()))
+        is_ready = is_open and world.over.keys() >= set(self._before.get(task, ()))
+        return is_ready and world.when_fits(task, self._team(task)) == world.now
 
     def _serve(self, task: int, is_held: bool = True) -> None:
         """Have a task served by its team; what it has waited for last is the cause.
@@ -329,7 +332,9 @@ class Course:
         """Say whether a team that is complete waits for a time that will come."""
         now = self.world.now
         return any(
-            release_of(self.world.truth.tasks[task]) > now or self.links.holds.get(task, now) > now
+            release_of(self.world.truth.tasks[task]) > now
+            or self.links.holds.get(task, now) > now
+            or now < self.world.when_fits(task, self._team(task)) < math.inf
             for task in self.follower.order
             if self._is_complete(task)
         )

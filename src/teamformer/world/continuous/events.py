@@ -106,6 +106,8 @@ KINDS = {
     ),
     "lost": EventKind(("robots", "place"), "a robot is lost"),
     "back": EventKind(("robots", "place"), "a lost robot is back, where it was lost"),
+    "rests": EventKind(("robots",), "a shift of a robot ends: it stands where it is"),
+    "works": EventKind(("robots",), "a shift of a robot begins"),
     "appear": EventKind(("task",), "a task becomes known"),
     "cancel": EventKind(("task",), "a task is called off"),
     "missed": EventKind(

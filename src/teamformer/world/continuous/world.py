@@ -26,7 +26,9 @@ from teamformer.world.continuous.moving import (
     LOOK,
     LOSE,
     OPEN,
+    REST,
     WAKE,
+    WORK,
     Entry,
     Happened,
 )
@@ -82,6 +84,14 @@ class PhysicalWorld(WorkingWorld):
         """Put on the agenda what comes from outside and has not happened."""
         self.agenda += [entry for entry in self._from_outside() if entry[0] > self._reached]
         heapq.heapify(self.agenda)
+        for robot in range(len(self.bodies)):
+            self._put_next_border(robot, self._reached)
+
+    def _put_next_border(self, robot: int, after: float) -> None:
+        """Put on the agenda when the next shift of a robot begins or ends."""
+        border = self.truth.robots[robot].rota.next_border(after)
+        if border is not None:
+            self.put(border[0], WORK if border[1] else REST, robot, NOBODY)
 
     def _from_outside(self) -> Iterator[Entry]:
         if self.mission.until is not None:
@@ -135,8 +145,17 @@ class PhysicalWorld(WorkingWorld):
             self.look_around(which)
         elif what == CLOSE:
             self._close()
+        elif what in (REST, WORK):
+            self._pass_border(which, begins=what == WORK)
         else:
             self.note(tasks=(which,))
+
+    def _pass_border(self, robot: int, begins: bool) -> None:
+        """Let a shift of a robot begin or end, and the next one at once if they touch."""
+        (self.begin_shift if begins else self.knock_off)(robot)
+        if not begins and self.truth.robots[robot].rota.is_at_work(self.now):
+            self.begin_shift(robot)
+        self._put_next_border(robot, self.now)
 
     def _lose(self, robot: int) -> None:
         body = self.bodies[robot]
@@ -144,8 +163,9 @@ class PhysicalWorld(WorkingWorld):
             return
         stub = turning(body.way, self.now, self.is_plane)
         if body.work == NOBODY:
-            self.stop_walking(body)
-        body.way, body.rest = stub, stub[-1].at - self.now
+            self.stop_walking(robot)
+        rota = self.truth.robots[robot].rota
+        body.way, body.rest = stub, rota.worked(self.now, stub[-1].at)
         body.is_lost, body.task = True, NOBODY
         number = self.tell("lost", (robot,), NOBODY, NOBODY, place=stub[-1].place)
         body.since = number
@@ -160,7 +180,8 @@ class PhysicalWorld(WorkingWorld):
         place = body.way[-1].place
         number = body.since = self.tell("back", (robot,), NOBODY, NOBODY, place=place)
         if body.is_walking:
-            shift = self.now + body.rest - body.way[-1].at
+            is_there = self.truth.robots[robot].rota.walked(self.now, body.rest)
+            shift = is_there - body.way[-1].at
             self.stand(robot, tuple(p._replace(at=p.at + shift) for p in body.way), number)
         self.note("robot back", robots=(robot,))
 

@@ -106,7 +106,8 @@ def solve(
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
     best = _without_riders(problem, race.plan)
-    least = least_cost(problem) if have_weights(problem.links) else 0.0
+    has_least = have_weights(problem.links) and not can_miss(problem.misses)
+    least = least_cost(problem) if has_least else 0.0
     is_proven = judge(problem, best).bounded <= race.bound or best.worth <= least
     return replace(
         best, bound=race.bound, least_cost=least, is_proven=is_proven, curve=(first, *race.curve)

@@ -271,11 +271,12 @@ def _add_up(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger)
             then[MAX_TARDINESS] = max(then[MAX_TARDINESS], late)
     ledger.cost[THEN] = 0.0
     for part in range(len(then)):
-        if part not in (HOME, LEADS):
+        if part != HOME:
             ledger.cost[THEN] += problem.links.weight[part] * then[part]
     ledger.lead[THEN] = ledger.cost[THEN] + problem.links.weight[HOME] * then[HOME]
     if may_miss(problem):
-        ledger.lead[THEN] += then[LEADS] - then[MISSED]
+        ledger.lead[THEN] += then[LEADS]
+        ledger.cost[THEN] += then[MISSED]
 
 
 @kernel

@@ -92,7 +92,6 @@ def link_tasks(
     """Return links of so many tasks worked out; parts that have no weight do not count."""
     weights = np.zeros(PARTS)
     weights[list(weight)] = list(weight.values())
-    weights[MISSED] = 1.0
     weights[HOME] = weights[MAKESPAN] / (SPREAD * robots)
     gap = np.full((tasks, tasks), FREE)
     leader = list(range(tasks))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import need
 from teamformer.record.event_rules.standing import Standing, is_too_late
-from teamformer.world.continuous.events import Event
+from teamformer.world.continuous.events import WHY_MISSED, Event
 
 
 def missed(now: Standing, event: Event) -> None:
@@ -15,6 +15,7 @@ def missed(now: Standing, event: Event) -> None:
     need(task not in now.over, f"{name} is over already")
     is_end = until is not None and is_near(now.now, until)
     need(is_end or _is_hopeless(now, task) or _is_given_up(now, task), f"{name} can still be done")
+    need(event.why in WHY_MISSED, f"{name} is missed, and no word says why")
     now.over[task] = event.at
     now.missed.add(task)
     if task in now.works:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.parts.capabilities import covers
 from teamformer.mission.parts.reach import totals_there
+from teamformer.world.continuous.reasons import why_left_out
 from teamformer.world.continuous.world import PhysicalWorld
 
 
@@ -22,7 +23,7 @@ def misses(world: PhysicalWorld, task: int, team: Sequence[int]) -> bool:
     end = begins + (wanted.duration + world.carried(task, team) + wanted.unload)
     is_late = not is_in_time(end, world.mission.until)
     if is_late:
-        world.miss(task)
+        world.miss(task, "too late")
     return is_late
 
 
@@ -37,7 +38,7 @@ def gives_up(world: PhysicalWorld) -> bool:
     if not left or not is_optional or hopes(world, left):
         return False
     for task in left:
-        world.miss(task)
+        world.miss(task, why_left_out(world, task))
     return True
 
 

@@ -32,6 +32,7 @@ from teamformer.world.continuous.moving import (
     Entry,
     Happened,
 )
+from teamformer.world.continuous.reasons import why_left_out
 from teamformer.world.continuous.working import WorkingWorld
 from teamformer.world.rules.constants import NOBODY
 
@@ -197,11 +198,11 @@ class PhysicalWorld(WorkingWorld):
             work = self.works.get(task)
             ends_now = work is not None and work.is_service and is_in_time(work.all_done, self.now)
             if task not in self.over and not ends_now:
-                self.miss(task)
+                self.miss(task, "under way" if task in self.works else why_left_out(self, task))
 
-    def miss(self, task: int) -> None:
-        """Let a task be missed: it is not done any more."""
-        number = self.over[task] = self.tell("missed", (), task, NOBODY)
+    def miss(self, task: int, why: str) -> None:
+        """Let a task be missed: it is not done any more. Why is a word of `WHY_MISSED`."""
+        number = self.over[task] = self.tell("missed", (), task, NOBODY, why=why)
         self.missed.append(task)
         if task in self.works:
             self.break_off(task, number)

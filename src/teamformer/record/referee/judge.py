@@ -24,6 +24,7 @@ WHY_OVER = {
     "completed": "everything was done before",
     "infeasible": "some tasks could never be done since a robot was lost",
     "step limit": "the step limit was reached before",
+    "too late": "a task that must be done was missed before",
 }
 
 

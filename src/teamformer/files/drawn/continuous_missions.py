@@ -113,7 +113,7 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
 
 
 def draw_in_shifts(rng: np.random.Generator, name: str) -> Mission:
-    """Return a mission of robots that work in shifts; most tasks fit into what two share."""
+    """Return a mission of robots that work in shifts."""
 
     def draw() -> Mission:
         starts = [_spot(rng) for _ in range(2)]

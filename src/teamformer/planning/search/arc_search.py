@@ -119,7 +119,8 @@ class ArcSearch:
         """Return the optional tasks that the plan has end too late."""
         if not can_miss(self.problem.misses):
             return []
-        tasks, worth = self.graph.nodes[: len(self.problem.needs)], self.graph.worth
+        tasks: Any = self.graph.nodes[: len(self.problem.needs)]
+        worth = self.graph.worth
         late = (worth.is_optional > 0) & (tasks.taken > 0) & (tasks.end > worth.until)
         return [int(task) for task in np.flatnonzero(late)]
 

@@ -29,6 +29,7 @@ from teamformer.live.running.messages import read_incident, read_message
 from teamformer.live.running.page_trees import Tree, record_so_far
 from teamformer.live.serving.refusals import or_refuse
 from teamformer.live.serving.watchers import Watcher, Watchers
+from teamformer.mission.model import Task
 from teamformer.record.files.writing import save_record, step_to_tree
 from teamformer.record.record import Record
 from teamformer.record.telling.latest import LatestTold
@@ -131,7 +132,7 @@ class ObserverSession:
         if command == "happen":
             incident = read_incident(message, self.watch.source)
             if isinstance(incident, NewTask):
-                await self._add(incident)
+                await self._add(incident.task)
             elif isinstance(incident, CancelledTask):
                 await self._call_off(incident.task)
             else:
@@ -148,8 +149,12 @@ class ObserverSession:
                 f"the fleet goes its own way; nobody can '{command}' it from here"
             )
 
-    async def _add(self, new: NewTask) -> None:
+    async def _add(self, new: Task) -> None:
         """Offer a task until enough robots hold it, and tell who does."""
+        if new != Task(new.name, new.at, new.needs, new.duration, note=new.note):
+            raise TeamformerError(
+                "a new task of a fleet has a place, needs and a duration; leave its other keys out"
+            )
         mission = self.watch.mission
         caps, name = mission.source.capabilities, new.name
         key = (1 + secrets.randbits(36)) << 24

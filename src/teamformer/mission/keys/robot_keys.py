@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import CONTINUOUS, FLEETS, ROBOTARIUM, Key, Unknown
+from teamformer.mission.keys.charging_keys import BATTERY_KEYS, NEW
+from teamformer.mission.keys.key import CONTINUOUS, FLEETS, ROBOTARIUM, STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     LATEST_RETURN,
@@ -13,7 +14,9 @@ from teamformer.mission.keys.kinds import (
     Number,
     Place,
     Range,
+    Shifts,
     Text,
+    Time,
     Whole,
 )
 from teamformer.mission.parts.roads import AIR, GROUND
@@ -131,6 +134,16 @@ ROBOT_KEYS = (
         label="Flies",
     ),
     Key(
+        "battery",
+        KeyedPart(BATTERY_KEYS, makes="Battery"),
+        "`{lasts: 300, fills: 60}`: what it has to spend before it has to charge "
+        "([batteries and chargers](mission/charging.md))",
+        default=None,
+        without="it never has to charge",
+        since=NEW,
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "has a battery"),
+    ),
+    Key(
         "count",
         Whole(1, MOST_ALIKE),
         "the number of robots with these properties, all at the same place. They are named "
@@ -146,6 +159,25 @@ ROBOT_KEYS = (
         without="none",
         label="Note",
         is_in_details=True,
+        since="0.2.0",
+    ),
+    Key(
+        "shifts",
+        Shifts(),
+        "in continuous time, when the robot works: `[[0, 480], [540, 960]]` "
+        "([shifts](mission/time.md#shifts))",
+        default=(),
+        without="always",
+        since="0.2.0",
+        example=[[0, 480], [540, 960]],
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "works in shifts"),
+    ),
+    Key(
+        "every",
+        Time(is_above=True),
+        "after how long its shifts come again, and again; 1440 is a day of minutes",
+        default=0.0,
+        without="they do not come again",
         since="0.2.0",
     ),
 )

@@ -1,7 +1,7 @@
 """Families of missions in continuous time: `roads`, on the lanes of sites, and `clock`.
 
-Those of `clock` are on a plane and have each key that plans in continuous time know: order,
-windows, linked starts, loads, forming, ways home, tasks that appear, a cost.
+Both have loads, order and windows. Those of `clock` are on a plane and have linked starts, forming,
+ways home, tasks that appear and a cost, too.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from itertools import count
 
 import numpy as np
 
-from teamformer.base.errors import MissionError
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.files.drawn.continuous_incidents import INCIDENTS, robots_to_spare
 from teamformer.files.drawn.site_graphs import CART, draw_hospital, draw_warehouse
 from teamformer.mission.checks.windows import find_hopeless_windows
 from teamformer.mission.model import Mission, Robot, Task, World
@@ -63,6 +64,7 @@ def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
             for robot in _draw_robots(rng, starts)
         ]
         tasks = _draw_tasks(rng, robots, places)
+        tasks = [_with_load(rng, task, lambda: places[_below(rng, places)]) for task in tasks]
         tasks = _with_windows(rng, _in_order(rng, tasks))
         return _mission(name, world, robots, tasks)
 
@@ -77,7 +79,7 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
         starts = [_spot(rng) for _ in range(2)]
         robots = _draw_robots(rng, starts)
         tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
-        tasks = [_with_load(rng, task) for task in tasks]
+        tasks = [_with_load(rng, task, lambda: _spot(rng)) for task in tasks]
         tasks = _linked(rng, tasks, total(robot.can for robot in robots))
         tasks = _with_windows(rng, _in_order(rng, tasks))
         late = [replace(t, appears=int(rng.integers(1, 90))) for t in tasks]
@@ -99,14 +101,25 @@ CONTINUOUS_FAMILIES = {
 }
 
 
+def split_continuous(setting: str) -> tuple[str, str | None] | None:
+    """Return the family and the incident that a setting such as `roads-lost` names, if it does."""
+    name, _, incident = setting.partition("-")
+    if name not in CONTINUOUS_FAMILIES:
+        return None
+    if incident and incident not in INCIDENTS:
+        known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
+        raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")
+    return name, incident or None
+
+
 def _first_sound(draw: Callable[[], Mission]) -> Mission:
-    """Return the first mission that can be done, and whose windows can be kept."""
+    """Return the first mission that can be done, without some robot too, with windows to keep."""
     for _ in count():
         try:
             mission = draw()
         except MissionError:  # as where linked tasks want more robots than there are
             continue
-        if not any(find_hopeless_windows(mission)):
+        if not any(find_hopeless_windows(mission)) and robots_to_spare(mission):
             return mission
     raise AssertionError
 
@@ -169,10 +182,14 @@ def _with_windows(rng: np.random.Generator, tasks: Sequence[Task]) -> list[Task]
     return changed
 
 
-def _with_load(rng: np.random.Generator, task: Task) -> Task:
+def _with_load(rng: np.random.Generator, task: Task, draw_place: Callable[[], Place]) -> Task:
     if "carry" not in task.needs or rng.random() >= LOADED / TWO_NEEDS:
         return task
-    return replace(task, to=_spot(rng), unload=round(float(rng.uniform(0, 10)), 1))
+    return replace(task, to=draw_place(), unload=round(float(rng.uniform(0, 10)), 1))
+
+
+def _below(rng: np.random.Generator, choices: Sequence[object]) -> int:
+    return int(rng.integers(len(choices)))
 
 
 def _linked(

@@ -15,6 +15,7 @@ import numpy as np
 
 from teamformer.base.errors import MissionError
 from teamformer.files.drawn.site_graphs import CART, draw_hospital, draw_warehouse
+from teamformer.mission.checks.optional import find_hopeless_until
 from teamformer.mission.checks.windows import find_hopeless_windows
 from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import total
@@ -53,6 +54,10 @@ ROTAS: tuple[tuple[Shift, ...], ...] = (
 
 EVERY = 300.0
 """After how many seconds shifts come again."""
+
+
+MUST, WEIGHTS, UNTIL = 2, (1.0, 1.0, 2.0, 3.0, 5.0), (80.0, 200.0)
+"""Of `optional`: how many tasks must be done, what others weigh, and when the mission is over."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +113,7 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
 
 
 def draw_in_shifts(rng: np.random.Generator, name: str) -> Mission:
-    """Return a mission of robots that work in shifts."""
+    """Return a mission of robots that work in shifts; most tasks fit into what two share."""
 
     def draw() -> Mission:
         starts = [_spot(rng) for _ in range(2)]
@@ -127,10 +132,34 @@ def _in_a_shift(rng: np.random.Generator, robot: Robot) -> Robot:
     return replace(robot, shifts=shifts, every=EVERY if shifts else 0.0)
 
 
+def draw_optional(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission that is over before everything can be done; the first tasks must be."""
+
+    def draw() -> Mission:
+        starts = [_spot(rng) for _ in range(2)]
+        robots = _draw_robots(rng, starts)
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        weights = rng.choice(WEIGHTS, len(tasks)).tolist()
+        tasks = [
+            replace(task, optional=number >= MUST, weight=weights[number] if number >= MUST else 1)
+            for number, task in enumerate(tasks)
+        ]
+        tasks = _with_windows(rng, _in_order(rng, tasks))
+        more = {
+            "until": round(float(rng.uniform(*UNTIL)), 1),
+            "ends": "home" if rng.random() < 0.5 else None,
+            "cost": {"makespan": 1.0, "missed": 20.0} if rng.random() < 0.5 else None,
+        }
+        return replace(_mission(name, Plane(WIDTH, HEIGHT), robots, tasks), **more)  # type: ignore[arg-type]
+
+    return _first_sound(draw)
+
+
 CONTINUOUS_FAMILIES = {
     "roads": ContinuousFamily(draw_on_roads),
     "clock": ContinuousFamily(draw_by_the_clock),
     "shifts": ContinuousFamily(draw_in_shifts),
+    "optional": ContinuousFamily(draw_optional),
 }
 
 
@@ -141,7 +170,7 @@ def _first_sound(draw: Callable[[], Mission]) -> Mission:
             mission = draw()
         except MissionError:  # as where linked tasks want more robots than there are
             continue
-        if not any(find_hopeless_windows(mission)):
+        if not any((*find_hopeless_windows(mission), *find_hopeless_until(mission))):
             return mission
     raise AssertionError
 

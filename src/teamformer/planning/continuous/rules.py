@@ -33,6 +33,9 @@ PLANNERS: dict[str, Planner] = {
 """`central` uses all the time, and may begin with a plan; `plan` is what every robot computes;
 `reactive` and `soonest` search nothing."""
 
+KNOW_UNTIL = ("central", "plan")
+"""Those that know when a mission is over, and leave optional tasks out."""
+
 __all__ = ["PLANNERS", "plan_continuous", "warm_up"]
 
 
@@ -44,6 +47,11 @@ def plan_continuous(
     `central` begins with `start`, a plan of all tasks, if that is better than its own first one.
     What it returns is never worse: if nothing better is found, it is that plan as it is.
     """
+    if mission.source.until is not None and method not in KNOW_UNTIL:
+        raise TeamformerError(
+            f"--method {method} plans all tasks, whatever until says",
+            f"use {', '.join(KNOW_UNTIL)}, or drop until",
+        )
     first = None if start is None else mission.as_arrays(start)
     solution = PLANNERS[method](mission.problem, seconds, first)
     made = None if solution is None else mission.tell(solution)
@@ -66,7 +74,7 @@ def _better_one(
     """Return the better one of what was found and what was given, with what is known of both."""
     if made is None:
         return None if math.isinf(given.makespan) else given
-    if mission.worth_of(made) <= mission.worth_of(given):
+    if mission.rank_of(made) <= mission.rank_of(given):
         return made
     bound = min(made.bound, given.makespan)
     return replace(given, bound=bound, curve=made.curve)

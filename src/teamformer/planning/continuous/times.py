@@ -41,7 +41,8 @@ class TaskClock:
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times; one in which robots wait for one another has no end."""
-        order = plan.order.tolist()
+        order = [task for task in plan.order.tolist() if plan.size[task] > 0]
+        done = set(order)
         robots_of = {task: plan.coalition[task, : plan.size[task]].tolist() for task in order}
         rules = StartRules(
             way=self._way,
@@ -49,8 +50,8 @@ class TaskClock:
             takes=self._time_taken,
             free=self.free,
             release=dict(enumerate(self.release)),
-            before=self.before,
-            gaps=self.gaps,
+            before={task: [k for k in others if k in done] for task, others in self.before.items()},
+            gaps=[gap for gap in self.gaps if gap.task in done and gap.other in done],
             forming=self.forming,
             rotas=self.rotas,
         )
@@ -101,5 +102,6 @@ class TaskClock:
                 Route(robot, tuple(stops[robot]), back[robot]) for robot in range(len(back))
             ),
             late=dict(sorted(late.items())),
+            missed=tuple(task for task in range(len(self.tasks)) if task not in ends),
             cost=None if self.cost is None else cost_of(self.cost, parts),
         )

@@ -106,7 +106,7 @@ def gather(
     own = comes_by
     if own == NOBODY or draw_below(random, 100) >= THIS_ONE:
         own = task * most + draw_below(random, nodes[task].taken)
-    choice.number[BANNED] = seats[own].prev
+    choice.number[BANNED] = seats[own].prev if nodes[task].taken > 0 else NOBODY
     for index in range(-1, problem.near.shape[1]):
         other = task if index < 0 else problem.near[task, index]
         is_before = nodes[other].key < cut

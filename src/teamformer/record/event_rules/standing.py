@@ -79,6 +79,7 @@ class Standing:
         self.appeared = {n for n, it in enumerate(self.truth.tasks) if it.appears == 0}
         self.over: dict[int, float] = {}
         self.done: set[int] = set()
+        self.missed: set[int] = set()
         self.started: dict[int, float] = {}
         self.lies: dict[int, Place] = {}
         self.unseen = {n for n, it in enumerate(self.mission.tasks) if it.may_need}
@@ -235,6 +236,14 @@ def has_to_form(now: Standing, team: Sequence[int]) -> bool:
     """Say whether a team has to form: if forming takes time and not all come from one place."""
     came_from = {now.robots[robot].came_from for robot in team}
     return now.mission.forming > 0 and len(came_from) > 1
+
+
+def is_too_late(now: Standing, task: int, team: tuple[int, ...]) -> bool:
+    """Say whether a task could not end in time if a team that stands there began now."""
+    wanted, until = now.mission.tasks[task], now.mission.until
+    begins = now.now + now.mission.forming * has_to_form(now, team)
+    end = begins + wanted.duration + now.carried(task, team) + wanted.unload
+    return until is not None and end > until and not is_near(end, until)
 
 
 def work_on(now: Standing, event: Event) -> WorkNow:

@@ -30,6 +30,7 @@ IN_THE_NEWS = {
     "back": "{robots} back",
     "appear": "{task} appears",
     "cancel": "{task} called off",
+    "missed": "{task} missed",
     "know": "{task} needs {needs}",
     "found": "{task} found",
     "broken": "{task} broken off",
@@ -67,7 +68,7 @@ class Explainer:
         """Return the robots that may do something else since an event, or for another reason."""
         if event.plan is not None:
             return range(len(self._mission.robots))
-        if event.kind not in ("arrive", "done", "cancel", "opens", "know"):
+        if event.kind not in ("arrive", "done", "cancel", "missed", "opens", "know"):
             return sorted(self._runs.changed)
         waits = (n for n in range(len(self._mission.robots)) if self._run(n)[0] == WAITING)
         return sorted({*self._runs.changed, *waits})

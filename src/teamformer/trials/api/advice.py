@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from teamformer.base.errors import TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.mission.checks.rules import rules_not_advised
 from teamformer.mission.model import Mission
 from teamformer.record.record import Record
 from teamformer.trials.advice.advise import advise_on
@@ -36,6 +37,8 @@ def advise(mission: Mission, seconds: float = 60.0, workers: int = 1) -> Advice:
     (True, ())
     """
     refuse_no_mission(mission, "advise")
+    if problems := list(rules_not_advised(mission)):
+        raise MissionError(problems)
     return advise_on(mission, known_seconds(seconds), workers)
 
 

@@ -20,9 +20,11 @@ from teamformer.world.continuous.pauses import with_pauses
 from teamformer.world.continuous.ways import Ways
 from teamformer.world.rules.constants import NOBODY
 
-LOSE, BRING_BACK, CALL_OFF, APPEAR, OPEN, ARRIVE, FINISH, EXPECT, LOOK, WAKE, REST, WORK = range(12)
+LOSE, BRING_BACK, CALL_OFF, APPEAR, OPEN, ARRIVE, FINISH, EXPECT, LOOK, WAKE = range(10)
+REST, WORK, CLOSE = range(10, 13)
 """What can be on the agenda; of what is due at one moment, what comes from outside is first, but
-for the ends and beginnings of shifts: what is done then is done within them."""
+for the ends and beginnings of shifts: what is done then is done within them. That the mission
+closes is last."""
 
 Entry = tuple[float, int, int, int]
 """When something is due, what, whom or which task it is about, and the event that it belongs to."""
@@ -50,8 +52,9 @@ class MovingWorld(ABC):
         self.events: list[Event] = []
         self.bodies = [RealRobot((Passed(0.0, r.at),), r.at) for r in truth.robots]
         self.works: dict[int, TeamWork] = {}  # by task
-        self.over: dict[int, int] = {}  # tasks that are done or called off, with the event
+        self.over: dict[int, int] = {}  # tasks that are done, called off or missed, with the event
         self.done: set[int] = set()
+        self.missed: list[int] = []
         self.started: dict[int, float] = {}  # when the latest service of each began
         self.served_by: dict[int, int] = {}  # the event with which it did
         self.appeared = {

@@ -11,6 +11,7 @@ import copy
 import heapq
 from collections.abc import Iterator
 
+from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.world.continuous.body import turning
@@ -19,6 +20,7 @@ from teamformer.world.continuous.moving import (
     ARRIVE,
     BRING_BACK,
     CALL_OFF,
+    CLOSE,
     EXPECT,
     FINISH,
     LOOK,
@@ -30,12 +32,14 @@ from teamformer.world.continuous.moving import (
     Entry,
     Happened,
 )
+from teamformer.world.continuous.reasons import why_left_out
 from teamformer.world.continuous.working import WorkingWorld
 from teamformer.world.rules.constants import NOBODY
 
 COPIED = (
     "over",
     "done",
+    "missed",
     "started",
     "served_by",
     "appeared",
@@ -71,6 +75,8 @@ class PhysicalWorld(WorkingWorld):
         """Go to the next moment and let all happen that is due then."""
         self.now = self._reached = self.next_time
         while self.next_time <= self.now:
+            if self.agenda[0][1] == CLOSE and self.happened:
+                break  # what follows from the rest of the moment is done before
             _, what, which, stamp = heapq.heappop(self.agenda)
             self._let_happen(what, which, stamp)
         return self.take_happened()
@@ -89,6 +95,8 @@ class PhysicalWorld(WorkingWorld):
             self.put(border[0], WORK if border[1] else REST, robot, NOBODY)
 
     def _from_outside(self) -> Iterator[Entry]:
+        if self.mission.until is not None:
+            yield self.mission.until, CLOSE, NOBODY, NOBODY
         for number, robot in enumerate(self.truth.robots):
             for away in robot.absences:
                 yield away.lost, LOSE, number, NOBODY
@@ -136,6 +144,8 @@ class PhysicalWorld(WorkingWorld):
             self.expect_anew(which)
         elif what == LOOK:
             self.look_around(which)
+        elif what == CLOSE:
+            self._close()
         elif what in (REST, WORK):
             self._pass_border(which, begins=what == WORK)
         else:
@@ -181,3 +191,19 @@ class PhysicalWorld(WorkingWorld):
         if task in self.works:
             self.break_off(task, number)
         self.note("task cancelled", tasks=(task,))
+
+    def _close(self) -> None:
+        """Let all be missed that is not done, but for what ends at this very moment."""
+        for task in range(len(self.truth.tasks)):
+            work = self.works.get(task)
+            ends_now = work is not None and work.is_service and is_in_time(work.all_done, self.now)
+            if task not in self.over and not ends_now:
+                self.miss(task, "under way" if task in self.works else why_left_out(self, task))
+
+    def miss(self, task: int, why: str) -> None:
+        """Let a task be missed: it is not done any more. Why is a word of `WHY_MISSED`."""
+        number = self.over[task] = self.tell("missed", (), task, NOBODY, why=why)
+        self.missed.append(task)
+        if task in self.works:
+            self.break_off(task, number)
+        self.note(tasks=(task,))

@@ -124,7 +124,7 @@ export function standingOf(/** @type {TrialHistory} */ history, task, step) {
   return isBlocked ? "blocked" : "open";
 }
 
-// Whether a task is done or called off.
+// Whether a task is done, called off or missed.
 export function isOver(/** @type {TrialHistory} */ { overAt }, task, step) {
   return overAt[task] <= step;
 }

@@ -70,6 +70,7 @@ function needsCell(/** @type {Moment} */ { history, step }, task) {
 function stateOfTask(/** @type {Moment} */ { history, scene }, task) {
   const standing = standingOf(history, task, scene.step);
   const words = { hidden: "to come", served: "under way", done: "done", cancelled: "called off", blocked: "can never be done" };
+  if (standing === "cancelled" && history.missed.has(task)) return "missed";
   if (standing !== "open") return words[standing];
   const teams = scene.assignedTo.get(task) ?? [];
   if (!teams.length) return "open";

@@ -194,9 +194,9 @@ def test_the_record_of_a_rehearsal_tells_events_that_check_finds_right(tmp_path:
 def test_what_a_fleet_cannot_have_done_is_found() -> None:
     record = recorded(ring([Task("t", WARD, {"a": 2}, duration=3)]), Faults())
 
-    def found(kind: str, **changes: object) -> str:
+    def found(which: str, **changes: object) -> str:
         events = tuple(
-            event._replace(**changes) if event.kind == kind else event  # type: ignore[arg-type]
+            event._replace(**changes) if event.kind == which else event  # type: ignore[arg-type]
             for event in record.events
         )
         return "\n".join(

@@ -112,6 +112,11 @@ class Rehearsal:
                     break
         return self._outcome(status)
 
+    def is_promised(self, key: int) -> bool:
+        """Say whether an operator was told that its task is accepted, or the task is done."""
+        accepted = {it.task.key for it in self._operators if it.is_accepted and not it.calls_off}
+        return key in accepted or key in self.world.done
+
     def _step(self) -> None:
         tick, agenda = self._tick, self._agenda
         awake = self._advance()

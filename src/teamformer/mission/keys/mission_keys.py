@@ -176,7 +176,7 @@ MISSION_KEYS = (
         "finding_radius",
         RADIUS,
         "a task with `within` is found by a team this near to it, Euclidean, in cells or metres; "
-        "`.inf` is everywhere",
+        "on roads by a team in its place; `.inf` is everywhere",
         default=1.0,
     ),
     Key(

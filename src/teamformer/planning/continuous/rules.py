@@ -14,7 +14,6 @@ from teamformer.planning.continuous.continuous_mission import ContinuousMission,
 from teamformer.planning.continuous.reactive import dispatch, react
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
 from teamformer.planning.continuous_bounds.makespan import improving_bounds
-from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.links import have_weights
@@ -33,9 +32,6 @@ PLANNERS: dict[str, Planner] = {
 """`central` uses all the time, and may begin with a plan; `plan` is what every robot computes;
 `reactive` and `soonest` search nothing."""
 
-KNOW_UNTIL = ("central", "plan")
-"""Those that know when a mission is over, and leave optional tasks out."""
-
 __all__ = ["PLANNERS", "plan_continuous", "warm_up"]
 
 
@@ -47,11 +43,6 @@ def plan_continuous(
     `central` begins with `start`, a plan of all tasks, if that is better than its own first one.
     What it returns is never worse: if nothing better is found, it is that plan as it is.
     """
-    if mission.source.until is not None and method not in KNOW_UNTIL:
-        raise TeamformerError(
-            f"--method {method} plans all tasks, whatever until says",
-            f"use {', '.join(KNOW_UNTIL)}, or drop until",
-        )
     first = None if start is None else mission.as_arrays(start)
     solution = PLANNERS[method](mission.problem, seconds, first)
     made = None if solution is None else mission.tell(solution)
@@ -96,6 +87,5 @@ def warm_up() -> None:
     search.begin_anew()
     search.anneal(1, 1, 0, 10, 10)
     schedule_of(problem, search.best)
-    draw_plan(problem, 0)
     react(problem)
     list(islice(improving_bounds(problem, lambda: 10), 2))

@@ -150,8 +150,8 @@ def _problems_of_places(mission: Mission) -> Iterator[Problem]:
     for zone in mission.zones:
         for entry, place in enumerate(zone.places):
             if fault := _fault_of_place(world, place):
-                where = ("zones", zone.name, "places", entry)
-                yield Problem(where, f"zone '{zone.name}' has a place at {fault}")
+                message = f"zone '{zone.name}' has a place at {fault}"
+                yield Problem(("zones", zone.name, "places", entry), message)
 
 
 def _fault_of_place(world: World, place: Place, may_be_blocked: bool = False) -> str:

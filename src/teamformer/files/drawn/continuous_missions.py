@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
+from typing import Any
 
 import numpy as np
 
@@ -103,13 +104,13 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
         tasks = _with_windows(rng, _in_order(rng, tasks))
         late = [replace(t, appears=int(rng.integers(1, 90))) for t in tasks]
         tasks = [late[n] if rng.random() < LATE else task for n, task in enumerate(tasks)]
-        more = {
+        more: dict[str, Any] = {
             "forming": float(rng.integers(0, 5)),
             "ends": "home" if rng.random() < 0.5 else None,
         }
         cost = {"makespan": 1.0, "tardiness": 2.0, "travel": 0.05}
-        mission = _mission(name, world, robots, tasks)
-        return replace(mission, cost=cost if rng.random() < 0.5 else None, **more)  # type: ignore[arg-type]
+        more["cost"] = cost if rng.random() < 0.5 else None
+        return _mission(name, world, robots, tasks, **more)
 
     return _first_sound(draw)
 
@@ -147,12 +148,12 @@ def draw_optional(rng: np.random.Generator, name: str) -> Mission:
             for number, task in enumerate(tasks)
         ]
         tasks = _with_windows(rng, _in_order(rng, tasks))
-        more = {
+        more: dict[str, Any] = {
             "until": round(float(rng.uniform(*UNTIL)), 1),
             "ends": "home" if rng.random() < 0.5 else None,
             "cost": {"makespan": 1.0, "missed": 20.0} if rng.random() < 0.5 else None,
         }
-        return replace(_mission(name, Plane(WIDTH, HEIGHT), robots, tasks), **more)  # type: ignore[arg-type]
+        return _mission(name, Plane(WIDTH, HEIGHT), robots, tasks, **more)
 
     return _first_sound(draw)
 
@@ -189,8 +190,11 @@ def _first_sound(draw: Callable[[], Mission]) -> Mission:
     raise AssertionError
 
 
-def _mission(name: str, world: World, robots: Sequence[Robot], tasks: Sequence[Task]) -> Mission:
-    return Mission(name, world, CAPABILITIES, tuple(robots), tuple(tasks), time="continuous")
+def _mission(
+    name: str, world: World, robots: Sequence[Robot], tasks: Sequence[Task], **more: Any
+) -> Mission:
+    made = (tuple(robots), tuple(tasks))
+    return Mission(name, world, CAPABILITIES, *made, time="continuous", **more)
 
 
 def _spot(rng: np.random.Generator) -> Place:

@@ -133,6 +133,11 @@ class FleetMission:
         """Say whether the mission ends with its robots home, or at a place."""
         return self.source.ends is not None
 
+    @property
+    def ends_by_places(self) -> bool:
+        """Say whether the mission may be over since robots are home, or have no way on."""
+        return self.ends or isinstance(self.source.world, Roads)
+
     def home_of(self, robot: int) -> Place | None:
         """Return where a robot has to be when the mission is over; None if it may be anywhere."""
         ends = self.source.ends

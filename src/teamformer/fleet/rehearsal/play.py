@@ -19,12 +19,20 @@ from teamformer.fleet.messages import OPERATOR, Beat, Message, Notice, Post
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.planner import FleetPlanner
 from teamformer.fleet.rehearsal.agenda import Agenda
+from teamformer.fleet.rehearsal.checking.trace import (
+    Accepted,
+    Broke,
+    Finished,
+    Said,
+    Sent,
+    Trace,
+    Worked,
+)
 from teamformer.fleet.rehearsal.ending import EndingWatch
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.late_reports import EVERY, LateReports
 from teamformer.fleet.rehearsal.network import RehearsedNetwork
 from teamformer.fleet.rehearsal.outcome import Outcome
-from teamformer.fleet.rehearsal.trace import Accepted, Broke, Finished, Said, Sent, Trace, Worked
 from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
@@ -149,7 +157,7 @@ class Rehearsal:
     def _advance(self) -> set[int]:
         """Let the world go on to now."""
         awake = self.world.advance(self.now)
-        self._is_to_look |= self.mission.ends and bool(awake)  # somebody may be home
+        self._is_to_look |= self.mission.ends_by_places and bool(awake)
         self._note_moves()
         if len(self.world.done) > self._finished:
             for done in list(self.world.done.values())[self._finished :]:
@@ -237,11 +245,8 @@ class Rehearsal:
 
     def _receivers(self, robot: int) -> list[int]:
         """Return who listens to a robot."""
-        return [
-            other
-            for other, agent in enumerate(self.agents)
-            if agent is not None and robot in agent.watched
-        ]
+        agents = enumerate(self.agents)
+        return [other for other, it in agents if it is not None and robot in it.watched]
 
     def _deliver(self, at: float, sender: int, receiver: int, message: Message) -> None:
         tick = max(self._tick + 1, math.ceil(at / TICK))
@@ -285,9 +290,8 @@ class Rehearsal:
                 self._put(spell.begin, what, spell.robot)
                 if spell.end is not None:
                     self._put(spell.end, ending, spell.robot)
-        times = [*(it.at for it in faults.orders), *(it.at for it in faults.withdrawals)]
-        for number, at in enumerate(times):
-            self._put(at, "order", number)
+        for number, said in enumerate((*faults.orders, *faults.withdrawals)):
+            self._put(said.at, "order", number)
         for at in self.mission.off_at.values():
             self._put(at, "over", 0)  # the mission may end with it
         if faults.junk:
@@ -381,13 +385,9 @@ class Rehearsal:
         alive = [r for r, agent in enumerate(self.agents) if agent is not None]
         seconds = self._robot_seconds + sum(self.now - self._alive_since[r] for r in alive)
         undone, impossible = self._ending.undone(self.now, self._held())
-        times = [done.at for done in world.done.values()]
-        if self.mission.ends and times:
-            ways = (world.robots[robot].journey.way for robot in alive)
-            times += [way[-1].at for way in ways if len(way) > 1]  # when they were home
         return Outcome(
             status=status,
-            makespan=max(times, default=None),
+            makespan=self._ending.makespan(alive),
             end=self.now,
             tasks_done=len(world.done),
             blocked_tasks=undone if status == "blocked" else impossible,

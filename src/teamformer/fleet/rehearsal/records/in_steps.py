@@ -15,10 +15,18 @@ from dataclasses import replace
 from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.fleet_mission import place_in
+from teamformer.fleet.rehearsal.checking.trace import (
+    NEEDS,
+    Believed,
+    Event,
+    Finished,
+    Noticed,
+    Said,
+    Sent,
+)
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.trace import NEEDS, Believed, Event, Finished, Noticed, Said, Sent
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS

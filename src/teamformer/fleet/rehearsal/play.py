@@ -7,6 +7,7 @@ something new and when it is due, not otherwise.
 from __future__ import annotations
 
 import math
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.agent import Agent
@@ -67,10 +68,9 @@ class Rehearsal:
         self._planner, self._make_policy = planner, make_policy
         self._post = Post(mission.number, robots)
         self._network = RehearsedNetwork(self._post, faults, self._deliver, mission.apart)
-        self._skew = faults.skew or (0.0,) * robots
-        self._drift = faults.drift or (0.0,) * robots
-        self._tick = 0
-        self.now = 0.0  # the true time in seconds
+        calm = (0.0,) * robots
+        self._skew, self._drift = faults.skew or calm, faults.drift or calm
+        self._tick, self.now = 0, 0.0  # the true time in seconds
         self._agenda = Agenda()
         self._wake = [0] * robots  # when each is to be ticked next
         self._due = [0.0] * robots  # what each will be awake for, by its own clock
@@ -80,16 +80,14 @@ class Rehearsal:
         self._saved: list[Remembered | None] = [None] * robots
         self._saved_version = [(-1, -1)] * robots
         self._reports = [
-            LateReports(lag, faults.stutter, self._network.chance)
-            for lag in faults.lag or (0.0,) * robots
+            LateReports(lag, faults.stutter, self._network.chance) for lag in faults.lag or calm
         ]
         self._touched = set(range(robots))  # whose bodies sense something new
         self._sensed = [self.world.report(robot) for robot in range(robots)]
         self._said: list[tuple[int, ...]] = [()] * robots
         self._worked = [(NOBODY, NOBODY)] * robots
         self._moves = 0
-        self._finished = 0
-        self._is_to_look = True  # something has changed that a mission can end with
+        self._finished, self._is_to_look = 0, True  # something a mission can end with has changed
         self._operators = [Operator(order.task, robots) for order in faults.orders]
         self._operators += [
             Operator(mission.tasks[off.task], robots, calls_off=True) for off in faults.withdrawals
@@ -290,8 +288,9 @@ class Rehearsal:
                 self._put(spell.begin, what, spell.robot)
                 if spell.end is not None:
                     self._put(spell.end, ending, spell.robot)
-        for number, said in enumerate((*faults.orders, *faults.withdrawals)):
-            self._put(said.at, "order", number)
+        times = [it.at for it in faults.orders], [it.at for it in faults.withdrawals]
+        for number, at in enumerate(chain(*times)):
+            self._put(at, "order", number)
         for at in self.mission.off_at.values():
             self._put(at, "over", 0)  # the mission may end with it
         if faults.junk:

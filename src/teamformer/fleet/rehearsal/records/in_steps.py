@@ -63,7 +63,13 @@ def record_in_steps(
     writer = SnapshotWriter(true)
     _Teller(true, mission.step, number).tell(writer, events, deeds, lost)
     status, known = STATUSES[outcome.status], true if source.has_surprises else None
-    return fleet_record(source, writer.steps, status, seed, outcome.blocked_tasks, known)
+    return fleet_record(source, writer.steps, status, seed, blocked_of(outcome, tasks), known)
+
+
+def blocked_of(outcome: Outcome, tasks: Sequence[Task]) -> tuple[str, ...]:
+    """Return the tasks of a record that can never be done; others nobody has accepted."""
+    names = {task.name for task in tasks}
+    return tuple(name for name in outcome.blocked_tasks if name in names)
 
 
 def true_tasks_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ...]:

@@ -13,7 +13,12 @@ from teamformer.fleet.fleet_mission import place_in
 from teamformer.fleet.rehearsal.checking.trace import NEEDS, Believed, Broke, Event, Noticed, Said
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.records.in_steps import STATUSES, tasks_of, true_tasks_of
+from teamformer.fleet.rehearsal.records.in_steps import (
+    STATUSES,
+    blocked_of,
+    tasks_of,
+    true_tasks_of,
+)
 from teamformer.mission.model import Mission, as_believed
 from teamformer.mission.truth import truth_until
 from teamformer.record.record import Record
@@ -39,7 +44,7 @@ def record_in_time(
     if status == "completed":
         end = max([outcome.makespan or 0.0, *seen.over.values()])
     known = truth if source.has_surprises else None
-    return seen.record(source, end, status, seed, outcome.blocked_tasks, known)
+    return seen.record(source, end, status, seed, blocked_of(outcome, tasks), known)
 
 
 def _truth_of(rehearsal: Rehearsal, source: Mission, end: float) -> Mission:

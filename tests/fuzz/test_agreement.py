@@ -31,10 +31,10 @@ from teamformer.files.drawn.generate import Spec, generate
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.files.mission_files import mission_from_tree, write_mission
 from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.rehearsal.checking.trace import Trace
 from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
-from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.live.running.incidents import LostRobot
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, singledispatch
 from typing import Any
@@ -18,7 +18,9 @@ from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.zones import Zone
 
-MADE = {made.__name__: made for made in (Arrivals, Battery, Breakdown, Charger, Delays, Zone)}
+MADE: Mapping[str, Callable[..., Any]] = {
+    made.__name__: made for made in (Arrivals, Battery, Breakdown, Charger, Delays, Zone)
+}
 """What parts become, by name."""
 
 

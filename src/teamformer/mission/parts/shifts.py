@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -159,12 +159,6 @@ def fits_all(rotas: Sequence[Rota], earliest: float, takes: float) -> float:
             return start
         earliest = start
     return math.inf if bound else earliest
-
-
-def closes_first(rotas: Iterable[Rota], now: float) -> float:
-    """Return when the first of the shifts ends in which some robots are; infinite without any."""
-    ends = [closes for rota in rotas for opens, closes in _next_two(rota, now) if opens <= now]
-    return min((end for end in ends if end > now), default=math.inf)
 
 
 def _next_two(rota: Rota, now: float) -> list[Shift]:

@@ -90,6 +90,11 @@ class Rota:
             done += end - start
         return end if done >= spent - SAME * max(1.0, abs(end)) else math.inf
 
+    def ends_leg(self, begin: float, spent: float) -> float:
+        """Return when it is at the next place that stands between two, be its last shift over."""
+        end = self.walked(begin, spent)
+        return begin + spent if math.isinf(end) else end
+
     def goes_on(self, now: float) -> float:
         """Return the first moment at or after one at which it works; infinite if it never does."""
         if not self.shifts:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from teamformer.mission.parts.capabilities import describe
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import BrokenRuleError, need
@@ -60,9 +58,7 @@ def back(now: Standing, event: Event) -> None:
     it = now.robots[robot]
     need(event.place == it.way[-1].place, f"it is back at {now.names.place(it.way[-1].place)}")
     it.is_lost = False
-    was_there = it.way[-1].at
-    is_there = now.truth.robots[robot].rota.walked(now.now, it.rest)
-    later = 0.0 if was_there == math.inf else is_there - was_there
+    later = now.truth.robots[robot].rota.ends_leg(now.now, it.rest) - it.way[-1].at
     if it.is_walking:
         it.way = tuple(Passed(at + later, place) for at, place in it.way)
         it.walk = now.count

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import copy
 import heapq
-import math
 from collections.abc import Iterator
 
 from teamformer.mission.checks.optional import is_in_time
@@ -182,9 +181,7 @@ class PhysicalWorld(WorkingWorld):
         place = body.way[-1].place
         number = body.since = self.tell("back", (robot,), NOBODY, NOBODY, place=place)
         if body.is_walking:
-            was_there = body.way[-1].at
-            is_there = self.truth.robots[robot].rota.walked(self.now, body.rest)
-            shift = 0.0 if was_there == math.inf else is_there - was_there
+            shift = self.truth.robots[robot].rota.ends_leg(self.now, body.rest) - body.way[-1].at
             self.stand(robot, tuple(p._replace(at=p.at + shift) for p in body.way), number)
         self.note("robot back", robots=(robot,))
 

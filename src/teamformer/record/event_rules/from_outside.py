@@ -58,7 +58,7 @@ def back(now: Standing, event: Event) -> None:
     it = now.robots[robot]
     need(event.place == it.way[-1].place, f"it is back at {now.names.place(it.way[-1].place)}")
     it.is_lost = False
-    later = now.truth.robots[robot].rota.walked(now.now, it.rest) - it.way[-1].at
+    later = now.truth.robots[robot].rota.ends_leg(now.now, it.rest) - it.way[-1].at
     if it.is_walking:
         it.way = tuple(Passed(at + later, place) for at, place in it.way)
         it.walk = now.count

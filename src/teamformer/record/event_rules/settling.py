@@ -63,7 +63,7 @@ def _settle_robots(now: Standing) -> None:
             raise BrokenRuleError(f"{now.names.robot(robot)} is to {what}, and does not")
         if goal is None or it.way[-1].place == goal:
             continue
-        if math.isinf(now.lengths.between(it.way[-1].place, goal, robot)):
+        if now.never_gets(robot, goal):
             continue
         what = "home" if task == NOBODY else f"to {now.names.task(task)}"
         raise BrokenRuleError(f"{now.names.robot(robot)} is to go {what}, and does not")

@@ -199,6 +199,12 @@ class Standing:
         """Return how long a robot takes for a way, if nothing holds it up."""
         return self.lengths.between(here, goal, robot) / self.truth.robots[robot].speed
 
+    def never_gets(self, robot: int, goal: Place) -> bool:
+        """Say whether no way leads a robot to a place, or none before its last shift is over."""
+        start = self.turns_at(robot)[-1]
+        takes = self.takes(robot, start.place, goal)
+        return math.isinf(takes) or math.isinf(self.lengths.when((robot,), start.at, takes))
+
     def turns_at(self, robot: int) -> tuple[Passed, ...]:
         """Return what a new way of a robot begins with."""
         return turning(self.robots[robot].way, self.now, self.is_plane)

@@ -31,7 +31,6 @@ from teamformer.world.guidance.guide import refuse_unfit
 from teamformer.world.rules.constants import NOBODY
 
 COMPLETED, INFEASIBLE, LIMIT, TOO_LATE = "completed", "infeasible", "step limit", "too late"
-
 RUNNING = "running"
 
 
@@ -363,9 +362,10 @@ class Course:
         if self._is_over():
             self._end(COMPLETED)
         elif self.world.next_time > self.mission.step_limit:
-            open_tasks = range(len(self.world.truth.tasks))
-            self.blocked = tuple(task for task in open_tasks if task not in self.world.over)
-            self._end(INFEASIBLE)
+            tasks = range(len(self.world.truth.tasks))
+            self.blocked = tuple(task for task in tasks if task not in self.world.over)
+            if self.blocked:  # else somebody does not get home
+                self._end(INFEASIBLE)
 
     def _gives_up(self, is_asked: bool) -> bool:
         """Let what is left be missed if it is optional and nobody will do it; say whether it was.

@@ -120,6 +120,8 @@ class MovingWorld(ABC):
             goal = start.place
         stages = self.ways.stages(start.place, goal, real.moves)
         ahead = self.passing((robot,), start.at, [(p, d / real.speed) for p, d in stages])
+        if ahead and math.isinf(ahead[-1].at):  # its shifts are over before
+            goal, ahead = start.place, ()
         way = (*stub, *with_pauses(real.rota, start, ahead, self.is_plane))
         if len(way) == 1:
             stops = body.is_walking

@@ -181,8 +181,7 @@ class PhysicalWorld(WorkingWorld):
         place = body.way[-1].place
         number = body.since = self.tell("back", (robot,), NOBODY, NOBODY, place=place)
         if body.is_walking:
-            is_there = self.truth.robots[robot].rota.walked(self.now, body.rest)
-            shift = is_there - body.way[-1].at
+            shift = self.truth.robots[robot].rota.ends_leg(self.now, body.rest) - body.way[-1].at
             self.stand(robot, tuple(p._replace(at=p.at + shift) for p in body.way), number)
         self.note("robot back", robots=(robot,))
 

@@ -115,9 +115,9 @@ class ArcSearch:
         """Return the optional tasks that the plan has end too late."""
         if not can_miss(self.problem.misses):
             return []
-        tasks: Any = self.graph.nodes[: len(self.problem.needs)]
-        worth = self.graph.worth
-        late = (worth.is_optional > 0) & (tasks.taken > 0) & (tasks.end > worth.until)
+        nodes, worth, tasks = self.graph.nodes, self.graph.worth, len(self.problem.needs)
+        is_late = (nodes.taken[:tasks] > 0) & (nodes.end[:tasks] > worth.until)
+        late = is_late & (worth.is_optional > 0)
         return [int(task) for task in np.flatnonzero(late)]
 
     def begin_at_best(self) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from teamformer.files.schema import schema_text
 from teamformer.live.serving.openapi import openapi_text
+from teamformer.mission.keys.charging_keys import BATTERY_KEYS, CHARGER_KEYS
 from teamformer.mission.keys.key import FIRST_VERSION, REQUIRED, Key
 from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
@@ -50,6 +51,7 @@ def tables() -> dict[str, list[str]]:
         "mission": [*head, *rows(MISSION_KEYS)],
         "robots": [*head, *rows(ROBOT_KEYS)],
         "tasks": [*head, *rows(TASK_KEYS)],
+        "batteries": [*head, *rows(BATTERY_KEYS, "battery."), *rows(CHARGER_KEYS, "chargers.")],
         "planes": [*head, *rows(PLANE_KEYS, "world.")],
         "events": ["| kind | its fields | says |", "|---|---|---|", *kinds_of_events()],
         "cost": ["| key | what it measures |", "|---|---|", *cost],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -38,7 +39,7 @@ DIGITS = 6
 
 @dataclass(frozen=True)
 class PlannedMission(MissionPlan):
-    """A plan of a mission, and the record of its being carried out, off which it is read.
+    """A plan of a mission, and the record of its being carried out.
 
     >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
     >>> print(*made.why_so_late[:1])  # doctest: +ELLIPSIS
@@ -75,7 +76,7 @@ class PlannedMission(MissionPlan):
         return {
             "mission": self.mission.name,
             "makespan": round(self.makespan, DIGITS),
-            **({} if self.cost is None else {"cost": round(self.cost, DIGITS)}),
+            **self._costs,
             "bound": round(self.bound, DIGITS),
             "proven": self.is_proven,
             "routes": [
@@ -95,9 +96,20 @@ class PlannedMission(MissionPlan):
                 for route in self.routes
             ],
             "late": {tasks[task].name: round(by, DIGITS) for task, by in self.late.items()},
+            **({"missed": [tasks[k].name for k in self.missed]} if self.mission.until else {}),
             "windows": {task.name: list(task.between) for task in tasks if task.between},
             "critical_path": path_rows(self.mission, self.critical_path),
             "curve": [[round(seconds, 3), round(when, DIGITS)] for seconds, when in self.curve],
+        }
+
+    @property
+    def _costs(self) -> dict[str, float]:
+        """Return what the plan costs, and what none costs less than, if the mission has a cost."""
+        if self.cost is None:
+            return {}
+        return {
+            "cost": round(self.cost, DIGITS),
+            "least_cost": math.floor(10**DIGITS * (self.least_cost or 0.0)) / 10**DIGITS,
         }
 
 
@@ -120,7 +132,7 @@ def plan_mission(
         made = plan_continuous(pose_mission(expected), method, seconds, start)
         if made is None:
             return None
-        return _read_off(carry_out(expected, made, method), made.is_proven, made.curve)
+        return PlannedMission(**vars(made), record=carry_out(expected, made, method))
     player = load_method(method, seconds) if start is None else Central(seconds, start=start)
     trial = run_trial(expected, player)
     end, bound = trial.record.end, trial.record.lower_bound or 0
@@ -130,26 +142,18 @@ def plan_mission(
             f"{end.steps} no robots are left that bring what is needed",
             "add such robots, or drop their lost",
         )
-    is_proven = end.makespan is not None and end.makespan <= bound and judged_by(mission) is None
-    return _read_off(trial.record, is_proven, () if trial.plan is None else trial.plan.curve)
-
-
-def _read_off(
-    record: Record, is_proven: bool, curve: tuple[tuple[float, float], ...]
-) -> PlannedMission | None:
-    """Return the plan that a record carries out; None if not everything was done."""
-    if record.end.makespan is None:
+    if end.makespan is None:
         return None
-    number_of = {task.name: number for number, task in enumerate(record.mission.tasks)}
+    number_of = {task.name: number for number, task in enumerate(mission.tasks)}
     return PlannedMission(
-        record=record,
-        makespan=record.end.makespan,
-        bound=record.lower_bound or 0,
-        is_proven=is_proven,
-        routes=routes_of(record),
-        late={number_of[name]: by for name, by in lateness(record).items()},
-        curve=curve,
-        cost=cost_of_record(record),
+        record=trial.record,
+        makespan=end.makespan,
+        bound=bound,
+        is_proven=end.makespan <= bound and judged_by(mission) is None,
+        routes=routes_of(trial.record),
+        late={number_of[name]: by for name, by in lateness(trial.record).items()},
+        curve=() if trial.plan is None else trial.plan.curve,
+        cost=cost_of_record(trial.record),
     )
 
 

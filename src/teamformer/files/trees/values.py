@@ -14,9 +14,10 @@ from teamformer.files.yaml.words import describe, shorten
 from teamformer.mission.keys import kinds
 from teamformer.mission.keys.key import Key
 from teamformer.mission.model import Arrivals, Breakdown, Delays, World
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.roads import Roads
 
-MADE = {made.__name__: made for made in (Arrivals, Breakdown, Delays)}
+MADE = {made.__name__: made for made in (Arrivals, Battery, Breakdown, Charger, Delays)}
 """What parts become, by name."""
 
 
@@ -131,6 +132,17 @@ def _(
 
 @read.register
 def _(
+    kind: kinds.Shifts, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[tuple[float, float], ...]:
+    windows = enumerate(reader.sequence(where, value))
+    if value == []:
+        reader.refuse(where, "shifts names no time; write [[begin, end]], or drop it")
+    read_one = (read(kinds.Window(), reader, (*where, n), window, given) for n, window in windows)
+    return tuple(window for window in read_one if window is not None)
+
+
+@read.register
+def _(
     kind: kinds.StartLinks, reader: Reader, where: Where, value: Any, given: Given
 ) -> dict[str, tuple[float, float]]:
     gap, form = kinds.Window("[least, most]"), "{TASK: [least, most]}"
@@ -210,6 +222,11 @@ def _(kind: kinds.OneOf, reader: Reader, where: Where, value: Any, given: Given)
 
 
 @read.register
+def _(kind: kinds.Truth, reader: Reader, where: Where, value: Any, given: Given) -> bool:
+    return reader.truth(where, value)
+
+
+@read.register
 def _(kind: kinds.Moves, reader: Reader, where: Where, value: Any, given: Given) -> str:
     word = reader.text(where, value)
     if word not in kind.choices and not isinstance(given.world, Roads):
@@ -233,3 +250,14 @@ def _(kind: kinds.KeyedPart, reader: Reader, where: Where, value: Any, given: Gi
     else:
         said = read_part(reader, where, value, kind.keys, given)
     return MADE[kind.makes](**said) if kind.makes else said
+
+
+@read.register
+def _(
+    kind: kinds.KeyedParts, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[Any, ...]:
+    one = kinds.KeyedPart(kind.keys, kind.makes)
+    if value == []:
+        reader.refuse(where, f"{name_of(where)} is an empty list; write one, or drop it")
+    parts = enumerate(reader.sequence(where, value))
+    return tuple(read(one, reader, (*where, number), part, given) for number, part in parts)

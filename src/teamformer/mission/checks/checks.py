@@ -8,8 +8,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
+from teamformer.mission.checks.batteries import find_battery_problems
 from teamformer.mission.checks.loads import find_load_problems
 from teamformer.mission.checks.rules import counted_from, find_rule_problems
+from teamformer.mission.checks.shift_checks import find_shift_problems
 from teamformer.mission.checks.surprise_checks import find_surprise_problems
 from teamformer.mission.keys.kinds import LARGEST_NUMBER, LATEST_RETURN
 from teamformer.mission.keys.robot_keys import FASTEST, SLOWEST
@@ -54,8 +56,10 @@ def find_problems(mission: Mission) -> Iterator[Problem]:
     yield from _problems_of_tasks(mission, places_are_good=not spatial)
     if mission.arrivals is not None and mission.robots and not spatial:
         yield from _problems_of_what_appears(mission)
+    yield from find_battery_problems(mission, places_are_good=not spatial)
     yield from find_rule_problems(mission)
     yield from find_surprise_problems(mission)
+    yield from find_shift_problems(mission)
 
 
 def _problems_of_world(world: World) -> Iterator[Problem]:
@@ -136,6 +140,9 @@ def _problems_of_places(mission: Mission) -> Iterator[Problem]:
         if fault := _fault_of_place(world, task.to):
             message = f"the load of task '{task.name}' is brought to {fault}"
             yield Problem(("tasks", number, "to"), message)
+    for number, charger in enumerate(mission.chargers):
+        if fault := _fault_of_place(world, charger.at):
+            yield Problem(("chargers", number, "at"), f"charger {number + 1} is at {fault}")
 
 
 def _fault_of_place(world: World, place: Place, may_be_blocked: bool = False) -> str:

@@ -82,6 +82,11 @@ class Window:
 
 
 @dataclass(frozen=True)
+class Shifts:
+    """A list of at least one window, in the order of time."""
+
+
+@dataclass(frozen=True)
 class StartLinks:
     """How long after others something starts: the least and the most, by the others' names."""
 
@@ -124,6 +129,11 @@ class OneOf:
 
 
 @dataclass(frozen=True)
+class Truth:
+    """`true` or `false`."""
+
+
+@dataclass(frozen=True)
 class Moves:
     """How a robot moves: one of a few words; on roads the name of one of their tables."""
 
@@ -145,9 +155,13 @@ class KeyedPart:
 
 @dataclass(frozen=True)
 class KeyedParts:
-    """A list of at least one mapping, all with the same keys."""
+    """A list of at least one mapping, all with the same keys.
+
+    `makes` is the class of the model that each becomes, if they are read like other keys.
+    """
 
     keys: tuple[Key, ...]
+    makes: str = ""
 
 
 @dataclass(frozen=True)
@@ -195,6 +209,7 @@ Kind = (
     | Moments
     | Range
     | Window
+    | Shifts
     | StartLinks
     | Counts
     | Chances
@@ -203,6 +218,7 @@ Kind = (
     | TeamLists
     | Place
     | OneOf
+    | Truth
     | Moves
     | KeyedPart
     | KeyedParts

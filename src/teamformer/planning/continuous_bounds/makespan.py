@@ -64,6 +64,7 @@ def grain_of(problem: CoalitionProblem, most: int) -> int:
     parts = (
         *(problem.ways, problem.home, problem.duration, problem.slower, problem.release),
         *(problem.ready, problem.forming, problem.links.gap),
+        *(problem.rotas.shifts, problem.rotas.every),
     )
     times = np.concatenate([part.ravel() for part in parts])
     return max(1, int(np.gcd.reduce(times[np.abs(times) <= most])))

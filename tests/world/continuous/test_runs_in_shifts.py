@@ -14,10 +14,10 @@ from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
-from teamformer.record.critical_path.of_plan import path_of_plan
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
-from teamformer.record.telling.whole import told_of
+from teamformer.record.telling.whole import path_of_record, told_of
+from teamformer.trials.continuous_trial import carry_out
 from teamformer.trials.trial import run_trial
 from teamformer.world.continuous.events import Event
 
@@ -51,8 +51,11 @@ def test_a_task_that_does_not_fit_waits_for_the_next_shift() -> None:
     assert path == [(0, 6, "walking"), (6, 14, "off"), (14, 19, "serving")]
     made = plan_continuous(pose_mission(record.mission), "plan", 0)
     assert made is not None
-    planned = [(it.begin, it.end, it.doing) for it in path_of_plan(record.mission, made)]
-    assert planned == path
+    planned = [
+        (it.begin, it.end, it.doing)
+        for it in path_of_record(carry_out(record.mission, made, "plan"))
+    ]
+    assert [(it.begin, it.end, it.doing) for it in planned] == path
 
 
 def test_a_walk_pauses_where_the_shift_ends() -> None:

@@ -52,13 +52,19 @@ from teamformer.world.rules.waits import Waits, waits_at
 STRAIGHT = 1 - 1e-9
 """A way is shorter than another if it is by more than what rounding makes of equal ones."""
 
+WHOLE = 1e-6
+"""By how much of a tick a time may be off that counts as whole."""
+
 NO_WAY = 1000
 """Where no way is, it takes this many times longer than everything."""
 
 
 @dataclass(frozen=True)
 class ContinuousMission:
-    """What is left of a mission, as it is, and in ticks, of which there are `scale` in a unit."""
+    """What is left of a mission, as it is, and in ticks, of which there are `scale` in a unit.
+
+    A time in ticks is off by no more than `rounding`: by nothing if all times are whole ticks.
+    """
 
     source: Mission
     now: float  # from when on ticks are counted
@@ -66,6 +72,7 @@ class ContinuousMission:
     tasks: tuple[int, ...]
     clock: TaskClock  # its times as they are
     scale: float
+    rounding: int
     problem: CoalitionProblem
 
     def tell(self, solution: Solution) -> MissionPlan:
@@ -74,8 +81,7 @@ class ContinuousMission:
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         """
         timed = self.time(self.in_time(solution.plan))
-        rounding = rounding_of(len(self.tasks))
-        bound = self.now + max(0.0, (solution.bound - rounding) / self.scale)
+        bound = self.now + max(0.0, (solution.bound - self.rounding) / self.scale)
         if timed.missed:
             bound = self.now
         return replace(
@@ -249,6 +255,9 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         problem = problem._replace(misses=_misses(mission, now, tasks, ticks, problem))
     if judged_by(mission) is not None or gaps:
         problem = problem._replace(links=_links(mission, tasks, len(robots), gaps, scale))
+    rotas = rotas_of(robots)
+    times = (ways, home, carry, takes, ready, np.subtract(release, now), mission.forming)
+    is_exact = not rotas and all(_are_whole(np.multiply(part, scale)) for part in times)
     clock = TaskClock(
         tasks=tasks,
         ways=ways,
@@ -262,7 +271,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         before=before,
         gaps=gaps,
         forming=mission.forming,
-        rotas=rotas_of(robots),
+        rotas=rotas,
         cost=mission.cost,
     )
     return ContinuousMission(
@@ -272,6 +281,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         tasks=tuple(chosen),
         clock=clock,
         scale=scale,
+        rounding=0 if is_exact else rounding_of(len(tasks)),
         problem=problem,
     )
 
@@ -304,6 +314,12 @@ def _renumbered(
         gap._replace(task=number_of[gap.task], other=number_of[gap.other]) for gap in waits.gaps
     ]
     return before, gaps
+
+
+def _are_whole(ticks: Floats) -> bool:
+    """Say whether times are whole ticks, but for what a product of two fractions is off by."""
+    finite = ticks[np.isfinite(ticks)]
+    return bool((np.abs(finite - np.rint(finite)) < WHOLE).all())
 
 
 def rounding_of(tasks: int) -> int:

@@ -93,9 +93,7 @@ def rules_not_run_with_batteries(mission: Mission) -> Iterator[Problem]:
     """Return what a mission in continuous time has that batteries do not go with yet."""
     if not has_batteries(mission.robots):
         return
-    number, name = _first_with_battery(mission)
-    message = f"robot '{name}' has a battery, and no mission with batteries is run yet; drop it"
-    yield Problem(("robots", number, "battery"), message)
+    _, name = _first_with_battery(mission)
     rest = f"which does not go with the battery of robot '{name}' yet; drop one of the two"
     yield from told_once(mission, _found_beside_batteries(mission), lambda _: rest)
     if mission.cost is not None:

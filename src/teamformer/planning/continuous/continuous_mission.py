@@ -17,6 +17,12 @@ from teamformer.mission.coordination import Known, Plan, known_at_start
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
+from teamformer.planning.continuous.batteries import (
+    batteries_of,
+    by_ability,
+    charged_clock,
+    kinds_apart,
+)
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.tables import (
     distances,
@@ -166,6 +172,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
 
     counts = count_table([robot.can for robot in robots], mission)
     needs = count_table([task.needs for task in tasks], mission)
+    counts, needs = by_ability(mission, numbers, chosen, counts, needs)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
     takes = np.array([task.duration + task.unload for task in tasks]) + carried
     due = [
@@ -188,7 +195,11 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         spares=SPARES if _may_spare_pay(mission, tasks, ways, home, pace, takes) else 0,
         site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
         ready=ticks(ready),
+        apart=kinds_apart(known, numbers),
     )
+    charging = charged_clock(known, numbers, chosen)
+    if charging is not None:
+        problem = problem._replace(batteries=batteries_of(charging, problem, places, now, ticks))
     if judged_by(mission) is not None or gaps:
         problem = problem._replace(links=_links(mission, tasks, len(robots), gaps, scale))
     clock = TaskClock(
@@ -205,6 +216,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         gaps=gaps,
         forming=mission.forming,
         cost=mission.cost,
+        charging=charging,
     )
     return ContinuousMission(
         source=mission,

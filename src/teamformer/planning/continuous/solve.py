@@ -10,6 +10,7 @@ from functools import partial
 
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
+from teamformer.planning.problem.batteries import are_charged, charged_totals
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.links import have_weights, is_bounded
@@ -27,6 +28,11 @@ beginning: the second time it begins at a good plan, and much heat would leave l
 FEW_IF_WEIGHED, SECONDS_EACH_IF_WEIGHED = 100, 15.0
 """If plans have a cost, a search of fewer tasks than this anneals again after so many seconds; with
 more it anneals once in all the time there is."""
+
+
+CHARGED_SEARCHES, CHARGED_PARTS = 4, 7
+"""Where robots have batteries, so many annealings share the rounds, and of each plans are judged
+after so many parts."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +62,30 @@ def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
     tasks that are linked: different robots do them. There is no clock in it, and the same sums of
     the same numbers, so that it is the same on every machine.
     """
+    if are_charged(problem.batteries):
+        return _plan_charged(problem, seed)
     search = ArcSearch(problem, seed)
     if not search.begin_anew():
         return None
     search.anneal_shared()
     return _without_riders(problem, _found(search))
+
+
+def _plan_charged(problem: CoalitionProblem, seed: int) -> Solution | None:
+    """Return the best of several plans, judged with queues at chargers, which searches leave out.
+
+    Each comes from a part of an annealing, of which there are a few, each with a part of the rounds.
+    """
+    best: Solution | None = None
+    for number in range(CHARGED_SEARCHES):
+        search = ArcSearch(problem, seed + number)
+        if not search.begin_anew():
+            return None
+        for _ in search.anneal_in_parts(CHARGED_SEARCHES, CHARGED_PARTS):
+            for plan in (search.best, search.present):
+                found = _timed(problem, plan)
+                best = found if best is None or found.rank < best.rank else best
+    return best and _without_riders(problem, best)
 
 
 def plan_again(problem: CoalitionProblem, start: CoalitionPlan, seed: int = 0) -> Solution | None:
@@ -72,6 +97,13 @@ def plan_again(problem: CoalitionProblem, start: CoalitionPlan, seed: int = 0) -
     search = ArcSearch(problem, seed)
     if not search.begin_at(start) and not search.begin_anew():
         return None
+    if are_charged(problem.batteries):
+        mended = _timed(problem, start)
+        search.anneal_again()
+        plans = (_timed(problem, plan) for plan in (search.best, search.present))
+        best = min((mended, *plans), key=lambda found: found.rank)
+        anew = _plan_charged(problem, seed) if math.isinf(best.worth) else None
+        return _without_riders(problem, best if anew is None else anew)
     search.anneal_again()
     return _without_riders(problem, _found(search))
 
@@ -127,6 +159,8 @@ NEVER_DONE = (math.inf, math.inf)
 
 
 def _timed(problem: CoalitionProblem, plan: CoalitionPlan) -> Solution:
+    if are_charged(problem.batteries):
+        return Solution(plan, charged_totals(problem, plan))
     total = schedule_of(problem, plan).total
     return Solution(plan, (int(total[MAKESPAN]), int(total[COST])))
 

@@ -11,6 +11,7 @@ from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.model import Task
+from teamformer.planning.continuous.batteries import ChargedClock
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
 from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, time_tasks
@@ -36,6 +37,7 @@ class TaskClock:
     gaps: Sequence[Gap]
     forming: float
     cost: Mapping[str, float] | None
+    charging: ChargedClock | None = None  # if robots have batteries
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times; one in which robots wait for one another has no end."""
@@ -51,7 +53,11 @@ class TaskClock:
             gaps=self.gaps,
             forming=self.forming,
         )
-        return self._tell(order, time_tasks(rules, order, robots_of))
+        if self.charging is not None:
+            charged = self.charging.time(rules, order, robots_of)
+            return self._tell(order, charged.timed, charged.back)
+        timed = time_tasks(rules, order, robots_of)
+        return self._tell(order, timed, None)
 
     def _place(self, robot: int, before: int) -> int:
         return int(self.origin[robot]) if before == FIRST else before
@@ -65,8 +71,13 @@ class TaskClock:
         carried = max((float(self.carry[self.pace[robot], task]) for robot in robots), default=0.0)
         return wanted.duration + carried + wanted.unload
 
-    def _tell(self, order: Sequence[int], timed: Timed) -> MissionPlan:
-        """Return the plan that starts tasks at these times."""
+    def _tell(
+        self, order: Sequence[int], timed: Timed, back: Sequence[float] | None
+    ) -> MissionPlan:
+        """Return the plan that starts tasks at these times; `back` if robots are not home at once.
+
+        What they travel has no detours to chargers in it: nobody has a cost beside a battery.
+        """
         travel = 0.0
         stops: list[list[Stop]] = [[] for _ in self.free]
         late, ends = {}, {}
@@ -81,7 +92,8 @@ class TaskClock:
         rows = zip(stops, self.origin.tolist(), self.free, strict=True)
         last = [(made[-1].task, made[-1].end) if made else (at, free) for made, at, free in rows]
         home = self.home[np.arange(len(last)), [place for place, _ in last]]
-        back = [left + float(way) for (_, left), way in zip(last, home, strict=True)]
+        if back is None:
+            back = [left + float(way) for (_, left), way in zip(last, home, strict=True)]
         parts = {
             "makespan": max(back),
             "travel": travel + float(home.sum()),

@@ -9,6 +9,7 @@ import numpy as np
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.covers import list_covers
+from teamformer.planning.problem.batteries import Batteries
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     NOBODY,
@@ -69,6 +70,7 @@ class ArcProblem(NamedTuple):
     together: Int32s  # (paces, paces) the pace of those who go together
     weights: Ints  # (4,) in steps: of makespan and ends, the divisor, and if there are prices
     links: Links  # as in the coalition problem
+    batteries: Batteries  # as there
 
 
 def near_of(problem: CoalitionProblem) -> int:
@@ -136,6 +138,7 @@ def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcP
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
         weights=_weights(len(problem.needs), steps),
         links=problem.links,
+        batteries=problem.batteries,
     )
 
 

@@ -29,6 +29,8 @@ from teamformer.planning.graph.arc_problem import (
     most_seats,
     takes_with,
 )
+from teamformer.planning.graph.charging import charged_home, is_charged, left_after, reach
+from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.problem.constants import SPREAD, TICKS
@@ -87,6 +89,7 @@ class Graph(NamedTuple):
     ways: Records  # (seats of a node,) WAY, room for the ways that lead from a node
     there: Ints  # (seats of a node,) room for the steps in which groups are there
     worth: Records  # (tasks,) WORTH
+    left: Ints  # (seats,) what who leaves a seat has in its battery; empty if nobody has one
 
 
 def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:
@@ -130,6 +133,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
         ways=np.zeros(widest, WAY).view(np.recarray),
         there=np.zeros(widest, np.int64),
         worth=worth,
+        left=np.zeros(len(seats) if are_charged(problem.batteries) else 0, np.int64),
     )
 
 
@@ -145,12 +149,15 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
     if is_in_steps(graph):
         return start_in_steps(problem, graph, task, first_seat)
     node = graph.nodes[task]
-    there, comes_apart = 0, False
+    there, comes_apart, has_batteries = 0, False, is_charged(problem)
     first_site = problem.site[graph.seats[graph.seats[first_seat].prev].node]
     for seat in range(first_seat, first_seat + node.taken):
         place = graph.seats[graph.seats[seat].prev].node
-        pace = problem.kinds[graph.seats[seat].kind].pace
-        there = max(there, graph.nodes[place].end + problem.ways_to[pace, task, place])
+        kind = graph.seats[seat].kind
+        comes = graph.nodes[place].end + problem.ways_to[problem.kinds[kind].pace, task, place]
+        if has_batteries:
+            comes = reach(problem, graph, kind, graph.seats[seat].prev, task)[0]
+        there = max(there, comes)
         comes_apart |= problem.site[place] != first_site
     start = max(node.release, there + problem.forming[0] * comes_apart)
     if node.has_links:
@@ -203,6 +210,8 @@ def tail_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> in
 @kernel
 def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
     """Return when a home is reached."""
+    if is_charged(problem):
+        return charged_home(problem, graph, robot)
     home = len(graph.seats) - len(graph.back) + robot
     last = graph.seats[graph.seats[home].prev].node
     return graph.nodes[last].end + problem.home[graph.seats[home].kind, last]
@@ -271,11 +280,16 @@ def time_anew(problem: ArcProblem, graph: Graph) -> None:
         order[gap] = task
     for depot in range(tasks, problem.ways.shape[1]):
         _send(problem, graph, depot)
+    for robot in range(len(problem.batteries.left)):
+        graph.left[tasks * problem.most[0] + robot] = problem.batteries.left[robot]
     for task in order:
         if nodes[task].is_load:
             nodes[task].duration = takes(problem, graph, task)
         start = start_of(problem, graph, task, nodes[task].first)
         nodes[task].end, nodes[task].key = start + nodes[task].duration, 2 * start + 1
+        if is_charged(problem):
+            for seat in range(nodes[task].first, nodes[task].first + nodes[task].taken):
+                graph.left[seat] = left_after(problem, graph, seat, start)
         _send(problem, graph, task)
     for robot in range(len(graph.back)):
         graph.back[robot] = back_of(problem, graph, robot)

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Int32s, Ints
+from teamformer.planning.problem.batteries import Batteries, no_batteries
 from teamformer.planning.problem.constants import NEVER
 from teamformer.planning.problem.links import Links, no_links
 from teamformer.world.rules.constants import NOBODY
@@ -56,6 +57,7 @@ class CoalitionProblem(NamedTuple):
     spares: int  # how many robots more than it needs come to a task at most
     ready: Ints  # (places - tasks,) when who is at each place that is no task can leave it
     links: Links  # of starts, and what plans cost; empty where the makespan alone counts
+    batteries: Batteries  # of no kinds where nobody has one
 
 
 def pose_problem(
@@ -115,6 +117,7 @@ def pose_problem(
         spares=spares,
         ready=np.asarray(np.zeros(ways.shape[1] - tasks) if ready is None else ready, np.int64),
         links=no_links() if links is None else links,
+        batteries=no_batteries(),
     )
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from random import Random
 from typing import Any
 
 import numpy as np
 
 from teamformer.planning.graph.arc_problem import StepRules, pose_arcs
+from teamformer.planning.graph.charging import RESCUE
 from teamformer.planning.graph.graph import COST, empty_graph, lay, plan_of
 from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledger, room_for_change
 from teamformer.planning.operators.room import empty_room
@@ -40,6 +41,9 @@ these, and is cooled down by the second so many times, to a sixtieth."""
 QUENCHED = 40
 """Rounds for each task without heat, before the first annealing: what a plan costs then says how
 hot it begins."""
+
+QUENCHED_IF_CHARGED = 500
+"""The same where robots have batteries."""
 
 WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task then, and so many at most: about a second."""
@@ -136,6 +140,8 @@ class ArcSearch:
             way = float(ways.mean()) if ways.size else 0.0
             return max(1, int(self.problem.duration.mean() + way / 2))
         visits = int(self.graph.nodes.taken.sum())
+        if int(self.graph.total[COST]) >= RESCUE:  # a robot runs dry: that says nothing of a task
+            return max(1, int(self.problem.duration.mean()) + int(self.arcs.ways[0].mean()))
         return max(1, int(self.graph.total[COST]) * len(self.problem.counts) // visits)
 
     def anneal(self, hot: float, cold: float, begin: int, end: int, rounds: int) -> None:
@@ -162,6 +168,17 @@ class ArcSearch:
         else:
             self.anneal(max(cold, hot // LESS_HOT), cold, 0, rounds, rounds)
 
+    def anneal_in_parts(self, searches: int, parts: int) -> Iterator[None]:
+        """Make one of so many parts of the rounds of the shared plan, and stop after each of these.
+
+        It begins with a quench, after which hardly anybody runs dry.
+        """
+        self.quench(QUENCHED_IF_CHARGED)
+        rounds, heats = sum(self._shared_rounds) // searches, self.heats
+        for part in range(parts):
+            self.anneal(*heats, rounds * part // parts, rounds * (part + 1) // parts, rounds)
+            yield
+
     @property
     def _shared_rounds(self) -> list[int]:
         """Return how many rounds each annealing of the shared plan takes."""
@@ -177,9 +194,9 @@ class ArcSearch:
             self.anneal(heat, heat, 0, rounds // COOLINGS, rounds // COOLINGS)
             heat *= COOLER
 
-    def quench(self) -> None:
-        """Take whatever is better, without heat, for some rounds."""
-        rounds = QUENCHED * len(self.problem.needs)
+    def quench(self, rounds_each: int = QUENCHED) -> None:
+        """Take whatever is better, without heat, for some rounds for each task."""
+        rounds = rounds_each * len(self.problem.needs)
         self.anneal(0, 0, 0, rounds, rounds)
 
     def anneal_until(
@@ -215,6 +232,11 @@ class ArcSearch:
     def rank(self) -> tuple[float, float]:
         """Return what the best plan is compared by: what it is judged by, then what leads on."""
         return float(self._ledger.cost[BEST]), float(self._ledger.lead[BEST])
+
+    @property
+    def present(self) -> CoalitionPlan:
+        """Return the plan where it stands."""
+        return plan_of(self.problem, self.arcs, self.graph)
 
     @property
     def best(self) -> CoalitionPlan:

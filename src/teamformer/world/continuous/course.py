@@ -24,7 +24,7 @@ from teamformer.world.continuous.events import PlanMade, PlannedTask
 from teamformer.world.continuous.following import PlanFollower
 from teamformer.world.continuous.foresight import foresee, holds_of
 from teamformer.world.continuous.known import known_of
-from teamformer.world.continuous.links import GapKeeper
+from teamformer.world.continuous.links import GapKeeper, followers_of
 from teamformer.world.continuous.moving import Happened
 from teamformer.world.continuous.world import PhysicalWorld
 from teamformer.world.guidance.guide import refuse_unfit
@@ -54,7 +54,7 @@ class Course:
         self.seconds = 0.0
         self._heeds = {"start", IDLE, *heeded_by(coordinator)}
         self._before = tasks_before(mission.tasks)
-        self._after = _followers(mission)
+        self._after = followers_of(mission)
         self.links = GapKeeper(mission)
         self._asked_idle = NOBODY
 
@@ -74,7 +74,7 @@ class Course:
         twin.mission = with_arrivals(mission, truth)
         twin.world = under(self.world, twin.mission, truth)
         twin.follower = self.follower.fork(twin.mission)
-        twin._before, twin._after = tasks_before(twin.mission.tasks), _followers(twin.mission)
+        twin._before, twin._after = tasks_before(twin.mission.tasks), followers_of(twin.mission)
         return twin
 
     @property
@@ -93,7 +93,7 @@ class Course:
     def go_on(self) -> None:
         """Go to the next moment and do what follows."""
         if self.world.next_time > self.mission.step_limit:
-            self.world.now = max(self.world.now, float(self.mission.step_limit))
+            self.world.be_at(max(self.world.now, float(self.mission.step_limit)))
             self._end(LIMIT)
             return
         self._act(self.world.advance())
@@ -103,7 +103,7 @@ class Course:
         while self.is_running and min(self.world.next_time, self.mission.step_limit) <= when:
             self.go_on()
         if self.is_running:
-            self.world.now = when
+            self.world.be_at(when)
 
     def take_over(self, plan: Plan) -> None:
         """Go by a plan that an operator has chosen."""
@@ -131,6 +131,7 @@ class Course:
         while happened:
             self._tend(happened)
             happened = self.world.take_happened()  # what it has brought about at this moment
+        self.world.fill_chargers()
         if self._is_over():
             self._end(COMPLETED)
         elif not self.world.is_busy and not self._waits_for_a_time():
@@ -231,17 +232,20 @@ class Course:
     def _send(self, robot: int) -> int:
         """Send a robot to its next task; return that task."""
         world, follower, body = self.world, self.follower, self.world.bodies[robot]
-        if body.is_lost or body.work != NOBODY:
+        if body.is_lost or body.work != NOBODY or body.is_charging:
             return NOBODY
         task = follower.next_task(world, robot)
         goal = follower.goal(world, robot, task)
+        cause = world.cause_among([body.since, self._plan_now()])
+        if world.charges_first(robot, task, goal, cause):
+            return NOBODY
         is_new = task != body.task
         if (
             is_new
             or (goal is None and body.is_walking)
             or (goal and not self._is_bound(robot, goal))
         ):
-            world.set_out(robot, goal, task, world.cause_among([body.since, self._plan_now()]))
+            world.set_out(robot, goal, task, cause)
         return task
 
     def _is_bound(self, robot: int, goal: object) -> bool:
@@ -366,7 +370,8 @@ class Course:
         left = [
             replace(robot, at=world.next_place(number).place)
             for number, robot in enumerate(truth.robots)
-            if not world.bodies[number].is_lost or robot.is_due(world.now)
+            if not world.bodies[number].is_lost
+            or (robot.is_due(world.now) and not world.is_dry(number))
         ]
         have = totals_there(truth.world, left)
         self.blocked = tuple(
@@ -384,17 +389,3 @@ class Course:
         self.status = status
         cause = self.world.cause_among([body.since for body in self.world.bodies])
         self.world.tell("over", (), NOBODY, cause, status=status)
-
-
-def _followers(mission: Mission) -> dict[int, set[int]]:
-    """Return the tasks that have to be looked at when something of a task changes."""
-    after: dict[int, set[int]] = {}
-    for task, others in tasks_before(mission.tasks).items():
-        for other in others:
-            after.setdefault(other, set()).add(task)
-    number_of = {task.name: number for number, task in enumerate(mission.tasks)}
-    for number, wanted in enumerate(mission.tasks):
-        for name in wanted.starts:
-            after.setdefault(number_of[name], set()).add(number)
-            after.setdefault(number, set()).add(number_of[name])
-    return after

@@ -18,7 +18,7 @@ from teamformer.world.continuous.events import Event, Passed
 from teamformer.world.continuous.ways import Ways
 from teamformer.world.rules.constants import NOBODY
 
-LOSE, BRING_BACK, CALL_OFF, APPEAR, OPEN, ARRIVE, FINISH, EXPECT, LOOK, WAKE = range(10)
+LOSE, BRING_BACK, CALL_OFF, APPEAR, OPEN, ARRIVE, FINISH, EXPECT, LOOK, WAKE, FULL = range(11)
 """What can be on the agenda; of what is due at one moment, what comes from outside is first."""
 
 Entry = tuple[float, int, int, int]
@@ -85,7 +85,7 @@ class MovingWorld(ABC):
     def is_at(self, robot: int, place: Place) -> bool:
         """Say whether a robot stands at a place, and is neither lost nor at work."""
         body = self.bodies[robot]
-        is_free = not body.is_lost and body.work == NOBODY
+        is_free = not body.is_lost and body.work == NOBODY and body.charger == NOBODY
         return is_free and not body.is_walking and body.way[0].place == place
 
     def next_place(self, robot: int) -> Passed:

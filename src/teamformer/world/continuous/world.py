@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.world.continuous.body import turning
+from teamformer.world.continuous.charging import ChargingWorld
 from teamformer.world.continuous.moving import (
     APPEAR,
     ARRIVE,
@@ -21,6 +22,7 @@ from teamformer.world.continuous.moving import (
     CALL_OFF,
     EXPECT,
     FINISH,
+    FULL,
     LOOK,
     LOSE,
     OPEN,
@@ -28,7 +30,6 @@ from teamformer.world.continuous.moving import (
     Entry,
     Happened,
 )
-from teamformer.world.continuous.working import WorkingWorld
 from teamformer.world.rules.constants import NOBODY
 
 COPIED = (
@@ -45,7 +46,7 @@ COPIED = (
 """What each world has a copy of."""
 
 
-class PhysicalWorld(WorkingWorld):
+class PhysicalWorld(ChargingWorld):
     """All robots, tasks and loads; `advance` goes to the next moment at which something is due."""
 
     def __init__(self, mission: Mission, truth: Mission, is_all_known: bool = False) -> None:
@@ -67,10 +68,12 @@ class PhysicalWorld(WorkingWorld):
 
     def advance(self) -> Happened:
         """Go to the next moment and let all happen that is due then."""
-        self.now = self._reached = self.next_time
+        self.be_at(self.next_time)
+        self._reached = self.now
         while self.next_time <= self.now:
             _, what, which, stamp = heapq.heappop(self.agenda)
             self._let_happen(what, which, stamp)
+        self.run_dry()
         return self.take_happened()
 
     def put_what_is_to_come(self) -> None:
@@ -98,13 +101,15 @@ class PhysicalWorld(WorkingWorld):
         if what in (ARRIVE, LOOK):
             body = self.bodies[which]
             return body.is_walking and body.set_out == stamp and not body.is_lost
+        if what == FULL:
+            return self.bodies[which].is_charging and self.bodies[which].since == stamp
         if what in (FINISH, EXPECT):
             return which in self.works and self.works[which].event == stamp
         return which not in self.over if what in (CALL_OFF, OPEN, WAKE) else True
 
     def _let_happen(self, what: int, which: int, stamp: int) -> None:
         if what == LOSE:
-            self._lose(which)
+            self.stand_still(which, "lost")
         elif what == BRING_BACK:
             self._bring_back(which)
         elif what == CALL_OFF:
@@ -126,10 +131,13 @@ class PhysicalWorld(WorkingWorld):
             self.expect_anew(which)
         elif what == LOOK:
             self.look_around(which)
+        elif what == FULL:
+            self.be_full(which)
         else:
             self.note(tasks=(which,))
 
-    def _lose(self, robot: int) -> None:
+    def stand_still(self, robot: int, kind: str) -> None:
+        """Let a robot be lost, or have run dry, as a kind of event says."""
         body = self.bodies[robot]
         if body.is_lost:
             return
@@ -138,7 +146,8 @@ class PhysicalWorld(WorkingWorld):
             self.stop_walking(body)
         body.way, body.rest = stub, stub[-1].at - self.now
         body.is_lost, body.task = True, NOBODY
-        number = self.tell("lost", (robot,), NOBODY, NOBODY, place=stub[-1].place)
+        self.leave_charger(robot)
+        number = self.tell(kind, (robot,), NOBODY, NOBODY, place=stub[-1].place)
         body.since = number
         self.note("robot lost", robots=(robot,))
         task, body.work = body.work, NOBODY
@@ -147,6 +156,8 @@ class PhysicalWorld(WorkingWorld):
 
     def _bring_back(self, robot: int) -> None:
         body = self.bodies[robot]
+        if self.is_dry(robot):
+            return
         body.is_lost = False
         place = body.way[-1].place
         number = body.since = self.tell("back", (robot,), NOBODY, NOBODY, place=place)

@@ -95,6 +95,10 @@ def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: 
         assert made.cost is not None
         best = min(times.cost for times in plans if times.cost is not None)
         assert made.cost >= best - NEAR * max(1.0, best)
+        assert made.least_cost is not None
+        assert made.least_cost <= best + NEAR
+        if made.is_proven:
+            assert made.cost == pytest.approx(best, rel=NEAR, abs=NEAR)
         return
     soonest = min(times.makespan for times in plans)
     assert soonest - NEAR <= made.makespan

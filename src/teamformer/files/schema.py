@@ -78,6 +78,8 @@ def schema_of(kind: kinds.Kind) -> Schema:
             return _pair(TIME)
         case kinds.Window():
             return _pair(TIME)
+        case kinds.Shifts():
+            return {"type": "array", "items": _pair(TIME), "minItems": 1}
         case kinds.StartLinks():
             return {"type": "object", "additionalProperties": _pair(TIME)}
         case kinds.Counts():
@@ -96,6 +98,8 @@ def schema_of(kind: kinds.Kind) -> Schema:
             return {"anyOf": [_pair(FINITE), NAME]}
         case kinds.OneOf():
             return {"enum": list(kind.choices)}
+        case kinds.Truth():
+            return {"type": "boolean"}
         case kinds.Moves():
             return NAME | {"examples": list(kind.choices)}
         case kinds.KeyedPart():

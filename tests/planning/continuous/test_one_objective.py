@@ -193,3 +193,30 @@ def test_robots_that_wait_for_one_another_for_ever_make_no_plan() -> None:
     given = Plan((1, 0, 2), ((0,), (0,), (1,)))
     assert posed.time(posed.as_arrays(given)).makespan == float("inf")
     assert planned(mission, "central", 0.0, given).makespan < float("inf")
+
+
+def test_what_no_plan_costs_less_than_by_hand() -> None:
+    """Three robots that lift each go to one task or on from one to the next, and home.
+
+    A weight of 3 on travel and 1 on tardiness makes shares of 3/4 and 1/4.
+    """
+    line = Mission(
+        "line",
+        Grid(21, 1),
+        ("lift",),
+        (Robot("r", (10, 0), {"lift": 1}), Robot("s", (10, 0), {"lift": 1})),
+        (
+            Task("left", (0, 0), {"lift": 1}, between=(0, 4)),
+            Task("right", (20, 0), {"lift": 1}, between=(0, 99)),
+        ),
+        time="continuous",
+        ends="home",
+        cost={"travel": 3.0, "tardiness": 1.0},
+    )
+    made = planned(line, "central", 1.0)
+    assert made.cost == pytest.approx((3 * 40 + 6) / 4)  # there and back twice, six too late
+    assert made.least_cost == pytest.approx(made.cost, abs=1e-3)
+    both = (Task("left", (0, 0), {"lift": 2}), line.tasks[1])
+    together = planned(replace(line, tasks=both), "central", 1.0)
+    assert together.cost == pytest.approx(3 * 60 / 4)  # two go left, and one of them right as well
+    assert together.least_cost == pytest.approx(together.cost, abs=1e-3)

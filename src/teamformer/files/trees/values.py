@@ -132,6 +132,17 @@ def _(
 
 @read.register
 def _(
+    kind: kinds.Shifts, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[tuple[float, float], ...]:
+    windows = enumerate(reader.sequence(where, value))
+    if value == []:
+        reader.refuse(where, "shifts names no time; write [[begin, end]], or drop it")
+    read_one = (read(kinds.Window(), reader, (*where, n), window, given) for n, window in windows)
+    return tuple(window for window in read_one if window is not None)
+
+
+@read.register
+def _(
     kind: kinds.StartLinks, reader: Reader, where: Where, value: Any, given: Given
 ) -> dict[str, tuple[float, float]]:
     gap, form = kinds.Window("[least, most]"), "{TASK: [least, most]}"
@@ -208,6 +219,11 @@ def _(kind: kinds.Place, reader: Reader, where: Where, value: Any, given: Given)
 @read.register
 def _(kind: kinds.OneOf, reader: Reader, where: Where, value: Any, given: Given) -> str:
     return reader.word(value)
+
+
+@read.register
+def _(kind: kinds.Truth, reader: Reader, where: Where, value: Any, given: Given) -> bool:
+    return reader.truth(where, value)
 
 
 @read.register

@@ -18,6 +18,7 @@ from teamformer.mission.keys.kinds import (
     Kind,
     Number,
     Place,
+    Shifts,
     StartLinks,
 )
 from teamformer.mission.keys.mission_keys import MISSION_KEYS, VERSION
@@ -66,6 +67,8 @@ def to_tree(kind: Kind, value: Any, world: World) -> Any:
             return at_to_tree(value, world)
         case Either():
             return to_tree(kind.listed if isinstance(value, tuple) else kind.plain, value, world)
+        case Shifts():
+            return [list(window) for window in value]
         case StartLinks():
             return {name: list(gap) for name, gap in value.items()}
         case KeyedParts() if kind.makes:

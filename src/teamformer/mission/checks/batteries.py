@@ -10,10 +10,10 @@ from teamformer.mission.keys.charging_keys import MOST_ROOM, MOST_SPENT
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.unknown import Found, told_once
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
-from teamformer.mission.parts.charging import has_batteries
+from teamformer.mission.parts.charging import Charger, has_batteries
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Charger, Mission
+    from teamformer.mission.model import Mission
 
 REMEDY = "put a charger nearer, or give batteries that last longer"
 

@@ -11,6 +11,7 @@ from teamformer.base.errors import Problem
 from teamformer.mission.checks.batteries import find_battery_problems
 from teamformer.mission.checks.loads import find_load_problems
 from teamformer.mission.checks.rules import counted_from, find_rule_problems
+from teamformer.mission.checks.shift_checks import find_shift_problems
 from teamformer.mission.checks.surprise_checks import find_surprise_problems
 from teamformer.mission.keys.kinds import LARGEST_NUMBER, LATEST_RETURN
 from teamformer.mission.keys.robot_keys import FASTEST, SLOWEST
@@ -58,6 +59,7 @@ def find_problems(mission: Mission) -> Iterator[Problem]:
     yield from find_battery_problems(mission, places_are_good=not spatial)
     yield from find_rule_problems(mission)
     yield from find_surprise_problems(mission)
+    yield from find_shift_problems(mission)
 
 
 def _problems_of_world(world: World) -> Iterator[Problem]:

@@ -11,6 +11,7 @@ from teamformer.mission.checks.batteries import rules_not_run_with_batteries
 from teamformer.mission.checks.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
+from teamformer.mission.checks.optional import find_optional_problems
 from teamformer.mission.checks.windows import find_endless_play
 from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, FLEETS, ROBOTARIUM, STEPS
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
@@ -28,7 +29,7 @@ LEAST_CHANCE = {"needed": 0.0, "absent": math.inf, "scouting": LIKELY}
 """By foresight, from which probability on needs that nobody knows are expected."""
 FORESIGHTS = tuple(LEAST_CHANCE)
 
-MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until"})
+MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until", "shifts"})
 """Keys of a file whose values are moments of a mission."""
 
 
@@ -55,6 +56,8 @@ def find_rule_problems(mission: Mission) -> Iterator[Problem]:
     yield from _problems_of_precedence(mission)
     yield from find_cost_problems(mission)
     yield from find_link_problems(mission)
+    yield from _problems_of_until(mission)
+    yield from find_optional_problems(mission)
 
 
 def rules_not_played(mission: Mission) -> Iterator[Problem]:
@@ -77,12 +80,36 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
 
 
+def _problems_of_until(mission: Mission) -> Iterator[Problem]:
+    until = mission.until
+    if until is None:
+        return
+    if not 0 < until <= LARGEST_NUMBER:  # NaN too
+        message = f"the mission is over at {until:g}; use a time after 0"
+        yield Problem(("until",), f"{message}, up to 1e9{counted_from(('until',))}")
+    elif mission.time == "steps" and until != int(until):
+        yield Problem(("until",), f"the mission is over at {until:g}; in steps use a whole number")
+
+
 def rules_not_run(mission: Mission) -> Iterator[Problem]:
     """Return why a mission cannot be run, be it in steps or in continuous time."""
     if mission.time == "steps":
         yield from rules_not_played(mission)
-    else:
-        yield from rules_not_run_with_batteries(mission)
+        return
+    if mission.until is not None:
+        yield Problem(("until",), "missions with until are checked, but not run yet; drop until")
+    yield from _shifts_not_served(mission)
+    yield from rules_not_run_with_batteries(mission)
+
+
+def _shifts_not_served(mission: Mission) -> Iterator[Problem]:
+    """Return which robots work in shifts, which nobody plans for."""
+    working = [
+        (("robots", number, "shifts"), f"robot '{robot.name}' works in shifts")
+        for number, robot in enumerate(mission.robots)
+        if robot.shifts
+    ]
+    yield from told_once(mission, working, "which plans do not know; drop {}".format)
 
 
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
@@ -98,9 +125,9 @@ def rules_not_planned(mission: Mission) -> Iterator[Problem]:
     In steps that are rules that these do not know; in continuous time what a plan cannot foresee.
     """
     if mission.time == "continuous":
+        yield from rules_not_run(mission)
         rest = "which a plan made in advance does not count with; drop {}, or use `teamformer run`"
         yield from told_once(mission, find_unknown(mission, CONTINUOUS), rest.format)
-        yield from rules_not_run_with_batteries(mission)
         return
     yield from rules_not_played(mission)
     yield from rules_not_known_beforehand(mission)

@@ -82,6 +82,11 @@ class Window:
 
 
 @dataclass(frozen=True)
+class Shifts:
+    """A list of at least one window, in the order of time."""
+
+
+@dataclass(frozen=True)
 class StartLinks:
     """How long after others something starts: the least and the most, by the others' names."""
 
@@ -121,6 +126,11 @@ class OneOf:
     """One of a few words."""
 
     choices: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """`true` or `false`."""
 
 
 @dataclass(frozen=True)
@@ -199,6 +209,7 @@ Kind = (
     | Moments
     | Range
     | Window
+    | Shifts
     | StartLinks
     | Counts
     | Chances
@@ -207,6 +218,7 @@ Kind = (
     | TeamLists
     | Place
     | OneOf
+    | Truth
     | Moves
     | KeyedPart
     | KeyedParts

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from teamformer.mission.keys.charging_keys import CHARGER_KEYS, NEW
-from teamformer.mission.keys.key import STEPS, Key, Unknown
+from teamformer.mission.keys.key import FLEETS, ROBOTARIUM, STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     Either,
@@ -16,6 +16,7 @@ from teamformer.mission.keys.kinds import (
     Place,
     TeamLists,
     Text,
+    Time,
     Whole,
 )
 from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS, SURPRISES
@@ -48,6 +49,13 @@ COST_KEYS = (
     Key("tardiness", WEIGHT, "how late tasks are, added up", None),
     Key("max_tardiness", WEIGHT, "how late the latest task is", None),
     Key("completion", WEIGHT, "when tasks end, added up", None),
+    Key(
+        "missed",
+        WEIGHT,
+        "optional tasks that were not done, added up by weight",
+        None,
+        since="0.2.0",
+    ),
 )
 
 ARRIVALS_KEYS = (
@@ -176,6 +184,16 @@ MISSION_KEYS = (
         default=None,
         without="none",
         unknown=Unknown(SURPRISES, "tasks appear at random", is_surprise=True),
+    ),
+    Key(
+        "until",
+        Time(is_above=True),
+        "the step, in continuous time the time, at which the mission is over, whatever is left "
+        "([optional tasks](mission/optional.md)); needed if a task is optional",
+        default=None,
+        without="with its last task",
+        since="0.2.0",
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "until is for continuous time"),
     ),
     Key(
         "chargers",

@@ -14,7 +14,9 @@ from teamformer.mission.keys.kinds import (
     Number,
     Place,
     Range,
+    Shifts,
     Text,
+    Time,
     Whole,
 )
 from teamformer.mission.parts.roads import AIR, GROUND
@@ -157,6 +159,25 @@ ROBOT_KEYS = (
         without="none",
         label="Note",
         is_in_details=True,
+        since="0.2.0",
+    ),
+    Key(
+        "shifts",
+        Shifts(),
+        "in continuous time, when the robot works: `[[0, 480], [540, 960]]` "
+        "([shifts](mission/time.md#shifts))",
+        default=(),
+        without="always",
+        since="0.2.0",
+        example=[[0, 480], [540, 960]],
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "works in shifts"),
+    ),
+    Key(
+        "every",
+        Time(is_above=True),
+        "after how long its shifts come again, and again; 1440 is a day of minutes",
+        default=0.0,
+        without="they do not come again",
         since="0.2.0",
     ),
 )

@@ -76,6 +76,7 @@ class ContinuousMission:
         return replace(
             timed,
             bound=min(timed.makespan, bound),
+            least_cost=self._least_cost_of(solution, timed.cost),
             is_proven=solution.is_proven,
             curve=self._curve_of(solution),
         )
@@ -103,6 +104,15 @@ class ContinuousMission:
             return plan.makespan if plan.cost is None else plan.cost
         ends = {stop.task: stop.end for route in plan.routes for stop in route.stops}
         return weighed(self.source, weights, ends, plan.makespan)
+
+    def _least_cost_of(self, solution: Solution, cost: float | None) -> float | None:
+        """Return what no plan costs less than; every part of it may be rounded by some ticks."""
+        if cost is None:
+            return None
+        links, parts = self.problem.links, len(self.robots) * (1 + len(self.tasks))
+        rounding = rounding_of(len(self.tasks)) * (parts + float(links.task_weight.sum()))
+        least = solution.least_cost - rounding * float(links.weight.sum())
+        return min(cost, max(0.0, least / self.scale))
 
     def _curve_of(self, solution: Solution) -> tuple[tuple[float, float], ...]:
         """Return a curve in units; that of a linked problem without a cost is none of times."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
+from teamformer.planning.continuous_bounds.cost import least_cost
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
 from teamformer.planning.problem.batteries import are_charged, charged_totals
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
@@ -40,12 +41,14 @@ class Solution:
     """A plan, and what it is compared by; `curve` holds (seconds, worth).
 
     That is what it is judged by, its makespan or what it costs, then what leads a search. No plan
-    is over before tick `bound`, and none is better than one that is proven.
+    is over before tick `bound`, none costs less than `least_cost`, and none is better than one that
+    is proven.
     """
 
     plan: CoalitionPlan
     rank: tuple[float, float]
     bound: int = 0
+    least_cost: float = 0.0
     is_proven: bool = False
     curve: tuple[tuple[float, float], ...] = ()
 
@@ -134,8 +137,11 @@ def solve(
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
     best = _without_riders(problem, race.plan)
-    is_proven = judge(problem, best).bounded <= race.bound
-    return replace(best, bound=race.bound, is_proven=is_proven, curve=(first, *race.curve))
+    least = least_cost(problem) if have_weights(problem.links) else 0.0
+    is_proven = judge(problem, best).bounded <= race.bound or best.worth <= least
+    return replace(
+        best, bound=race.bound, least_cost=least, is_proven=is_proven, curve=(first, *race.curve)
+    )
 
 
 def measuring(problem: CoalitionProblem) -> Callable[[CoalitionPlan], Solution]:

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import strategies as st
 
+from charging_missions import charged_mission
 from clock_missions import RandomPlans, draw_mission
 from clock_promises import check_promises
 from missions import continuous_missions
@@ -24,6 +25,7 @@ RUN = "run FILE --seed {seed}"
 SEEDS = st.integers(0, 10**6)
 """Of what happens, and of plans at random."""
 
+CHARGED = SEEDS.map(lambda seed: mission_to_tree(charged_mission(seed)))
 DRAWN = SEEDS.map(lambda seed: mission_to_tree(draw_mission(seed)))
 
 
@@ -40,6 +42,16 @@ def test_a_run_takes_as_long_as_its_plan(mission: Any) -> None:
         assert record.end.makespan == pytest.approx(made.makespan, rel=NEAR, abs=NEAR)
         assert record.end.broken_links == ()
     check_promises(source, record.true_mission, record.events)
+
+
+@fuzzed(10, "run FILE", mission=CHARGED)
+def test_robots_that_charge_take_as_long_as_their_plan(mission: Any) -> None:
+    source = mission_from_tree(mission)
+    made = plan_continuous(pose_mission(source), "plan", 0)
+    record = run_trial(source, SharedPlan()).record
+    assert made is not None
+    assert record.end.makespan == pytest.approx(made.makespan, rel=NEAR, abs=NEAR)
+    assert judge(record).findings == ()
 
 
 @fuzzed(40, RUN, mission=DRAWN, seed=SEEDS)

@@ -12,9 +12,9 @@ from teamformer.world.rules.constants import NOBODY
 PHASES = (
     *("walking", "waiting", "forming", "serving"),
     *("loading", "carrying", "unloading"),
-    *("idle", "lost"),
+    *("idle", "lost", "charging"),
 )
-WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST = PHASES
+WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, CHARGING = PHASES
 """A load is not served: it is loaded where it lies, carried, and unloaded where it goes."""
 
 AT_WORK = (SERVING, LOADING, CARRYING, UNLOADING)

@@ -14,11 +14,11 @@ from teamformer.mission.keys.mission_keys import HOME
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
+from teamformer.planning.continuous.tables import distances
 from teamformer.planning.problem.batteries import ENDLESS, Batteries
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem, different_rows
-from teamformer.world.continuous.ways import Ways
-from teamformer.world.rules.charged_times import ChargedTimes, Standing, time_charged
-from teamformer.world.rules.charging import ChargeRules
+from teamformer.world.rules.charging.stops import ChargeRules
+from teamformer.world.rules.charging.times import ChargedTimes, ChargeStart, time_charged
 from teamformer.world.rules.starts import StartRules
 
 
@@ -26,7 +26,7 @@ class ChargedClock(NamedTuple):
     """What it takes to time a plan whose robots charge, by the mission's own rules and ways."""
 
     charging: ChargeRules
-    standing: Standing
+    standing: ChargeStart
 
     def time(
         self, rules: StartRules, order: Sequence[int], robots_of: Mapping[int, Sequence[int]]
@@ -43,20 +43,28 @@ def charged_clock(
     robots = [mission.robots[robot] for robot in numbers]
     if not has_batteries(robots):
         return None
-    ways = Ways(mission.world)
+    tasks = [mission.tasks[task] for task in chosen]
+    chargers = [charger.at for charger in mission.chargers]
+    homes = [_home_of(mission, robot) for robot in numbers]
+    starts = [known.places[robot] for robot in numbers]
+    ends = [home for home in homes if home is not None]
+    places = list(dict.fromkeys([*(task.at for task in tasks), *starts, *chargers, *ends]))
+    number_of: dict[Hashable, int] = {place: number for number, place in enumerate(places)}
+    movers = {robot.moves for robot in robots}
+    lengths = {moves: distances(mission.world, moves, places, places) for moves in movers}
 
     def way(robot: int, here: Hashable, there: Hashable) -> float:
-        assert isinstance(here, tuple), "places are pairs"
-        assert isinstance(there, tuple), "places are pairs"
-        return ways.length(here, there, robots[robot].moves) / robots[robot].speed
+        if here == there:
+            return 0.0
+        far = lengths[robots[robot].moves][number_of[here], number_of[there]]
+        return float(far) / robots[robot].speed
 
-    tasks = [mission.tasks[task] for task in chosen]
-    standing = Standing(
-        places=[known.places[robot] for robot in numbers],
+    standing = ChargeStart(
+        places=starts,
         left=[known.left[robot] for robot in numbers],
         taken=known.charging,
         task_places={number: task.at for number, task in enumerate(tasks)},
-        homes=[_home_of(mission, robot) for robot in numbers],
+        homes=homes,
         spent=[
             [0.0 if robot.battery is None else robot.battery.spent_on(task) for task in tasks]
             for robot in robots
@@ -64,7 +72,7 @@ def charged_clock(
     )
     charging = ChargeRules(
         [robot.battery for robot in robots],
-        [charger.at for charger in mission.chargers],
+        chargers,
         [charger.room for charger in mission.chargers],
         way,
     )

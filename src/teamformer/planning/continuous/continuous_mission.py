@@ -129,13 +129,14 @@ class ContinuousMission:
         order = found.order.tolist()
         routes = self.time(found).routes
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
+        is_done = all(math.isfinite(ends.get(task, math.inf)) for task in order)  # nobody runs dry
         return Plan(
             order=tuple(self.tasks[task] for task in order),
             coalitions=tuple(
                 tuple(self.robots[r] for r in sorted(found.coalition[task, : found.size[task]]))
                 for task in order
             ),
-            ends=tuple(ends[task] for task in order),
+            ends=tuple(ends[task] for task in order) if is_done else (),
             made_from=made_from,
         )
 

@@ -88,6 +88,16 @@ def in_ticks(value: float) -> int:
 
 
 @kernel
+def there_charged(problem: ArcProblem, graph: Graph, first_seat: int, taken: int) -> int:
+    """Return when the last of those is there who come to some seats of a task."""
+    there, task = 0, graph.seats[first_seat].node
+    for seat in range(first_seat, first_seat + taken):
+        kind, tail = graph.seats[seat].kind, graph.seats[seat].prev
+        there = max(there, reach(problem, graph, kind, tail, task)[0])
+    return there
+
+
+@kernel
 def comes_to(problem: ArcProblem, graph: Graph, kind: int, tail: int, task: int) -> int:
     """Return when a robot of a kind that leaves a seat is at a task, in continuous time."""
     if is_charged(problem):

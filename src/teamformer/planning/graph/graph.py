@@ -29,7 +29,7 @@ from teamformer.planning.graph.arc_problem import (
     most_seats,
     takes_with,
 )
-from teamformer.planning.graph.charging import charged_home, is_charged, left_after, reach
+from teamformer.planning.graph.charging import charged_home, is_charged, left_after, there_charged
 from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
@@ -149,16 +149,15 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
     if is_in_steps(graph):
         return start_in_steps(problem, graph, task, first_seat)
     node = graph.nodes[task]
-    there, comes_apart, has_batteries = 0, False, is_charged(problem)
+    there, comes_apart = 0, False
     first_site = problem.site[graph.seats[graph.seats[first_seat].prev].node]
     for seat in range(first_seat, first_seat + node.taken):
         place = graph.seats[graph.seats[seat].prev].node
-        kind = graph.seats[seat].kind
-        comes = graph.nodes[place].end + problem.ways_to[problem.kinds[kind].pace, task, place]
-        if has_batteries:
-            comes = reach(problem, graph, kind, graph.seats[seat].prev, task)[0]
-        there = max(there, comes)
+        pace = problem.kinds[graph.seats[seat].kind].pace
+        there = max(there, graph.nodes[place].end + problem.ways_to[pace, task, place])
         comes_apart |= problem.site[place] != first_site
+    if is_charged(problem):
+        there = there_charged(problem, graph, first_seat, node.taken)
     start = max(node.release, there + problem.forming[0] * comes_apart)
     if node.has_links:
         for other in problem.before[task]:

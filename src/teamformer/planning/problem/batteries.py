@@ -10,8 +10,8 @@ import numpy as np
 from teamformer.base.array_types import Floats, Ints
 from teamformer.mission.parts.charging import Battery
 from teamformer.planning.problem.constants import SPREAD
-from teamformer.world.rules.charged_times import ChargedTimes, Standing, time_charged
-from teamformer.world.rules.charging import ChargeRules
+from teamformer.world.rules.charging.stops import ChargeRules
+from teamformer.world.rules.charging.times import ChargedTimes, ChargeStart, time_charged
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.rules.starts import FIRST, StartRules
 
@@ -110,7 +110,7 @@ def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTime
         way, site, takes, free, dict(enumerate(problem.release.tolist())), before,
         forming=int(problem.forming[0]),
     )  # fmt: skip
-    standing = Standing(
+    standing = ChargeStart(
         places=problem.origin.tolist(),
         left=batteries.left.tolist(),
         taken=[(charger, until) for charger, until in batteries.taken.tolist()],

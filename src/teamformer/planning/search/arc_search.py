@@ -168,13 +168,14 @@ class ArcSearch:
         else:
             self.anneal(max(cold, hot // LESS_HOT), cold, 0, rounds, rounds)
 
-    def anneal_in_parts(self, searches: int, parts: int) -> Iterator[None]:
+    def anneal_in_parts(self, searches: int, parts: int, is_again: bool) -> Iterator[None]:
         """Make one of so many parts of the rounds of the shared plan, and stop after each of these.
 
-        It begins with a quench, after which hardly anybody runs dry.
+        It begins with a quench, after which hardly anybody runs dry; `is_again` is less hot.
         """
         self.quench(QUENCHED_IF_CHARGED)
-        rounds, heats = sum(self._shared_rounds) // searches, self.heats
+        rounds, (hot, cold) = sum(self._shared_rounds) // searches, self.heats
+        heats = (max(cold, hot / LESS_HOT) if is_again else hot, cold)
         for part in range(parts):
             self.anneal(*heats, rounds * part // parts, rounds * (part + 1) // parts, rounds)
             yield

@@ -12,7 +12,7 @@ from teamformer.mission.parts.grid import Place
 from teamformer.world.continuous.body import FORMING, RealRobot
 from teamformer.world.continuous.moving import FULL
 from teamformer.world.continuous.working import WorkingWorld
-from teamformer.world.rules.charging import ChargeRules
+from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.constants import NOBODY
 
 DRY = 2 * ROUNDING
@@ -50,8 +50,8 @@ class ChargingWorld(WorkingWorld):
 
     @property
     def next_time(self) -> float:
-        """Return when something is due next, or somebody runs dry; infinite if nothing ever is."""
-        due = super().next_time
+        """Return when something happens next, or somebody runs dry; infinite if neither ever is."""
+        due = self.next_due
         for _, body, battery in self._batteries():
             if (rate := self._rate(body, battery)) > 0:
                 lasts = (body.left + DRY * battery.lasts) / rate
@@ -183,7 +183,7 @@ class ChargingWorld(WorkingWorld):
         place, number = self.mission.chargers[charger].at, len(self.events) - 1
         while number >= 0 and self.events[number].at == self.now:
             event = self.events[number]
-            if event.kind in ("charged", "lost") and event.place == place:
+            if event.kind in ("charged", "lost", "empty") and event.place == place:
                 yield number
             number -= 1
 

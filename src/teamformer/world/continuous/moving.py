@@ -63,7 +63,12 @@ class MovingWorld(ABC):
 
     @property
     def next_time(self) -> float:
-        """Return when something is due next; infinite if nothing ever is."""
+        """Return when something happens next; infinite if nothing ever does."""
+        return self.next_due
+
+    @property
+    def next_due(self) -> float:
+        """Return when something on the agenda is due next; infinite if nothing ever is."""
         while self.agenda and not self.is_due(self.agenda[0]):
             heapq.heappop(self.agenda)
         return self.agenda[0][0] if self.agenda else math.inf

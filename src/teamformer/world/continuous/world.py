@@ -70,7 +70,7 @@ class PhysicalWorld(ChargingWorld):
         """Go to the next moment and let all happen that is due then."""
         self.be_at(self.next_time)
         self._reached = self.now
-        while self.next_time <= self.now:
+        while self.next_due <= self.now:
             _, what, which, stamp = heapq.heappop(self.agenda)
             self._let_happen(what, which, stamp)
         self.run_dry()

@@ -12,7 +12,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from teamformer.world.rules.charging import ChargeRules
+from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.rules.starts import FIRST, StartRules, Timed, Visit
 
@@ -23,7 +23,7 @@ HOMEWARD = -2
 """What stands for the task of a robot that goes home."""
 
 
-class Standing(NamedTuple):
+class ChargeStart(NamedTuple):
     """How all stands when a plan begins: where robots are, what they have left, who charges."""
 
     places: Sequence[Hashable]  # by robot, once it is free
@@ -47,7 +47,7 @@ class ChargedTimes:
 def time_charged(
     rules: StartRules,
     charging: ChargeRules,
-    standing: Standing,
+    standing: ChargeStart,
     order: Sequence[int],
     robots_of: Mapping[int, Sequence[int]],
 ) -> ChargedTimes:
@@ -62,7 +62,7 @@ class _Play:
         self,
         rules: StartRules,
         charging: ChargeRules,
-        standing: Standing,
+        standing: ChargeStart,
         order: Sequence[int],
         robots_of: Mapping[int, Sequence[int]],
     ) -> None:

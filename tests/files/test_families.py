@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from teamformer.base.errors import TeamformerError
-from teamformer.files.drawn.continuous_missions import CONTINUOUS_FAMILIES, ROBOTS, TASKS
+from teamformer.files.drawn.continuous_missions import (
+    CONTINUOUS_FAMILIES,
+    EVERY,
+    ROBOTS,
+    ROTAS,
+    TASKS,
+)
 from teamformer.files.drawn.families import FAMILIES
 from teamformer.files.drawn.family_missions import INCIDENT_STEPS, about_half_of
 from teamformer.files.drawn.named_settings import size_of, world_of
@@ -215,6 +221,13 @@ def test_whoever_moves_gets_everywhere_on_roads_and_some_lanes_lead_one_way() ->
         assert not (np.isfinite(carts) & ~leads).any()
         movers |= {robot.moves for robot in mission.robots}
     assert movers == {"ground", "cart"}
+
+
+def test_in_shifts_robots_have_four_rotas() -> None:
+    robots = [robot for mission in worlds("shifts") for robot in mission.robots]
+    share = {rota: sum(it.shifts == rota for it in robots) / len(robots) for rota in ROTAS}
+    assert all(0.15 < part < 0.35 for part in share.values())
+    assert {robot.every for robot in robots if robot.shifts} == {EVERY}
 
 
 def test_by_the_clock_every_key_is_drawn() -> None:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from small_worlds import make, robot, task
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.bodies.body import Report
+from teamformer.fleet.bodies.journey import Journey
+from teamformer.fleet.bodies.world import Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import OPERATOR, Message, Notice, Post
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.mission.parts.grid import Place
+from teamformer.world.continuous.events import Passed
 
 PLANNER = CoordinatedPlanner()
 
@@ -52,6 +58,12 @@ def opened(mission: FleetMission, sender: int, notices: list[Notice]) -> list[Me
     messages = [post.open(post.seal(sender, notice)) for notice in notices]
     assert all(messages), post.dropped
     return [message for message in messages if message is not None]
+
+
+def walked(at: float, robot: int, points: Sequence[Place], begin: float, time: float) -> Walked:
+    """Return that a robot set out through points, each so many seconds after the one before."""
+    way = (Passed(begin + number * time, place) for number, place in enumerate(points))
+    return Walked(at, robot, Journey(tuple(way)))
 
 
 class Watched(Rehearsal):

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from fleets import agents_of, opened, plan_of, standing
+from fleets import agents_of, opened, plan_of, standing, walked
 from small_worlds import make, robot, task
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import (
@@ -20,11 +20,11 @@ from teamformer.fleet.messages import (
     Notice,
     Receipt,
 )
-from teamformer.fleet.rehearsal.checker import Checker
+from teamformer.fleet.rehearsal.checking.checker import Checker
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Withdrawal
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
 from teamformer.fleet.rehearsal.trace import (
     OFF,
@@ -93,7 +93,7 @@ def test_who_waits_for_a_task_that_a_lost_robot_did_goes_to_see_it() -> None:
     cut = Cut(frozenset({1}), frozenset({0}), 0.0, 400.0)
     _, outcome, trace = rehearse(in_order(), Faults(cuts=(cut,), crashes=(Crash(1, 9.0),)))
     assert (outcome.status, outcome.tasks_done) == ("ended", 2)
-    ways = [e.points[-1] for e in trace.events if isinstance(e, Walked) and e.robot == 0]
+    ways = [e.journey.goal for e in trace.events if isinstance(e, Walked) and e.robot == 0]
     assert (14, 0) in ways
 
 
@@ -131,9 +131,17 @@ def test_who_flies_goes_over_walls_and_meets_who_walks() -> None:
     rehearsal, outcome, trace = rehearse(flown())
     assert outcome.status == "ended"
     assert judge_record(record_of(rehearsal, outcome, trace.events, 0)).findings == ()
-    flights = [e.points for e in trace.events if isinstance(e, Walked) and e.robot == 0]
+    flights = [
+        [p.place for p in e.journey.way]
+        for e in trace.events
+        if isinstance(e, Walked) and e.robot == 0
+    ]
     assert any((3, 1) in points for points in flights)
-    assert all(e.robot == 0 or (3, 1) not in e.points for e in trace.events if type(e) is Walked)
+    assert all(
+        e.robot == 0 or (3, 1) not in [p.place for p in e.journey.way]
+        for e in trace.events
+        if type(e) is Walked
+    )
     assert rehearsal.world.done[1].robots == (0, 1)
     keep(flown())
 
@@ -245,7 +253,7 @@ def test_the_checker_finds_who_serves_what_it_knows_is_off_and_who_walks_through
     known: list[Event] = [Noticed(3.0, 0, 0, OFF)]
     assert found(stand, served(3.0)) == ""
     assert "serves 't0' and knows that it is called off" in found(stand, known + served(5.0))
-    way = Walked(0.0, 1, ((0, 0), (3, 0)), 0.0, 1.0)
+    way = walked(0.0, 1, ((0, 0), (3, 0)), 0.0, 1.0)
     assert "walks through [(3, 0)]" in found(flown(), [way])
     assert found(flown(), [way._replace(robot=0)]) == ""
 

@@ -1,7 +1,8 @@
-"""Families of missions in continuous time: `roads`, on the lanes of sites, and `clock`.
+"""Families of missions in continuous time: `roads`, on the lanes of sites, `clock` and `shifts`.
 
 Those of `clock` are on a plane and have each key that plans in continuous time know: order,
-windows, linked starts, loads, forming, ways home, tasks that appear, a cost.
+windows, linked starts, loads, forming, ways home, tasks that appear, a cost. Those of `shifts` have
+robots that work in shifts with breaks.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from teamformer.mission.parts.capabilities import total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND
+from teamformer.mission.parts.shifts import Shift
 
 CAPABILITIES = ("carry", "clean", "scan", "steer")
 ROBOTS, TASKS = (6, 12), (15, 40)
@@ -39,6 +41,18 @@ BEHIND, DUE, LINKED, LOADED, LATE = 0.25, 0.3, 0.15, 0.2, 0.15
 
 OPENS, LASTS = (0.0, 90.0), (30.0, 300.0)
 """Seconds at which windows open, and for which they do besides the task itself."""
+
+
+ROTAS: tuple[tuple[Shift, ...], ...] = (
+    ((0, 100), (120, 220)),
+    ((80, 160), (180, 280)),
+    ((0, 280),),
+    (),
+)
+"""The shifts of a robot: early, late, without a break, always."""
+
+EVERY = 300.0
+"""After how many seconds shifts come again."""
 
 
 @dataclass(frozen=True)
@@ -93,9 +107,30 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
     return _first_sound(draw)
 
 
+def draw_in_shifts(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission of robots that work in shifts; most tasks fit into what two share."""
+
+    def draw() -> Mission:
+        starts = [_spot(rng) for _ in range(2)]
+        robots = [_in_a_shift(rng, robot) for robot in _draw_robots(rng, starts)]
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        tasks = _with_windows(rng, _in_order(rng, tasks))
+        ends = "home" if rng.random() < 0.5 else None
+        mission = _mission(name, Plane(WIDTH, HEIGHT), robots, tasks)
+        return replace(mission, forming=float(rng.integers(0, 5)), ends=ends)
+
+    return _first_sound(draw)
+
+
+def _in_a_shift(rng: np.random.Generator, robot: Robot) -> Robot:
+    shifts = ROTAS[int(rng.integers(len(ROTAS)))]
+    return replace(robot, shifts=shifts, every=EVERY if shifts else 0.0)
+
+
 CONTINUOUS_FAMILIES = {
     "roads": ContinuousFamily(draw_on_roads),
     "clock": ContinuousFamily(draw_by_the_clock),
+    "shifts": ContinuousFamily(draw_in_shifts),
 }
 
 

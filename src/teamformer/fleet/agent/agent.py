@@ -364,7 +364,8 @@ class Agent:
         if self.membership.is_stuck and (goal == NOBODY or self._has_load(goal)):
             place = self._wanted  # it goes on trying
         elif goal == NOBODY:
-            place = self.mission.base_of(self.me) if self._misses_somebody(now) else None
+            is_to_meet = self._misses_somebody(now) and not (self.is_over and self.mission.ends)
+            place = self.mission.place_to_wait(self.me, self._place, is_to_meet)
         elif now >= service.formed:
             is_here = command.task == goal and command.place is None and self._is_at(goal)
             place = None if is_here else self.knowledge.place_of(goal)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -72,7 +71,8 @@ def make_plan(
     come after may have been done by robots that are lost: somebody looks, after all else.
     """
     robots = tuple(sorted(situation.places))
-    able = [task for task in situation.tasks if mission.can_do(robots, task)]
+    places = situation.places
+    able = [task for task in situation.tasks if mission.can_do(robots, task, places)]
     able = _without_waiting(mission, able, situation.over)
     left_out = tuple(task.key for task in situation.tasks if task not in able)
     stops: Sequence[tuple[int, tuple[int, ...]]] = ()
@@ -91,9 +91,9 @@ def _looks(
     known = {task.key for task in situation.tasks}
     awaited = frozenset[int]().union(*(mission.before.get(key, ()) for key in known))
     for task in situation.tasks:
-        if task.key in awaited and not mission.can_do(places, task):
-            able = [robot for robot in sorted(places) if mission.reach(robot, task)]
-            away = {robot: math.dist(places[robot], (task.x, task.y)) for robot in able}
+        if task.key in awaited and not mission.can_do(places, task, places):
+            able = [robot for robot in sorted(places) if mission.reach(robot, task, places[robot])]
+            away = {robot: mission.apart(places[robot], (task.x, task.y)) for robot in able}
             if able:
                 yield task.key, (min(able, key=away.__getitem__),)
 
@@ -212,7 +212,8 @@ class PlanKeeper:
         mission, known = self._knowledge.mission, self._knowledge
         before = mission.before.get(key)
         is_free = before is not None and before <= known.over
-        return is_free and mission.can_do(live, known.tasks[key])
+        places = {robot: (known.words[robot].x, known.words[robot].y) for robot in live}
+        return is_free and mission.can_do(live, known.tasks[key], places)
 
     def _needs_more(self, key: int) -> bool:
         """Say whether a task has turned out to need more than its coalition brings."""

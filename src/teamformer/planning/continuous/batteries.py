@@ -116,17 +116,18 @@ def by_ability(
     return np.hstack(more_counts).astype(np.int32), np.hstack(more_needs).astype(np.int32)
 
 
-def kinds_apart(known: Known, numbers: Sequence[int]) -> Ints | None:
-    """Return numbers that tell robots with different batteries apart; None if nobody has one."""
+def kinds_apart(known: Known, numbers: Sequence[int], apart: Sequence[int]) -> Sequence[int]:
+    """Return numbers that tell robots apart that are, and those with different batteries."""
     batteries = [known.mission.robots[robot].battery for robot in numbers]
     if not any(batteries):
-        return None
+        return apart
     homes = [_home_of(known.mission, robot) or (-1.0, -1.0) for robot in numbers]
     rows = [
-        (*home, *((-1.0,) * 4 if b is None else (b.lasts, b.fills, b.serving, b.waiting)))
-        for home, b in zip(homes, batteries, strict=True)
+        (own, *home, *((-1.0,) * 4 if b is None else (b.lasts, b.fills, b.serving, b.waiting)))
+        for own, home, b in zip(apart, homes, batteries, strict=True)
     ]
-    return different_rows(np.array(rows))[1].astype(np.int64)
+    number: list[int] = different_rows(np.array(rows))[1].tolist()
+    return number
 
 
 def batteries_of(

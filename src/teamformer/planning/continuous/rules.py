@@ -33,10 +33,7 @@ PLANNERS: dict[str, Planner] = {
 """`central` uses all the time, and may begin with a plan; `plan` is what every robot computes;
 `reactive` and `soonest` search nothing."""
 
-KNOW_COSTS = ("central", "plan")
-"""Those that know starts that are linked and costs."""
-
-__all__ = ["KNOW_COSTS", "PLANNERS", "plan_continuous", "warm_up"]
+__all__ = ["PLANNERS", "plan_continuous", "warm_up"]
 
 
 def plan_continuous(
@@ -48,7 +45,7 @@ def plan_continuous(
     What it returns is never worse: if nothing better is found, it is that plan as it is.
     """
     first = None if start is None else mission.as_arrays(start)
-    solution = _solve(mission, method, seconds, first)
+    solution = PLANNERS[method](mission.problem, seconds, first)
     made = None if solution is None else mission.tell(solution)
     if start is not None:
         given = mission.time(mission.as_arrays(start, with_spares=True))
@@ -61,20 +58,6 @@ def plan_continuous(
             "different robots do them, so add robots or drop a link",
         )
     return made
-
-
-def _solve(
-    mission: ContinuousMission, method: str, seconds: float, start: CoalitionPlan | None
-) -> Solution | None:
-    """Return what a method finds; refuse one that does not know what the mission is judged by."""
-    source = mission.source
-    has_own = source.cost is not None or any(task.starts for task in source.tasks)
-    if has_own and method not in KNOW_COSTS:
-        raise TeamformerError(
-            f"--method {method} knows neither linked starts nor costs",
-            f"use {', '.join(KNOW_COSTS)}",
-        )
-    return PLANNERS[method](mission.problem, seconds, start)
 
 
 def _better_one(

@@ -11,6 +11,7 @@ from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.model import Task
+from teamformer.mission.parts.shifts import Rota
 from teamformer.planning.continuous.batteries import ChargedClock
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
@@ -36,12 +37,14 @@ class TaskClock:
     before: Mapping[int, Sequence[int]]
     gaps: Sequence[Gap]
     forming: float
+    rotas: Sequence[Rota]  # (robots,) when each works; empty where all always do
     cost: Mapping[str, float] | None
     charging: ChargedClock | None = None  # if robots have batteries
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times; one in which robots wait for one another has no end."""
-        order = plan.order.tolist()
+        order = [task for task in plan.order.tolist() if plan.size[task] > 0]
+        done = set(order)
         robots_of = {task: plan.coalition[task, : plan.size[task]].tolist() for task in order}
         rules = StartRules(
             way=self._way,
@@ -49,15 +52,15 @@ class TaskClock:
             takes=self._time_taken,
             free=self.free,
             release=dict(enumerate(self.release)),
-            before=self.before,
-            gaps=self.gaps,
+            before={task: [k for k in others if k in done] for task, others in self.before.items()},
+            gaps=[gap for gap in self.gaps if gap.task in done and gap.other in done],
             forming=self.forming,
+            rotas=self.rotas,
         )
         if self.charging is not None:
             charged = self.charging.time(rules, order, robots_of)
-            return self._tell(order, charged.timed, charged.back)
-        timed = time_tasks(rules, order, robots_of)
-        return self._tell(order, timed, None)
+            return self._tell(order, charged.timed, rules, charged.back)
+        return self._tell(order, time_tasks(rules, order, robots_of), rules)
 
     def _place(self, robot: int, before: int) -> int:
         return int(self.origin[robot]) if before == FIRST else before
@@ -72,7 +75,11 @@ class TaskClock:
         return wanted.duration + carried + wanted.unload
 
     def _tell(
-        self, order: Sequence[int], timed: Timed, back: Sequence[float] | None
+        self,
+        order: Sequence[int],
+        timed: Timed,
+        rules: StartRules,
+        back: Sequence[float] | None = None,
     ) -> MissionPlan:
         """Return the plan that starts tasks at these times; `back` if robots are not home at once.
 
@@ -93,7 +100,10 @@ class TaskClock:
         last = [(made[-1].task, made[-1].end) if made else (at, free) for made, at, free in rows]
         home = self.home[np.arange(len(last)), [place for place, _ in last]]
         if back is None:
-            back = [left + float(way) for (_, left), way in zip(last, home, strict=True)]
+            back = [
+                rules.arrival(robot, left, float(way))
+                for robot, ((_, left), way) in enumerate(zip(last, home, strict=True))
+            ]
         parts = {
             "makespan": max(back),
             "travel": travel + float(home.sum()),
@@ -107,5 +117,6 @@ class TaskClock:
                 Route(robot, tuple(stops[robot]), back[robot]) for robot in range(len(back))
             ),
             late=dict(sorted(late.items())),
+            missed=tuple(task for task in range(len(self.tasks)) if task not in ends),
             cost=None if self.cost is None else cost_of(self.cost, parts),
         )

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from teamformer.base.array_types import Int32s
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.problem.coalition_problem import NOBODY
+from teamformer.planning.problem.rotas import walked
 from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
@@ -46,7 +47,8 @@ def arrival(
 ) -> int:
     """Return when a robot can be at a task that is done at a position of the order."""
     place = schedule.last[position, robot]
-    return schedule.end[place] + problem.ways[problem.pace[robot], place, task]
+    way = problem.ways[problem.pace[robot], place, task]
+    return walked(problem.rotas, problem.kind[robot], schedule.end[place], way)
 
 
 @kernel

@@ -15,8 +15,15 @@ from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.dispatch.coalition_choice import arrival
 from teamformer.planning.dispatch.first_plan import is_ready
+from teamformer.planning.dispatch.groups import (
+    are_linked,
+    begun_group,
+    is_taken,
+    may_begin,
+    opens,
+    time_next,
+)
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import released, time_one
 from teamformer.world.rules.chance import draw
 
 if TYPE_CHECKING:
@@ -118,8 +125,14 @@ def put_back(calls: Calls, leg: int) -> None:
 def soonest(problem: CoalitionProblem, schedule: Schedule, calls: Calls, position: int) -> int:
     """Return the task that comes next at a position of the order; NOBODY if none can be done."""
     best, least = NOBODY, NEVER
+    linked = are_linked(problem)
+    group = begun_group(problem, schedule) if linked else NOBODY
     for task in range(len(schedule.rank)):
         if not is_ready(problem, schedule, task):
+            continue
+        if linked and group != NOBODY and problem.links.group[task] != group:
+            continue
+        if linked and group == NOBODY and not may_begin(problem, schedule, task):
             continue
         if calls.is_stale[task]:
             call(problem, schedule, calls, task, position)
@@ -137,7 +150,7 @@ def call(
     Who carries a load more slowly counts as coming so much later, and so does who is held back.
     """
     calls.is_stale[task], calls.size[task], calls.begin[task] = False, 0, NEVER
-    begin = released(problem, schedule.end, task)
+    begin = opens(problem, schedule, task)
     for cap in range(problem.needs.shape[1]):
         calls.short[cap] = problem.needs[task, cap]
     while True:
@@ -151,7 +164,9 @@ def call(
                 comes = arrival(problem, schedule, robot, task, position)
                 comes += problem.slower[problem.pace[robot], task] + calls.reserve[robot]
                 is_first = comes < earliest or (comes == earliest and robot < best)
-                if is_first and not _is_called(calls, task, robot):
+                if not is_first or _is_called(calls, task, robot):
+                    continue
+                if not is_taken(problem, schedule, task, robot):
                     best, earliest = robot, comes
         if best == NOBODY:
             break
@@ -201,10 +216,12 @@ def have_done(
     plan.order[position], plan.size[task] = task, calls.size[task]
     for seat in range(calls.size[task]):
         plan.coalition[task, seat] = calls.team[task, seat]
-    time_one(problem, schedule, position)
+    time_next(problem, schedule, position)
     for other in range(tasks):
         if schedule.rank[other] < tasks or calls.is_stale[other]:
             continue
+        if are_linked(problem):  # other robots do it, and it may be held
+            calls.is_stale[other] |= problem.links.group[other] == problem.links.group[task]
         for seat in range(calls.size[task]):
             calls.is_stale[other] |= _is_called(calls, other, calls.team[task, seat])
         for before in problem.before[other]:
@@ -222,7 +239,7 @@ def have_done_as_in(
     plan.order[position], plan.size[task] = task, best.size[task]
     for seat in range(best.size[task]):
         plan.coalition[task, seat] = best.coalition[task, seat]
-    time_one(problem, schedule, position)
+    time_next(problem, schedule, position)
 
 
 @kernel

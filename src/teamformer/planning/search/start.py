@@ -17,6 +17,7 @@ from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_wit
 from teamformer.planning.graph.graph import Graph
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.problem.rotas import fits_all, walked
 
 PRICES = (0, 100, 200, 350, 500, 800)
 """What a tick that a robot waits costs if its type has most to do, in thousandths of a tick."""
@@ -164,7 +165,8 @@ def dispatch(
     makespan = 0
     for robot in range(robots):
         home = problem.home[problem.kind[robot], room.place[robot]]
-        makespan = max(makespan, room.free[robot] + home)
+        back = walked(problem.rotas, problem.kind[robot], room.free[robot], home)
+        makespan = max(makespan, back)
     return makespan
 
 
@@ -189,7 +191,7 @@ def _look(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, which: i
         if robot == NOBODY:
             break
         pace = problem.kinds[problem.kind[robot]].pace
-        comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
+        comes = _comes(problem, room, robot, task)
         slower = takes_with(problem, pace, task) - graph.nodes[task].duration
         if found == keeps and _score(first[found - 1]) <= comes + slower:
             continue
@@ -201,6 +203,14 @@ def _look(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, which: i
             first[index].slower = first[index - 1].slower
             index -= 1
         first[index].comes, first[index].slower, first[index].robot = comes, slower, robot
+
+
+@kernel
+def _comes(problem: ArcProblem, room: Dispatch, robot: int, task: int) -> int:
+    """Return when a robot would come to a task."""
+    kind = problem.kind[robot]
+    way = problem.ways_to[problem.kinds[kind].pace, task, room.place[robot]]
+    return walked(problem.rotas, kind, room.free[robot], way)
 
 
 @kernel
@@ -276,8 +286,10 @@ def _do(
             there = max(there, first[which, index].comes)
             slower = max(slower, first[which, index].slower)
             size += 1
+    takes = graph.nodes[task].duration + slower
     start = max(start, there + problem.forming[0] * comes_apart)
-    end = start + graph.nodes[task].duration + slower
+    start = fits_all(problem.rotas, problem.kind, plan.coalition[task], size, start, takes)
+    end = start + takes
     for seat in range(size):
         robot = plan.coalition[task, seat]
         room.place[robot], room.free[robot] = task, end
@@ -319,7 +331,7 @@ def _is_first(problem: ArcProblem, graph: Graph, room: Dispatch, task: int, robo
         if first[index].robot == robot:
             return True
     pace = problem.kinds[problem.kind[robot]].pace
-    comes = room.free[robot] + problem.ways_to[pace, task, room.place[robot]]
+    comes = _comes(problem, room, robot, task)
     slower = takes_with(problem, pace, task) - graph.nodes[task].duration
     return keeps > 0 and comes + slower < _score(first[keeps - 1])
 

@@ -116,7 +116,7 @@ def _is_near(one: float, other: float, now: float) -> bool:
     return abs(one - other) <= SAME * max(1.0, now)
 
 
-def followers_of(mission: Mission) -> dict[int, set[int]]:
+def followers(mission: Mission) -> dict[int, set[int]]:
     """Return the tasks that have to be looked at when something of a task changes."""
     after: dict[int, set[int]] = {}
     for task, others in tasks_before(mission.tasks).items():

@@ -37,6 +37,7 @@ export const ACTIVITIES = {
   "leads home": "on the way to where they stop",
   charges: "charging",
   idle: "without assignment",
+  off: "off its shift",
 };
 
 function overview(/** @type {App} */ app) {

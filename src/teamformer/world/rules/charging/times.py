@@ -52,10 +52,10 @@ def time_charged(
     robots_of: Mapping[int, Sequence[int]],
 ) -> ChargedTimes:
     """Return when tasks start that are done in an order, each by its robots, if these charge."""
-    return _Play(rules, charging, standing, order, robots_of).play()
+    return _CarriedOut(rules, charging, standing, order, robots_of).play()
 
 
-class _Play:
+class _CarriedOut:
     """A plan that is carried out."""
 
     def __init__(

@@ -1,8 +1,8 @@
-"""Families of missions in continuous time: `roads`, on the lanes of sites, `clock` and `shifts`.
+"""Families of missions in continuous time: `roads`, on lanes, `clock`, `shifts` and `charging`.
 
 Those of `clock` are on a plane and have each key that plans in continuous time know: order,
 windows, linked starts, loads, forming, ways home, tasks that appear, a cost. Those of `shifts` have
-robots that work in shifts with breaks.
+robots that work in shifts with breaks, those of `charging` robots with batteries, and chargers.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from teamformer.files.drawn.site_graphs import CART, draw_hospital, draw_warehou
 from teamformer.mission.checks.windows import find_hopeless_windows
 from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import total
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND
@@ -53,6 +54,17 @@ ROTAS: tuple[tuple[Shift, ...], ...] = (
 
 EVERY = 300.0
 """After how many seconds shifts come again."""
+
+
+LASTS_FOR, FILLS_IN, SERVING_SPENDS = (100.0, 200.0), (0.1, 0.3), (0.2, 0.5)
+"""Metres that a battery lasts at speed 1, the share of that in which it fills, and what a second at
+a task takes."""
+
+WAITING_SPENDS, WITH_BATTERY = (0.0, 0.0, 0.05), 0.8
+"""What a second of waiting takes, and the share of robots that have a battery."""
+
+CHARGERS, CHARGER_ROOM = (3, 6), (1, 1, 2)
+"""How many there are, ends included, and the room of one."""
 
 
 @dataclass(frozen=True)
@@ -127,10 +139,53 @@ def _in_a_shift(rng: np.random.Generator, robot: Robot) -> Robot:
     return replace(robot, shifts=shifts, every=EVERY if shifts else 0.0)
 
 
+def draw_charging(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission of robots with batteries, and chargers; some tasks come after others."""
+
+    def draw() -> Mission:
+        starts = [_spot(rng) for _ in range(2)]
+        robots = [_with_battery(rng, robot) for robot in _draw_robots(rng, starts)]
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        tasks = _in_order(rng, tasks)
+        late = [replace(task, appears=int(rng.integers(1, 90))) for task in tasks]
+        tasks = [late[n] if rng.random() < LATE else task for n, task in enumerate(tasks)]
+        number = int(rng.integers(CHARGERS[0], CHARGERS[1] + 1))
+        chargers = tuple(Charger(_spot(rng), int(rng.choice(CHARGER_ROOM))) for _ in range(number))
+        forming, ends = float(rng.integers(0, 5)), "home" if rng.random() < 0.5 else None
+        return Mission(
+            name,
+            Plane(WIDTH, HEIGHT),
+            CAPABILITIES,
+            tuple(robots),
+            tuple(tasks),
+            time="continuous",
+            forming=forming,
+            ends=ends,
+            chargers=chargers,
+        )
+
+    return _first_sound(draw)
+
+
+def _with_battery(rng: np.random.Generator, robot: Robot) -> Robot:
+    if rng.random() >= WITH_BATTERY:
+        return robot
+    lasts = round(float(rng.uniform(*LASTS_FOR)) / robot.speed)
+    battery = Battery(
+        lasts=lasts,
+        fills=round(lasts * float(rng.uniform(*FILLS_IN)), 1),
+        starts=round(float(rng.uniform(0.5, 1)), 2),
+        serving=round(float(rng.uniform(*SERVING_SPENDS)), 2),
+        waiting=float(rng.choice(WAITING_SPENDS)),
+    )
+    return replace(robot, battery=battery)
+
+
 CONTINUOUS_FAMILIES = {
     "roads": ContinuousFamily(draw_on_roads),
     "clock": ContinuousFamily(draw_by_the_clock),
     "shifts": ContinuousFamily(draw_in_shifts),
+    "charging": ContinuousFamily(draw_charging),
 }
 
 

@@ -234,6 +234,8 @@ class Agent:
         elif self._has_load(task):
             is_held = report.is_busy or self.service.is_in_hands(task, now)
             is_news |= note_load(knowledge, task, report, not is_held and self._is_at(task))
+        if not is_done and not report.is_gone and self._is_at(task):
+            self.keeper.note_look(task)
         if is_news:
             notices.append(Notice(EVERYBODY, knowledge.note()))
 

@@ -106,11 +106,17 @@ class Rehearsal:
             self._step()
             if self._is_to_look and self.now >= over:
                 self._is_to_look = False
-                left = self._ending.left(self.now, self._held())
+                knowing = {r for r, agent in enumerate(self.agents) if agent and agent.is_over}
+                left = self._ending.left(self.now, self._held(), knowing)
                 if left is not None:
                     status = "infeasible" if left else "ended"
                     break
         return self._outcome(status)
+
+    def is_promised(self, key: int) -> bool:
+        """Say whether an operator was told that its task is accepted, or the task is done."""
+        accepted = {it.task.key for it in self._operators if it.is_accepted and not it.calls_off}
+        return key in accepted or key in self.world.done
 
     def _step(self) -> None:
         tick, agenda = self._tick, self._agenda

@@ -11,8 +11,9 @@ from teamformer.mission.checks.batteries import rules_not_run_with_batteries
 from teamformer.mission.checks.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
-from teamformer.mission.checks.optional import find_optional_problems
+from teamformer.mission.checks.optional import find_optional_problems, has_optional
 from teamformer.mission.checks.windows import find_endless_play
+from teamformer.mission.checks.zone_checks import zones_not_served
 from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, FLEETS, ROBOTARIUM, STEPS
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.mission_keys import HOME, TIMES
@@ -97,6 +98,18 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
         yield from rules_not_played(mission)
         return
     yield from rules_not_run_with_batteries(mission)
+    yield from zones_not_served(mission)
+
+
+def rules_not_advised(mission: Mission) -> Iterator[Problem]:
+    """Return why nobody can say what would help a mission most."""
+    yield from rules_not_run(mission)
+    if has_optional(mission) and mission.cost is None:
+        message = (
+            "advise asks what lets a mission be over sooner, and with tasks that may be missed"
+        )
+        remedy = "add a cost with missed, such as {makespan: 1, missed: 20}"
+        yield Problem(("until",), f"{message} that says nothing; {remedy}")
 
 
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:

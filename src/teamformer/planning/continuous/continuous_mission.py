@@ -109,6 +109,17 @@ class ContinuousMission:
             made.coalition[task, : len(robots)] = robots
         return made
 
+    def rank_of(self, plan: MissionPlan) -> tuple[float, float, float]:
+        """Return what plans are compared by: what must be done and is missed, what else is, worth.
+
+        If the mission has a cost, that has what else is missed.
+        """
+        left_out = [self.tasks[task] for task in plan.missed]
+        tasks = self.source.tasks
+        must = sum(not tasks[task].optional for task in left_out)
+        may = sum(tasks[task].weight for task in left_out if tasks[task].optional)
+        return must, 0.0 if self.source.cost else may, self.worth_of(plan)
+
     def worth_of(self, plan: MissionPlan) -> float:
         """Return what a plan is judged by: what it costs, or its makespan if that alone counts."""
         weights = judged_by(self.source)

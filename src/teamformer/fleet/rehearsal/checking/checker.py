@@ -80,6 +80,7 @@ class Load:
     at: Place
     carriers: set[int] = field(default_factory=set)
     taken_at: float = 0.0
+    comes: float = 0.0  # when those who carry it are where they go
     left: list[tuple[float, Place]] = field(default_factory=list)  # where it lay, until when
     carried_until: dict[int, float] = field(default_factory=dict)  # by robots that let go of it
 
@@ -163,6 +164,7 @@ class Checker:
             self._blame(f"{event.at:.2f} s: {self._who(event.robot)} walks through {blocked}")
         robot.walk = event
         for key in carried if len(points) > 1 else ():
+            self._loads[key].comes = event.journey.way[-1].at
             if not self._ways.can_carry(event, self._loads[key].carriers):
                 who, task = self._who(event.robot), self._name(key)
                 self._blame(f"{event.at:.2f} s: {who} carries '{task}' faster than all can who do")
@@ -179,7 +181,7 @@ class Checker:
             if worked + A_TICK < self.tasks[event.task].duration:
                 self._blame(f"{event.at:.2f} s: '{task}' is taken up without its service")
             load.left.append((event.at, load.at))
-            load.carriers, load.taken_at = set(event.robots), event.at
+            load.carriers, load.taken_at, load.comes = set(event.robots), event.at, event.at
         else:
             if not self._is_with(load, event.place, event.at):
                 self._blame(f"{event.at:.2f} s: '{task}' is set down where nobody carried it to")
@@ -307,10 +309,7 @@ class Checker:
             load, task.to, event.at
         ):
             self._blame(f"{event.at:.2f} s: load '{task.name}' is done and was not brought")
-        walks = [self._robots[robot].walk for robot in load.carriers]
-        ways = [walk.journey.way for walk in walks]
-        ends = [way[-1].at for way in ways if way[0].at >= load.taken_at]  # not those to get there
-        if event.at - max(load.taken_at, *ends, 0.0) + A_TICK < task.unload:
+        if event.at - max(load.taken_at, load.comes) + A_TICK < task.unload:
             self._blame(f"{event.at:.2f} s: load '{task.name}' is done before it is unloaded")
         load.carriers, load.at = set(), task.to
 

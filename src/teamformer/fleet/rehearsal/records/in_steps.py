@@ -67,9 +67,12 @@ def true_tasks_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ..
 
 
 def tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
-    """Return the tasks with those that operators added, and the number of each by its key."""
+    """Return the tasks with those that operators added, and the number of each by its key.
+
+    A task that nobody has accepted is none of the fleet's.
+    """
     mission, whole = rehearsal.mission, rehearsal.mission.source
-    orders = [it for it in rehearsal.faults.orders if it.task.key in rehearsal.world.tasks]
+    orders = [it for it in rehearsal.faults.orders if rehearsal.is_promised(it.task.key)]
     added = [
         Task(
             order.task.name,

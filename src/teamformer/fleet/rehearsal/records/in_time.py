@@ -116,6 +116,8 @@ class _Teller:
         if event.kind == "arrive":
             task = self._heads_for(robots[0])
         elif event.kind not in ("appear", "cancel"):
+            if task not in self._number:
+                return  # an operator's, which nobody has accepted
             task = self._number[task]
         if event.kind == "broken":
             robots = self._seen.at_work.get(task, ())

@@ -19,6 +19,12 @@ from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.shifts import rotas_of
+from teamformer.planning.continuous.batteries import (
+    batteries_of,
+    by_ability,
+    charged_clock,
+    kinds_apart,
+)
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.tables import (
     distances,
@@ -167,13 +173,14 @@ class ContinuousMission:
         has_shifts = len(self.clock.rotas) > 0
         kept = [task for task in found.order.tolist() if found.size[task] > 0]
         order = [task for task in kept if not has_shifts or math.isfinite(ends[task])]
+        is_done = all(math.isfinite(ends.get(task, math.inf)) for task in order)  # nobody runs dry
         return Plan(
             order=tuple(self.tasks[task] for task in order),
             coalitions=tuple(
                 tuple(self.robots[r] for r in sorted(found.coalition[task, : found.size[task]]))
                 for task in order
             ),
-            ends=tuple(ends[task] for task in order),
+            ends=tuple(ends[task] for task in order) if is_done else (),
             made_from=made_from,
         )
 
@@ -224,6 +231,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     late = round(NO_WAY * (busy + longest_wait) * scale)
     counts = count_table([robot.can for robot in robots], mission)
     needs = count_table([task.needs for task in tasks], mission)
+    counts, needs = by_ability(mission, numbers, chosen, counts, needs)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
     takes = np.array([task.duration + task.unload for task in tasks]) + carried
     due = [
@@ -246,11 +254,14 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         spares=SPARES if _may_spare_pay(mission, tasks, ways, home, pace, takes) else 0,
         site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
         ready=ticks(ready),
-        apart=[different.index(robot.rota) for robot in robots],
+        apart=kinds_apart(known, numbers, [different.index(robot.rota) for robot in robots]),
         rotas=rotas_in_ticks(
             later, lambda when: round(when * scale), late, rounding_of(len(tasks))
         ),
     )
+    charging = charged_clock(known, numbers, chosen)
+    if charging is not None:
+        problem = problem._replace(batteries=batteries_of(charging, problem, places, now, ticks))
     if mission.until is not None:
         problem = problem._replace(misses=_misses(mission, now, tasks, ticks, problem))
     if judged_by(mission) is not None or gaps:
@@ -273,6 +284,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         forming=mission.forming,
         rotas=rotas,
         cost=mission.cost,
+        charging=charging,
     )
     return ContinuousMission(
         source=mission,

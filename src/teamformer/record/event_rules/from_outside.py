@@ -35,6 +35,11 @@ def lost(now: Standing, event: Event) -> None:
     """Take in that a robot is lost."""
     robot = one(event)
     _from_outside(now, (event.at, "lost", robot))
+    stand_still(now, robot, event)
+
+
+def stand_still(now: Standing, robot: int, event: Event) -> None:
+    """Take in that a robot stands still from now on."""
     it = now.robots[robot]
     stub = now.turns_at(robot)
     need(event.place == stub[-1].place, f"it is lost at {now.names.place(stub[-1].place)}")

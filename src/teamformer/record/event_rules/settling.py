@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from teamformer.record.event_rules.charging import Charges, is_charging_first, settle_charges
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import BrokenRuleError, need
 from teamformer.record.event_rules.standing import Standing, has_to_form, is_due, is_too_late
@@ -18,6 +19,8 @@ def settle(now: Standing, later: float) -> None:
         )
     need(now.plans > 0 or not heard(now), _no_plan(now))
     _settle_robots(now)
+    if now.charges is not None:
+        settle_charges(now, later)
     _settle_tasks(now)
     _settle_works(now, later)
     _settle_end(now, later)
@@ -55,6 +58,8 @@ def _settle_robots(now: Standing) -> None:
         return
     for robot, it in enumerate(now.robots):
         if it.is_lost or it.work != NOBODY or _scouts(now, robot):
+            continue
+        if isinstance(now.charges, Charges) and is_charging_first(now, now.charges, robot):
             continue
         task = now.next_task(robot)
         goal = now.home_of(robot) if task == NOBODY else now.place_of(task)

@@ -15,6 +15,7 @@ from teamformer.record.critical_path.stretches import (
 )
 from teamformer.record.phases import (
     CARRYING,
+    CHARGING,
     FORMING,
     IDLE,
     LOADING,
@@ -34,6 +35,7 @@ LASTS = {
     "serve": SERVING,
     "lift": CARRYING,
     "unload": UNLOADING,
+    "charge": CHARGING,
 }
 """What goes on from an event until one that hung on it."""
 

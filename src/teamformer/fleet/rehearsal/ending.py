@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence, Set
 
+from msgspec.structs import replace
+
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
@@ -25,10 +27,11 @@ class EndingWatch:
         self._operators = operators
         self._stuck = {spell.robot for spell in faults.stuck if spell.end is None}
 
-    def left(self, now: float, held: Set[int]) -> list[TaskFact] | None:
+    def left(self, now: float, held: Set[int], knowing: Set[int]) -> list[TaskFact] | None:
         """Return what cannot be done any more if all else is done; None while it is not.
 
-        `held` are the operators' tasks, and those called off, that somebody knows still.
+        `held` are the operators' tasks, and those called off, that somebody knows still. Robots
+        `knowing` that all is over have to be home, if the mission ends there.
         """
         able = self._able()
         waiting = [operator for operator in self._operators if not operator.is_accepted]
@@ -38,7 +41,15 @@ class EndingWatch:
         impossible = self.impossible(now, held)
         excused = unheard | {task.key for task in impossible} | self.called_off(now)
         is_over = all(key in excused for key in self._world.tasks if key not in self._world.done)
-        return impossible if is_over else None
+        is_home = bool(impossible) or all(map(self._is_home, knowing & set(able)))
+        return impossible if is_over and is_home else None
+
+    def _is_home(self, robot: int) -> bool:
+        """Say whether a robot is where it has to be in the end, or cannot get there."""
+        home, here = self._mission.home_of(robot), self._world.place(robot)
+        if home is None or not self._mission.leads(robot, here, home):
+            return True
+        return self._mission.is_same_place(*here, *home)
 
     def impossible(self, now: float, held: Set[int]) -> list[TaskFact]:
         """Return the tasks that are not done, and that the robots left cannot do or know.
@@ -49,11 +60,30 @@ class EndingWatch:
         able, lost, left = self._able(), self._lost_orders(now, held), self._left(now)
         forgotten = self._withdrawn(now) - held - self._world.done.keys()
         tasks = left | {key: self._world.tasks[key] for key in forgotten}
-        cannot = {key for key, task in tasks.items() if not self._mission.can_do(able, task)} | lost
+        is_served = self._world.is_served
+        can_do, places = self._mission.can_do, {robot: self._world.place(robot) for robot in able}
+        idle = {key: self._as_it_lies(it) for key, it in tasks.items() if not is_served(key)}
+        cannot = {key for key, it in idle.items() if not can_do(able, it, places)} | lost
         before = self._mission.before
         while more := {key for key in left if before.get(key, set()) & cannot} - cannot:
             cannot |= more
         return [task for key, task in left.items() if key in cannot]
+
+    def _as_it_lies(self, task: TaskFact) -> TaskFact:
+        """Return a task with its load where that lies."""
+        x, y = self._world.place_of(task.key)
+        return replace(task, x=x, y=y)
+
+    def makespan(self, alive: Sequence[int]) -> float | None:
+        """Return when the last task was done, or when robots were home if the mission ends there.
+
+        None if nothing was done.
+        """
+        times = [done.at for done in self._world.done.values()]
+        if self._mission.ends and times:
+            ways = (self._world.robots[robot].journey.way for robot in alive)
+            times += [way[-1].at for way in ways if len(way) > 1]
+        return max(times, default=None)
 
     def undone(self, now: float, held: Set[int]) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Return the names of tasks that can be done and are not, and of those that cannot be."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,12 +12,19 @@ import numpy.typing as npt
 from teamformer.base.array_types import Floats, Ints
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.checks.costs import judged_by, weighed
+from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.coordination import Known, Plan, known_at_start
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.shifts import rotas_of
+from teamformer.planning.continuous.batteries import (
+    batteries_of,
+    by_ability,
+    charged_clock,
+    kinds_apart,
+)
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.tables import (
     distances,
@@ -27,7 +34,12 @@ from teamformer.planning.continuous.tables import (
     ways_of_loads,
 )
 from teamformer.planning.continuous.times import TaskClock
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan, without_spares
+from teamformer.planning.problem.coalition_plan import (
+    CoalitionPlan,
+    empty_plan,
+    without_spares,
+    without_tasks,
+)
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     SPARES,
@@ -35,6 +47,7 @@ from teamformer.planning.problem.coalition_problem import (
     pose_problem,
 )
 from teamformer.planning.problem.links import PART_OF, Link, Links, have_weights, link_tasks
+from teamformer.planning.problem.misses import Misses, can_miss, misses_of
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
 from teamformer.planning.problem.rotas import longest_pauses, rotas_in_ticks
 from teamformer.planning.problem.routes import MissionPlan
@@ -45,13 +58,19 @@ from teamformer.world.rules.waits import Waits, waits_at
 STRAIGHT = 1 - 1e-9
 """A way is shorter than another if it is by more than what rounding makes of equal ones."""
 
+WHOLE = 1e-6
+"""By how much of a tick a time may be off that counts as whole."""
+
 NO_WAY = 1000
 """Where no way is, it takes this many times longer than everything."""
 
 
 @dataclass(frozen=True)
 class ContinuousMission:
-    """What is left of a mission, as it is, and in ticks, of which there are `scale` in a unit."""
+    """What is left of a mission, as it is, and in ticks, of which there are `scale` in a unit.
+
+    A time in ticks is off by no more than `rounding`: by nothing if all times are whole ticks.
+    """
 
     source: Mission
     now: float  # from when on ticks are counted
@@ -59,6 +78,7 @@ class ContinuousMission:
     tasks: tuple[int, ...]
     clock: TaskClock  # its times as they are
     scale: float
+    rounding: int
     problem: CoalitionProblem
 
     def tell(self, solution: Solution) -> MissionPlan:
@@ -66,9 +86,10 @@ class ContinuousMission:
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         """
-        timed = self.time(solution.plan)
-        rounding = rounding_of(len(self.tasks))
-        bound = self.now + max(0.0, (solution.bound - rounding) / self.scale)
+        timed = self.time(self.in_time(solution.plan))
+        bound = self.now + max(0.0, (solution.bound - self.rounding) / self.scale)
+        if timed.missed:
+            bound = self.now
         return replace(
             timed,
             bound=min(timed.makespan, bound),
@@ -83,7 +104,8 @@ class ContinuousMission:
         Nobody is in it who can be spared, unless that may pay, or it is wanted `with_spares`.
         """
         made = empty_plan(self.problem)
-        made.order[:] = plan.order
+        left_out = sorted(set(range(len(self.tasks))).difference(plan.order))
+        made.order[:] = [*plan.order, *left_out]
         is_kept = with_spares or self.problem.spares > 0
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
             needs = self.problem.needs[task]
@@ -92,6 +114,17 @@ class ContinuousMission:
             made.size[task] = len(robots)
             made.coalition[task, : len(robots)] = robots
         return made
+
+    def rank_of(self, plan: MissionPlan) -> tuple[float, float, float]:
+        """Return what plans are compared by: what must be done and is missed, what else is, worth.
+
+        If the mission has a cost, that has what else is missed.
+        """
+        left_out = [self.tasks[task] for task in plan.missed]
+        tasks = self.source.tasks
+        must = sum(not tasks[task].optional for task in left_out)
+        may = sum(tasks[task].weight for task in left_out if tasks[task].optional)
+        return must, 0.0 if self.source.cost else may, self.worth_of(plan)
 
     def worth_of(self, plan: MissionPlan) -> float:
         """Return what a plan is judged by: what it costs, or its makespan if that alone counts."""
@@ -120,22 +153,34 @@ class ContinuousMission:
         """Return a plan with its times by the mission's rules, in the numbers of the problem."""
         return self.clock.time(plan)
 
+    def in_time(self, plan: CoalitionPlan) -> CoalitionPlan:
+        """Return a plan without optional tasks that would be missed, be it by a rounding."""
+        misses, until = self.problem.misses, self.source.until
+        if not can_miss(misses):
+            return plan
+        ends = {stop.task: stop.end for route in self.time(plan).routes for stop in route.stops}
+        late = [k for k, end in ends.items() if misses.optional[k] and not is_in_time(end, until)]
+        return self.in_time(without_tasks(self.problem, plan, late)) if late else plan
+
     def as_plan(self, found: CoalitionPlan, made_from: str = "") -> Plan:
         """Return a plan in the numbers of the mission, with the time at which each task ends.
 
-        Tasks that end at no time because shifts are over are not in it.
+        Tasks that are left out are not in it, nor those that end at no time as shifts are over.
         """
+        found = self.in_time(found)
         routes = self.time(found).routes
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
         has_shifts = len(self.clock.rotas) > 0
-        order = [k for k in found.order.tolist() if not has_shifts or math.isfinite(ends[k])]
+        kept = [task for task in found.order.tolist() if found.size[task] > 0]
+        order = [task for task in kept if not has_shifts or math.isfinite(ends[task])]
+        is_done = all(math.isfinite(ends.get(task, math.inf)) for task in order)  # nobody runs dry
         return Plan(
             order=tuple(self.tasks[task] for task in order),
             coalitions=tuple(
                 tuple(self.robots[r] for r in sorted(found.coalition[task, : found.size[task]]))
                 for task in order
             ),
-            ends=tuple(ends[task] for task in order),
+            ends=tuple(ends[task] for task in order) if is_done else (),
             made_from=made_from,
         )
 
@@ -186,6 +231,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     late = round(NO_WAY * (busy + longest_wait) * scale)
     counts = count_table([robot.can for robot in robots], mission)
     needs = count_table([task.needs for task in tasks], mission)
+    counts, needs = by_ability(mission, numbers, chosen, counts, needs)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
     takes = np.array([task.duration + task.unload for task in tasks]) + carried
     due = [
@@ -208,13 +254,21 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         spares=SPARES if _may_spare_pay(mission, tasks, ways, home, pace, takes) else 0,
         site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
         ready=ticks(ready),
-        apart=[different.index(robot.rota) for robot in robots],
+        apart=kinds_apart(known, numbers, [different.index(robot.rota) for robot in robots]),
         rotas=rotas_in_ticks(
             later, lambda when: round(when * scale), late, rounding_of(len(tasks))
         ),
     )
+    charging = charged_clock(known, numbers, chosen)
+    if charging is not None:
+        problem = problem._replace(batteries=batteries_of(charging, problem, places, now, ticks))
+    if mission.until is not None:
+        problem = problem._replace(misses=_misses(mission, now, tasks, ticks, problem))
     if judged_by(mission) is not None or gaps:
         problem = problem._replace(links=_links(mission, tasks, len(robots), gaps, scale))
+    rotas = rotas_of(robots)
+    times = (ways, home, carry, takes, ready, np.subtract(release, now), mission.forming)
+    is_exact = not rotas and all(_are_whole(np.multiply(part, scale)) for part in times)
     clock = TaskClock(
         tasks=tasks,
         ways=ways,
@@ -228,8 +282,9 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         before=before,
         gaps=gaps,
         forming=mission.forming,
-        rotas=rotas_of(robots),
+        rotas=rotas,
         cost=mission.cost,
+        charging=charging,
     )
     return ContinuousMission(
         source=mission,
@@ -238,6 +293,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         tasks=tuple(chosen),
         clock=clock,
         scale=scale,
+        rounding=0 if is_exact else rounding_of(len(tasks)),
         problem=problem,
     )
 
@@ -270,6 +326,12 @@ def _renumbered(
         gap._replace(task=number_of[gap.task], other=number_of[gap.other]) for gap in waits.gaps
     ]
     return before, gaps
+
+
+def _are_whole(ticks: Floats) -> bool:
+    """Say whether times are whole ticks, but for what a product of two fractions is off by."""
+    finite = ticks[np.isfinite(ticks)]
+    return bool((np.abs(finite - np.rint(finite)) < WHOLE).all())
 
 
 def rounding_of(tasks: int) -> int:
@@ -324,8 +386,25 @@ def _links(
     ]
     weights = judged_by(mission) or {"makespan": 1}
     total = sum(weights.values())
-    weight = {PART_OF[name]: value / total for name, value in weights.items()}
+    weight = {PART_OF[name]: w / total for name, w in weights.items() if name in PART_OF}
     return link_tasks(len(tasks), robots, links, weight, [task.weight for task in tasks])
+
+
+def _misses(
+    mission: Mission,
+    now: float,
+    tasks: Sequence[Task],
+    ticks: Callable[[npt.ArrayLike], Ints],
+    problem: CoalitionProblem,
+) -> Misses:
+    """Return what is missed of tasks when the mission is over; ends are rounded, so it is later."""
+    assert mission.until is not None, "the mission is over at a time"
+    weights = judged_by(mission) or {}
+    until = int(ticks(max(0.0, mission.until - now))) + rounding_of(len(tasks))
+    most = until + int(problem.home.max()) + 1
+    leg = int(problem.duration.mean() + problem.ways[0].mean())
+    price = weights.get("missed", 0.0) / max(1.0, sum(weights.values())) * float(ticks(1.0))
+    return misses_of(mission, tasks, until, most, leg, price)
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:

@@ -65,7 +65,7 @@ def _better_one(
     """Return the better one of what was found and what was given, with what is known of both."""
     if made is None:
         return None if math.isinf(given.makespan) else given
-    if mission.worth_of(made) <= mission.worth_of(given):
+    if mission.rank_of(made) <= mission.rank_of(given):
         return made
     bound = min(made.bound, given.makespan)
     return replace(given, bound=bound, curve=made.curve)

@@ -11,10 +11,12 @@ from functools import partial
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous_bounds.cost import least_cost
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
+from teamformer.planning.problem.batteries import are_charged, charged_totals
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.links import have_weights, is_bounded
-from teamformer.planning.problem.schedule import COST, LATE, MAKESPAN, schedule_of
+from teamformer.planning.problem.misses import can_miss
+from teamformer.planning.problem.schedule import COST, LATE, MAKESPAN, MISSED, schedule_of
 from teamformer.planning.race import Judgement, Race
 from teamformer.planning.search.arc_search import ArcSearch, has_few_tasks
 
@@ -28,6 +30,11 @@ beginning: the second time it begins at a good plan, and much heat would leave l
 FEW_IF_WEIGHED, SECONDS_EACH_IF_WEIGHED = 100, 15.0
 """If plans have a cost, a search of fewer tasks than this anneals again after so many seconds; with
 more it anneals once in all the time there is."""
+
+
+CHARGED_SEARCHES, CHARGED_PARTS = 4, 7
+"""Where robots have batteries, so many annealings share the rounds, and of each plans are judged
+after so many parts."""
 
 
 @dataclass(frozen=True)
@@ -59,11 +66,40 @@ def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
     tasks that are linked: different robots do them. There is no clock in it, and the same sums of
     the same numbers, so that it is the same on every machine.
     """
+    if are_charged(problem.batteries):
+        return _plan_charged(problem, seed)
     search = ArcSearch(problem, seed)
     if not search.begin_anew():
         return None
     search.anneal_shared()
     return _without_riders(problem, _found(search))
+
+
+def _plan_charged(
+    problem: CoalitionProblem,
+    seed: int,
+    start: CoalitionPlan | None = None,
+    is_over: Callable[[], bool] = lambda: False,
+) -> Solution | None:
+    """Return the best of several plans, judged with queues at chargers, which searches leave out.
+
+    A few annealings share the rounds; after each part of one its plans are judged. With a `start`
+    they begin there, less hot.
+    """
+    best = None if start is None else _timed(problem, start)
+    for number in range(CHARGED_SEARCHES):
+        search = ArcSearch(problem, seed + number)
+        if start is None or not search.begin_at(start):
+            start = None
+            if not search.begin_anew():
+                return None
+        for _ in search.anneal_in_parts(CHARGED_SEARCHES, CHARGED_PARTS, start is not None):
+            for plan in (search.best, search.present):
+                found = _timed(problem, plan)
+                best = found if best is None or found.rank < best.rank else best
+            if is_over():
+                return best
+    return best and _without_riders(problem, best)
 
 
 def plan_again(problem: CoalitionProblem, start: CoalitionPlan, seed: int = 0) -> Solution | None:
@@ -72,11 +108,28 @@ def plan_again(problem: CoalitionProblem, start: CoalitionPlan, seed: int = 0) -
     It is never worse than that, unless robots wait in it for one another for ever. The search is
     shorter than a first one and begins less hot. None where `plan_together` finds none.
     """
+    if are_charged(problem.batteries):
+        return _mend_charged(problem, start, seed)
     search = ArcSearch(problem, seed)
     if not search.begin_at(start) and not search.begin_anew():
         return None
     search.anneal_again()
     return _without_riders(problem, _found(search))
+
+
+def _mend_charged(problem: CoalitionProblem, start: CoalitionPlan, seed: int) -> Solution | None:
+    """Return the plan after news where robots have batteries: by one annealing.
+
+    If somebody runs dry in it, it is searched for anew.
+    """
+    search, best = ArcSearch(problem, seed), _timed(problem, start)
+    if search.begin_at(start):
+        search.anneal_again()
+        for plan in (search.best, search.present):
+            found = _timed(problem, plan)
+            best = found if found.rank < best.rank else best
+    anew = _plan_charged(problem, seed) if math.isinf(best.worth) else None
+    return _without_riders(problem, best if anew is None else anew)
 
 
 def solve(
@@ -105,7 +158,8 @@ def solve(
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
     best = _without_riders(problem, race.plan)
-    least = least_cost(problem) if have_weights(problem.links) else 0.0
+    has_least = have_weights(problem.links) and not can_miss(problem.misses)
+    least = least_cost(problem) if has_least else 0.0
     is_proven = judge(problem, best).bounded <= race.bound or best.worth <= least
     return replace(
         best, bound=race.bound, least_cost=least, is_proven=is_proven, curve=(first, *race.curve)
@@ -133,8 +187,10 @@ NEVER_DONE = (math.inf, math.inf)
 
 
 def _timed(problem: CoalitionProblem, plan: CoalitionPlan) -> Solution:
+    if are_charged(problem.batteries):
+        return Solution(plan, charged_totals(problem, plan))
     total = schedule_of(problem, plan).total
-    return Solution(plan, (int(total[MAKESPAN]), int(total[COST])))
+    return Solution(plan, (int(total[MAKESPAN] + total[MISSED]), int(total[COST])))
 
 
 def _found(search: ArcSearch) -> Solution:
@@ -164,6 +220,8 @@ def judge(problem: CoalitionProblem, solution: Solution) -> Judgement:
         total, bounded = schedule_of(problem, solution.plan).total, math.inf
         if is_bounded(problem.links) and total[LATE] == 0:
             bounded = int(total[MAKESPAN])
+    if can_miss(problem.misses):
+        bounded = math.inf
     return Judgement(solution.rank, solution.worth, bounded)
 
 
@@ -173,6 +231,9 @@ def _search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
     If plans have a cost it begins anew each time: what the best plan costs says too little of how
     hot to begin, as it is not left any more then.
     """
+    if are_charged(problem.batteries):
+        _search_charged(problem, seed, race)
+        return
     search, is_weighed = ArcSearch(problem, seed), have_weights(problem.links)
     if not is_weighed:
         search.begin_at(race.plan.plan)
@@ -194,6 +255,18 @@ def _search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
             search.begin_at_best()
 
 
+def _search_charged(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
+    """Search again and again, anew and from the best plan in turns."""
+    number = 0
+    while not race.is_over:
+        start = race.plan.plan if number % 2 else None
+        own = 1000 * seed + CHARGED_SEARCHES * number
+        found = _plan_charged(problem, own, start, lambda: race.is_over)
+        if found is not None:
+            race.offer(found)
+        number += 1
+
+
 def _coolings(problem: CoalitionProblem, seconds: float) -> Sequence[int]:
     """Return what the heat of each annealing in so many seconds is divided by at its beginning."""
     tasks = len(problem.needs)
@@ -209,11 +282,16 @@ def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[Solution]
     CP-SAT gets as large a share of what is left as bounds get.
     """
     tasks, is_weighed = len(problem.needs), have_weights(problem.links)
-    if is_bounded(problem.links):
+    if is_bounded(problem.links) and not can_miss(problem.misses):
         raise_bound(
             problem, race, lambda: int(schedule_of(problem, race.plan.plan).total[MAKESPAN])
         )
-    is_provable = not is_weighed and has_few_tasks(tasks) and is_small(problem)
+    is_provable = (
+        not is_weighed
+        and not can_miss(problem.misses)
+        and has_few_tasks(tasks)
+        and is_small(problem)
+    )
     if is_provable and not race.is_over:
         seconds = proof_share(tasks) * race.seconds_left
         proof = solve_exactly(problem, race.plan.plan, race.bound, seconds)

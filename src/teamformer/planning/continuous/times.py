@@ -12,6 +12,7 @@ from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.model import Task
 from teamformer.mission.parts.shifts import Rota
+from teamformer.planning.continuous.batteries import ChargedClock
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
 from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, time_tasks
@@ -38,10 +39,12 @@ class TaskClock:
     forming: float
     rotas: Sequence[Rota]  # (robots,) when each works; empty where all always do
     cost: Mapping[str, float] | None
+    charging: ChargedClock | None = None  # if robots have batteries
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times; one in which robots wait for one another has no end."""
-        order = plan.order.tolist()
+        order = [task for task in plan.order.tolist() if plan.size[task] > 0]
+        done = set(order)
         robots_of = {task: plan.coalition[task, : plan.size[task]].tolist() for task in order}
         rules = StartRules(
             way=self._way,
@@ -49,11 +52,14 @@ class TaskClock:
             takes=self._time_taken,
             free=self.free,
             release=dict(enumerate(self.release)),
-            before=self.before,
-            gaps=self.gaps,
+            before={task: [k for k in others if k in done] for task, others in self.before.items()},
+            gaps=[gap for gap in self.gaps if gap.task in done and gap.other in done],
             forming=self.forming,
             rotas=self.rotas,
         )
+        if self.charging is not None:
+            charged = self.charging.time(rules, order, robots_of)
+            return self._tell(order, charged.timed, rules, charged.back)
         return self._tell(order, time_tasks(rules, order, robots_of), rules)
 
     def _place(self, robot: int, before: int) -> int:
@@ -68,8 +74,17 @@ class TaskClock:
         carried = max((float(self.carry[self.pace[robot], task]) for robot in robots), default=0.0)
         return wanted.duration + carried + wanted.unload
 
-    def _tell(self, order: Sequence[int], timed: Timed, rules: StartRules) -> MissionPlan:
-        """Return the plan that starts tasks at these times."""
+    def _tell(
+        self,
+        order: Sequence[int],
+        timed: Timed,
+        rules: StartRules,
+        back: Sequence[float] | None = None,
+    ) -> MissionPlan:
+        """Return the plan that starts tasks at these times; `back` if robots are not home at once.
+
+        What they travel has no detours to chargers in it: nobody has a cost beside a battery.
+        """
         travel = 0.0
         stops: list[list[Stop]] = [[] for _ in self.free]
         late, ends = {}, {}
@@ -84,10 +99,11 @@ class TaskClock:
         rows = zip(stops, self.origin.tolist(), self.free, strict=True)
         last = [(made[-1].task, made[-1].end) if made else (at, free) for made, at, free in rows]
         home = self.home[np.arange(len(last)), [place for place, _ in last]]
-        back = [
-            rules.arrival(robot, left, float(way))
-            for robot, ((_, left), way) in enumerate(zip(last, home, strict=True))
-        ]
+        if back is None:
+            back = [
+                rules.arrival(robot, left, float(way))
+                for robot, ((_, left), way) in enumerate(zip(last, home, strict=True))
+            ]
         parts = {
             "makespan": max(back),
             "travel": travel + float(home.sum()),
@@ -101,5 +117,6 @@ class TaskClock:
                 Route(robot, tuple(stops[robot]), back[robot]) for robot in range(len(back))
             ),
             late=dict(sorted(late.items())),
+            missed=tuple(task for task in range(len(self.tasks)) if task not in ends),
             cost=None if self.cost is None else cost_of(self.cost, parts),
         )

@@ -15,32 +15,35 @@ import numpy as np
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways
-from teamformer.planning.graph.arc_problem import ArcProblem, Records
+from teamformer.planning.graph.arc_problem import ArcProblem, Records, may_miss
+from teamformer.planning.graph.charging import is_charged, left_after
 from teamformer.planning.graph.graph import (
     AIM,
     BACK_SUM,
     COST,
     END_SUM,
     LATEST,
+    LEADS,
     MAKESPAN,
+    MISSED,
     PRICE,
     Graph,
     aim_of,
     back_of,
     cost_of,
     is_in_steps,
-    priced,
     start_of,
     tail_of,
     takes,
 )
+from teamformer.planning.graph.worth import missed, missed_leads, priced
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
 
-PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN, DURATION = range(9)
+PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN, DURATION, LEFT = range(10)
 """What an entry of the log has changed."""
 
 ARRIVING, PARTING = 1, 2
@@ -68,6 +71,7 @@ class ArcChange(NamedTuple):
 def empty_trial(graph: Graph, timed_again: int = 0) -> ArcChange:
     """Return room for a change; `timed_again` is how often tasks may be timed more than once."""
     room = 10 * len(graph.seats) + 5 * len(graph.nodes) + len(graph.back) + timed_again
+    room += 2 * len(graph.left)
     number = np.zeros(8, np.int64)
     number[CHAINED] = NOBODY
     return ArcChange(
@@ -160,9 +164,11 @@ def propagate(problem: ArcProblem, graph: Graph, trial: ArcChange, limit: int) -
                 is_fit = fit_duration(problem, graph, trial, task)
             start = start_of(problem, graph, task, node.first)
             end = start + node.duration
+            if is_charged(problem):
+                is_fit = spend(problem, graph, trial, task, start) and is_fit
         if end == node.end and is_fit and not is_parting:
             continue
-        if node.key > number[PAST] and start + node.tail > limit:
+        if node.key > number[PAST] and start + node.tail > limit and node.taken > 0:
             return False
         if end != node.end:
             record(trial, END, task, node.end)
@@ -172,6 +178,19 @@ def propagate(problem: ArcProblem, graph: Graph, trial: ArcChange, limit: int) -
             continue
         follow_on(problem, graph, trial, task)
     return True
+
+
+@kernel
+def spend(problem: ArcProblem, graph: Graph, trial: ArcChange, task: int, start: int) -> bool:
+    """Note what robots have left after a task that starts then; say whether they had it before."""
+    is_same = True
+    for seat in range(graph.nodes[task].first, graph.nodes[task].first + graph.nodes[task].taken):
+        left = left_after(problem, graph, seat, start)
+        if left != graph.left[seat]:
+            record(trial, LEFT, seat, graph.left[seat])
+            graph.left[seat] = left
+            is_same = False
+    return is_same
 
 
 @kernel
@@ -234,6 +253,7 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
     """Time the homes, and return what the plan costs now; `total` stays until it is accepted."""
     number, back, total = trial.number, graph.back, graph.total
     makespan, back_sum, price, end_sum = 0, total[BACK_SUM], total[PRICE], total[END_SUM]
+    misses, leads = total[MISSED], total[LEADS]
     is_latest_changed = False
     for index in range(number[HOMES]):
         robot = trial.homes[index]
@@ -256,10 +276,13 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
         if trial.log[entry].what == END:
             task, old_end = trial.log[entry].index, trial.log[entry].old
             end, worth = graph.nodes[task].end, graph.worth[task]
-            end_sum += end - old_end
+            end_sum += min(end, worth.until) - min(old_end, worth.until)
             price += priced(worth, end) - priced(worth, old_end)
-    number[AIMED] = aim_of(problem, graph, makespan, price)
-    return cost_of(problem, graph, makespan, back_sum, end_sum, price)
+            if may_miss(problem):
+                misses += missed(worth, end) - missed(worth, old_end)
+                leads += missed_leads(worth, end) - missed_leads(worth, old_end)
+    number[AIMED] = aim_of(problem, graph, makespan, price) + misses
+    return cost_of(problem, graph, makespan, back_sum, end_sum, price) + leads
 
 
 @kernel
@@ -288,6 +311,8 @@ def undo(graph: Graph, trial: ArcChange) -> None:
             graph.nodes[index].taken = old
         elif trial.log[entry].what == DURATION:
             graph.nodes[index].duration = old
+        elif trial.log[entry].what == LEFT:
+            graph.left[index] = old
         else:
             graph.back[index] = old
 
@@ -305,8 +330,11 @@ def accept(problem: ArcProblem, graph: Graph, trial: ArcChange, cost: int) -> No
         if trial.log[place].what == END:
             node, worth = nodes[index], graph.worth[index]
             node.key = 2 * (node.end - node.duration) + 1
-            total[END_SUM] += node.end - old
+            total[END_SUM] += min(node.end, worth.until) - min(old, worth.until)
             total[PRICE] += priced(worth, node.end) - priced(worth, old)
+            if may_miss(problem):
+                total[MISSED] += missed(worth, node.end) - missed(worth, old)
+                total[LEADS] += missed_leads(worth, node.end) - missed_leads(worth, old)
         elif trial.log[place].what == BACK:
             total[BACK_SUM] += back[index] - old
             is_latest_changed |= index == total[LATEST]

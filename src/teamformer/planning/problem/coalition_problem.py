@@ -16,8 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Int32s, Ints
+from teamformer.planning.problem.batteries import Batteries, no_batteries
 from teamformer.planning.problem.constants import NEVER
 from teamformer.planning.problem.links import Links, no_links
+from teamformer.planning.problem.misses import Misses, no_misses
 from teamformer.planning.problem.rotas import Rotas, no_rotas, of_kinds
 from teamformer.world.rules.constants import NOBODY
 
@@ -57,7 +59,9 @@ class CoalitionProblem(NamedTuple):
     spares: int  # how many robots more than it needs come to a task at most
     ready: Ints  # (places - tasks,) when who is at each place that is no task can leave it
     links: Links  # of starts, and what plans cost; empty where the makespan alone counts
+    misses: Misses  # what is missed if the mission is over before a task is done
     rotas: Rotas  # when the robots of each kind work; empty where all always do
+    batteries: Batteries  # of no kinds where nobody has one
 
 
 def pose_problem(
@@ -78,6 +82,7 @@ def pose_problem(
     spares: int = 0,
     ready: npt.ArrayLike | None = None,
     links: Links | None = None,
+    misses: Misses | None = None,
     rotas: Rotas | None = None,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
@@ -118,7 +123,9 @@ def pose_problem(
         spares=spares,
         ready=np.asarray(np.zeros(ways.shape[1] - tasks) if ready is None else ready, np.int64),
         links=no_links() if links is None else links,
+        misses=no_misses() if misses is None else misses,
         rotas=no_rotas() if rotas is None else of_kinds(rotas, apart[first]),
+        batteries=no_batteries(),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from random import Random
 from typing import Any
 
@@ -11,13 +11,16 @@ import numpy as np
 
 from teamformer.planning.dispatch.futures import first_plan
 from teamformer.planning.graph.arc_problem import StepRules, pose_arcs
-from teamformer.planning.graph.graph import COST, empty_graph, lay, plan_of
+from teamformer.planning.graph.charging import RESCUE
+from teamformer.planning.graph.graph import COST, LEADS, empty_graph, lay, plan_of
 from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledger, room_for_change
 from teamformer.planning.operators.room import empty_room
 from teamformer.planning.operators.table import shares_of
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats
+from teamformer.planning.problem.batteries import are_charged
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats, without_tasks
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 from teamformer.planning.problem.links import have_weights
+from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.planning.search.annealing import anneal, copy_graph
 from teamformer.world.rules.chance import SLACKS
@@ -39,6 +42,9 @@ these, and is cooled down by the second so many times, to a sixtieth."""
 QUENCHED = 40
 """Rounds for each task without heat, before the first annealing: what a plan costs then says how
 hot it begins."""
+
+QUENCHED_IF_CHARGED = 500
+"""The same where robots have batteries."""
 
 WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task then, and so many at most: about a second."""
@@ -94,13 +100,30 @@ class ArcSearch:
         Who can be spared is left out where there are not enough seats.
         """
         seated = with_seats(self.problem, plan, int(self.arcs.most[0]))
-        lay(self.arcs, self.graph, seated, np.zeros(len(self.problem.counts), np.int64))
-        if not self._open():
+        if not self._lay(seated):
             return False
+        while late := self._late():
+            seated = without_tasks(self.problem, seated, late)
+            if not self._lay(seated):
+                return False
         copy_graph(self.graph, self._best)
         for costs in (self._ledger.cost, self._ledger.lead):
             costs[BEST] = costs[NOW]
         return True
+
+    def _lay(self, plan: CoalitionPlan) -> bool:
+        """Lay a plan out; say whether nobody waits in it for ever."""
+        lay(self.arcs, self.graph, plan, np.zeros(len(self.problem.counts), np.int64))
+        return self._open()
+
+    def _late(self) -> list[int]:
+        """Return the optional tasks that the plan has end too late."""
+        if not can_miss(self.problem.misses):
+            return []
+        nodes, worth, tasks = self.graph.nodes, self.graph.worth, len(self.problem.needs)
+        is_late = (nodes.taken[:tasks] > 0) & (nodes.end[:tasks] > worth.until)
+        late = is_late & (worth.is_optional > 0)
+        return [int(task) for task in np.flatnonzero(late)]
 
     def begin_at_best(self) -> None:
         """Go back to the best plan."""
@@ -115,7 +138,7 @@ class ArcSearch:
     def heats(self) -> tuple[float, float]:
         """Return where an annealing begins and ends."""
         if self._is_weighed:
-            visits = int(self.graph.nodes.taken.sum())
+            visits = max(1, int(self.graph.nodes.taken.sum()))
             lead = float(self._ledger.lead[NOW])
             hot = HOT_IF_WEIGHED * (self.leg if self._is_late(lead) else lead / visits)
             return hot, hot * COOLER**COOLINGS
@@ -135,8 +158,10 @@ class ArcSearch:
             ways = np.take_along_axis(self.arcs.ways[0][: len(near)], near, axis=1)
             way = float(ways.mean()) if ways.size else 0.0
             return max(1, int(self.problem.duration.mean() + way / 2))
-        visits = int(self.graph.nodes.taken.sum())
-        return max(1, int(self.graph.total[COST]) * len(self.problem.counts) // visits)
+        visits, total = max(1, int(self.graph.nodes.taken.sum())), self.graph.total
+        if int(total[COST]) >= RESCUE and are_charged(self.problem.batteries):  # somebody runs dry
+            return max(1, int(self.problem.duration.mean()) + int(self.arcs.ways[0].mean()))
+        return max(1, int(total[COST] - total[LEADS]) * len(self.problem.counts) // visits)
 
     def _is_late(self, cost: float) -> bool:
         """Say whether a plan takes longer than any does that keeps to the shifts of its robots."""
@@ -168,6 +193,18 @@ class ArcSearch:
         else:
             self.anneal(max(cold, hot // LESS_HOT), cold, 0, rounds, rounds)
 
+    def anneal_in_parts(self, searches: int, parts: int, is_again: bool) -> Iterator[None]:
+        """Make one of so many parts of the rounds of the shared plan, and stop after each of these.
+
+        It begins with a quench, after which hardly anybody runs dry; `is_again` is less hot.
+        """
+        self.quench(QUENCHED_IF_CHARGED)
+        rounds, (hot, cold) = sum(self._shared_rounds) // searches, self.heats
+        heats = (max(cold, hot / LESS_HOT) if is_again else hot, cold)
+        for part in range(parts):
+            self.anneal(*heats, rounds * part // parts, rounds * (part + 1) // parts, rounds)
+            yield
+
     @property
     def _shared_rounds(self) -> list[int]:
         """Return how many rounds each annealing of the shared plan takes."""
@@ -183,9 +220,9 @@ class ArcSearch:
             self.anneal(heat, heat, 0, rounds // COOLINGS, rounds // COOLINGS)
             heat *= COOLER
 
-    def quench(self) -> None:
-        """Take whatever is better, without heat, for some rounds."""
-        rounds = QUENCHED * len(self.problem.needs)
+    def quench(self, rounds_each: int = QUENCHED) -> None:
+        """Take whatever is better, without heat, for some rounds for each task."""
+        rounds = rounds_each * len(self.problem.needs)
         self.anneal(0, 0, 0, rounds, rounds)
 
     def anneal_until(
@@ -221,6 +258,11 @@ class ArcSearch:
     def rank(self) -> tuple[float, float]:
         """Return what the best plan is compared by: what it is judged by, then what leads on."""
         return float(self._ledger.cost[BEST]), float(self._ledger.lead[BEST])
+
+    @property
+    def present(self) -> CoalitionPlan:
+        """Return the plan where it stands."""
+        return plan_of(self.problem, self.arcs, self.graph)
 
     @property
     def best(self) -> CoalitionPlan:

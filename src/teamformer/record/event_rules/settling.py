@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+from teamformer.record.event_rules.charging import Charges, is_charging_first, settle_charges
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import BrokenRuleError, need
-from teamformer.record.event_rules.standing import Standing, has_to_form, is_due
+from teamformer.record.event_rules.standing import Standing, has_to_form, is_due, is_too_late
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -18,8 +19,11 @@ def settle(now: Standing, later: float) -> None:
         )
     need(now.plans > 0 or not heard(now), _no_plan(now))
     _settle_robots(now)
+    if now.charges is not None:
+        settle_charges(now, later)
     _settle_tasks(now)
     _settle_works(now, later)
+    _settle_end(now, later)
     _settle_borders(now, later)
     for at, kind, which in now.to_come:
         if at >= later:
@@ -55,6 +59,8 @@ def _settle_robots(now: Standing) -> None:
     for robot, it in enumerate(now.robots):
         if it.is_lost or it.work != NOBODY or _scouts(now, robot):
             continue
+        if isinstance(now.charges, Charges) and is_charging_first(now, now.charges, robot):
+            continue
         task = now.next_task(robot)
         goal = now.home_of(robot) if task == NOBODY else now.place_of(task)
         if it.task != task and (task != NOBODY or it.is_walking):
@@ -62,7 +68,7 @@ def _settle_robots(now: Standing) -> None:
             raise BrokenRuleError(f"{now.names.robot(robot)} is to {what}, and does not")
         if goal is None or it.way[-1].place == goal:
             continue
-        if math.isinf(now.lengths.between(it.way[-1].place, goal, robot)):
+        if now.never_gets(robot, goal):
             continue
         what = "home" if task == NOBODY else f"to {now.names.task(task)}"
         raise BrokenRuleError(f"{now.names.robot(robot)} is to go {what}, and does not")
@@ -86,14 +92,26 @@ def _settle_tasks(now: Standing) -> None:
             continue
         if math.isinf(now.carried(task, team)):
             continue
+        takes, is_late = now.believed_time(task, team), is_too_late(now, task, team)
         if has_to_form(now, team):
-            if not now.fits(team, now.mission.forming):
+            if is_late or not now.fits(team, now.mission.forming):
                 continue
             raise BrokenRuleError(f"the team of {now.names.task(task)} is there and does not form")
-        if now.is_released(task) and now.fits(team, now.believed_time(task, team)):
-            raise BrokenRuleError(
-                f"{now.names.task(task)} can begin, for all are there, and does not"
-            )
+        if now.is_released(task) and (is_late or now.fits(team, takes)):
+            what = "cannot end in time, and is not missed"
+            can = "can begin, for all are there, and does not"
+            raise BrokenRuleError(f"{now.names.task(task)} {what if is_late else can}")
+
+
+def _settle_end(now: Standing, later: float) -> None:
+    """Check that nothing is left to do after the time at which the mission is over."""
+    until = now.mission.until
+    if until is None or later <= until or is_near(later, until):
+        return
+    for task in range(len(now.truth.tasks)):
+        if task not in now.over:
+            name = now.names.task(task)
+            raise BrokenRuleError(f"the mission is over at {until:g}, and {name} is not")
 
 
 def _settle_works(now: Standing, later: float) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -10,7 +11,7 @@ from teamformer.mission.keys.mission_keys import HOME
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
-from teamformer.mission.parts.places import possible_places
+from teamformer.mission.parts.places import possible_places, sight_of
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import fits_all, rotas_of
 from teamformer.mission.precedence import keep_precedence, tasks_before
@@ -19,7 +20,6 @@ from teamformer.record.event_rules.names import BrokenRuleError, InWords, need
 from teamformer.record.event_rules.outside import what_is_to_come
 from teamformer.record.record import Record
 from teamformer.world.continuous.events import Event, Passed, PlanMade
-from teamformer.world.reference.ways import apart
 from teamformer.world.rules.constants import NOBODY
 
 SEEN = 1e-9
@@ -79,6 +79,7 @@ class Standing:
         self.appeared = {n for n, it in enumerate(self.truth.tasks) if it.appears == 0}
         self.over: dict[int, float] = {}
         self.done: set[int] = set()
+        self.missed: set[int] = set()
         self.started: dict[int, float] = {}
         self.lies: dict[int, Place] = {}
         self.unseen = {n for n, it in enumerate(self.mission.tasks) if it.may_need}
@@ -105,6 +106,9 @@ class Standing:
         self.opened: dict[int, list[int]] = {}  # events of this moment that let tasks begin
         self.over_by: dict[int, int] = {}  # the event with which each task was over
         self.breaks: dict[int, int] = {}  # tasks whose service breaks off now, and by which event
+        self.charges: object = None  # what is left in batteries, if there are any
+        self.dry: set[int] = set()  # robots that have run dry
+        self.at_chargers: dict[int, int] = {}  # robots that go to a charger, or are there for it
 
     def place_of(self, task: int) -> Place:
         """Return where a task is believed to be, or its load lies."""
@@ -147,7 +151,7 @@ class Standing:
     def is_at(self, robot: int, place: Place) -> bool:
         """Say whether a robot stands at a place, and is neither lost nor at work."""
         it = self.robots[robot]
-        is_free = not it.is_lost and it.work == NOBODY
+        is_free = not it.is_lost and it.work == NOBODY and robot not in self.at_chargers
         return is_free and not it.is_walking and it.way[0].place == place
 
     def team_of(self, task: int) -> tuple[int, ...]:
@@ -156,8 +160,9 @@ class Standing:
 
     def sees(self, robot: int, place: Place) -> bool:
         """Say whether a robot is near enough to a place to see what is there."""
-        away = apart(self.turns_at(robot)[0].place, place)
-        return away <= self.mission.finding_radius + SEEN * max(1.0, away)
+        away = sight_of(self.mission.world, self.turns_at(robot)[0].place, place)
+        radius = self.mission.finding_radius
+        return away <= radius or (away < math.inf and away <= radius + SEEN * max(1.0, away))
 
     def brings(self, robots: tuple[int, ...], task: int) -> bool:
         """Say whether robots bring what a task really needs."""
@@ -196,6 +201,12 @@ class Standing:
     def takes(self, robot: int, here: Place, goal: Place) -> float:
         """Return how long a robot takes for a way, if nothing holds it up."""
         return self.lengths.between(here, goal, robot) / self.truth.robots[robot].speed
+
+    def never_gets(self, robot: int, goal: Place) -> bool:
+        """Say whether no way leads a robot to a place, or none before its last shift is over."""
+        start = self.turns_at(robot)[-1]
+        takes = self.takes(robot, start.place, goal)
+        return math.isinf(takes) or math.isinf(self.lengths.when((robot,), start.at, takes))
 
     def turns_at(self, robot: int) -> tuple[Passed, ...]:
         """Return what a new way of a robot begins with."""
@@ -237,6 +248,14 @@ def has_to_form(now: Standing, team: Sequence[int]) -> bool:
     return now.mission.forming > 0 and len(came_from) > 1
 
 
+def is_too_late(now: Standing, task: int, team: tuple[int, ...]) -> bool:
+    """Say whether a task could not end in time if a team that stands there began now."""
+    wanted, until = now.mission.tasks[task], now.mission.until
+    begins = now.now + now.mission.forming * has_to_form(now, team)
+    end = begins + wanted.duration + now.carried(task, team) + wanted.unload
+    return until is not None and end > until and not is_near(end, until)
+
+
 def work_on(now: Standing, event: Event) -> WorkNow:
     """Return the work on the task of an event."""
     work = now.works.get(event.task)
@@ -253,6 +272,8 @@ def expect(event: Event, until: float) -> None:
 
 def is_due(now: Standing, kind: str, which: int) -> bool:
     """Say whether what is to come from outside still is."""
+    if kind in ("lost", "back"):
+        return which not in now.dry
     return kind not in ("cancel", "opens") or which not in now.over
 
 

@@ -18,6 +18,7 @@ from teamformer.record.event_rules.standing import (
     WorkNow,
     expect,
     has_to_form,
+    is_too_late,
     turning,
     work_on,
 )
@@ -55,6 +56,7 @@ def serve(now: Standing, event: Event) -> None:
     need(now.is_released(task), f"{name} may not begin yet")
     need(task not in now.maybe, f"nobody knows where {name} is")
     need(not has_to_form(now, event.robots), f"the team of {name} has not formed")
+    need(not is_too_late(now, task, event.robots), f"{name} cannot end by {now.mission.until}")
     takes = now.believed_time(task, event.robots)
     need(now.fits(event.robots, takes), f"{name} does not fit into the shifts of its team")
     expect(event, now.now + takes)

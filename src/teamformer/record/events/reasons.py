@@ -15,6 +15,7 @@ from teamformer.record.events.runs import Runs
 from teamformer.record.phases import (
     AT_WORK,
     CARRYING,
+    CHARGING,
     FORMING,
     LOST,
     OFF,
@@ -27,9 +28,11 @@ from teamformer.world.rules.constants import NOBODY
 
 IN_THE_NEWS = {
     "lost": "{robots} lost",
+    "empty": "{robots} has run dry",
     "back": "{robots} back",
     "appear": "{task} appears",
     "cancel": "{task} called off",
+    "missed": "{task} missed",
     "know": "{task} needs {needs}",
     "found": "{task} found",
     "broken": "{task} broken off",
@@ -67,7 +70,7 @@ class Explainer:
         """Return the robots that may do something else since an event, or for another reason."""
         if event.plan is not None:
             return range(len(self._mission.robots))
-        if event.kind not in ("arrive", "done", "cancel", "opens", "know"):
+        if event.kind not in ("arrive", "done", "cancel", "missed", "opens", "know"):
             return sorted(self._runs.changed)
         waits = (n for n in range(len(self._mission.robots)) if self._run(n)[0] == WAITING)
         return sorted({*self._runs.changed, *waits})
@@ -83,6 +86,8 @@ class Explainer:
             return ("its team brings all that the load takes, and stays until it is unloaded",)
         if phase in AT_WORK:
             return ("its team brings all that the task needs, and stays until that is done",)
+        if phase == CHARGING:
+            return ("it charges until it is full: else it could not do what comes next",)
         if phase == WAITING:
             return (self._why_waiting(task),)
         if task == NOBODY:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from teamformer.record.phases import (
     CARRYING,
+    CHARGING,
     FORMING,
     IDLE,
     LOADING,
@@ -32,10 +33,13 @@ BEGINS = {
     "broken": IDLE,
     "lost": LOST,
     "back": IDLE,
+    "charge": CHARGING,
+    "charged": IDLE,
+    "empty": LOST,
 }
 """What an event has its robots do from then on; `arrive` and `cancel` depend on the task."""
 
-OF_NO_TASK = (IDLE, LOST)
+OF_NO_TASK = (IDLE, LOST, CHARGING)
 
 
 class Runs:
@@ -77,18 +81,18 @@ class Runs:
                 self._begin(event, UNLOADING)
             case "done":
                 self._end(event.task, event.at, event.robots)
-            case "broken" | "cancel":
+            case "broken" | "cancel" | "missed":
                 self._end(event.task, event.at)
             case "rests":
                 self._off.update(event.robots)
             case "works":
                 self._off.difference_update(event.robots)
-        if event.kind in ("done", "cancel"):
+        if event.kind in ("done", "cancel", "missed"):
             self.over.add(event.task)
 
     def _concerned(self, event: Event) -> Iterable[int]:
         """Return the robots that may do something else since an event."""
-        if event.kind not in ("cancel", "done"):
+        if event.kind not in ("cancel", "done", "missed"):
             return event.robots
         about = [robot for robot, run in enumerate(self._now) if run.task == event.task]
         return sorted({*event.robots, *about})
@@ -103,7 +107,7 @@ class Runs:
             phase = WAITING
         elif event.kind == "serve" and self._loads[task]:
             phase = LOADING
-        elif event.kind not in (*BEGINS, "arrive", "cancel"):
+        elif event.kind not in (*BEGINS, "arrive", "cancel", "missed"):
             return
         self._now[robot] = Run(event.at, phase, NOBODY if phase in OF_NO_TASK else task)
         self.changed.add(robot)

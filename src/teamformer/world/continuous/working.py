@@ -19,6 +19,7 @@ from teamformer.world.continuous.body import (
 from teamformer.world.continuous.events import Passed
 from teamformer.world.continuous.moving import ARRIVE, EXPECT, FINISH
 from teamformer.world.continuous.seeking import SeekingWorld
+from teamformer.world.continuous.ways import way_together
 from teamformer.world.rules.constants import NOBODY
 
 SHORTEST_HOPE = 10
@@ -163,18 +164,9 @@ class WorkingWorld(SeekingWorld):
     def _way_together(
         self, robots: Sequence[int], here: Place, goal: Place
     ) -> list[tuple[Place, float]]:
-        """Return the places on the way of a load, each with the time there, by the slowest.
-
-        If somebody walks, nobody flies over obstacles.
-        """
-        ways = {robot: self.times(robot, here, goal) for robot in robots}
-        takes = {robot: way[-1][1] if way else 0.0 for robot, way in ways.items()}
-        walkers = [robot for robot in robots if not self.truth.robots[robot].flies]
-        slowest = max(walkers or robots, key=takes.__getitem__)
-        own, longest = takes[slowest], max(takes.values())
-        if own in (0.0, longest):
-            return ways[slowest]
-        return [(place, spent * longest / own) for place, spent in ways[slowest]]
+        """Return the places on the way of a load, each with the time there, by the slowest."""
+        real = [self.truth.robots[robot] for robot in robots]
+        return way_together(self.ways, [(it.moves, it.speed) for it in real], here, goal)
 
     def _unload(self, task: int) -> None:
         work, place = self.works[task], self.truth.tasks[task].to

@@ -13,7 +13,7 @@ from teamformer.cli.terminal.console import TimeBar, out, prepare_file, print_js
 from teamformer.cli.terminal.interruption import Interruption
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import default_for, load_method
-from teamformer.mission.checks.rules import rules_not_run
+from teamformer.mission.checks.rules import rules_not_advised
 from teamformer.mission.model import Mission
 from teamformer.trials.advice.advise import advise_on
 from teamformer.trials.advice.changes import FEWER
@@ -25,7 +25,7 @@ MOST_LINES = 15
 
 def advise(path: Path, page: Path | None, time_limit: float, as_json: bool) -> int:
     """Measure what would help a mission and show it; return the exit status."""
-    mission = read_mission(path, rules_not_run)
+    mission = read_mission(path, rules_not_advised)
     if page is not None:
         if page.suffix.lower() not in (".html", ".htm"):
             raise TeamformerError(f"{page}: the advice is a page", "name a file that ends in .html")

@@ -37,6 +37,7 @@ export function framesOfEvents(/** @type {any} */ recorded, tick = tickFor(lengt
     told: readTold({ ...recorded, told: toldInTicks(recorded.told, tick) }, mission),
     doneAt: [...none],
     overAt: [...none],
+    missed: new Map(),
     doers: mission.tasks.map(() => []),
     shownAt: mission.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
     foundAt: mission.tasks.map(({ within }) => (within ? Infinity : 0)),
@@ -191,11 +192,18 @@ function take(history, event) {
       tell(place ? "left" : "broken", place ? { robots, at: place } : { robots });
       return;
     case "lost":
+    case "empty":
       for (const robot of robots) {
         tracks[robot].stop(at);
         absences[robot].push({ from: at, to: Infinity, place: tracks[robot].placeAt(at) });
       }
-      tell("lost", { robots });
+      tell(kind, { robots });
+      return;
+    case "charge":
+      tell("charges", { robots });
+      return;
+    case "charged":
+      tell("full", { robots });
       return;
     case "back":
       for (const robot of robots) for (const absence of absences[robot].slice(-1)) absence.to = at;
@@ -207,6 +215,11 @@ function take(history, event) {
     case "cancel":
       history.overAt[task] = at;
       tell("cancelled");
+      return;
+    case "missed":
+      history.overAt[task] = at;
+      history.missed.set(task, event.why);
+      tell("missed", { why: event.why });
       return;
     case "know":
       history.shownAt[task] = at;

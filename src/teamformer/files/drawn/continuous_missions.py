@@ -1,8 +1,8 @@
-"""Families of missions in continuous time: `roads`, on the lanes of sites, `clock` and `shifts`.
+"""Families of missions in continuous time: `roads`, `clock`, `shifts`, `optional`.
 
-Those of `clock` are on a plane and have each key that plans in continuous time know: order,
-windows, linked starts, loads, forming, ways home, tasks that appear, a cost. Those of `shifts` have
-robots that work in shifts with breaks.
+All have order and windows; those of `roads`, on the lanes of sites, and of `clock` have loads, too.
+Those of `clock` are on a plane and have linked starts, forming, ways home, tasks that appear and a
+cost. Robots of `shifts` work in shifts with breaks. Most tasks of `optional` may be left out.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from itertools import count
 
 import numpy as np
 
-from teamformer.base.errors import MissionError
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.files.drawn.continuous_incidents import INCIDENTS, robots_to_spare
 from teamformer.files.drawn.site_graphs import CART, draw_hospital, draw_warehouse
 from teamformer.mission.checks.optional import find_hopeless_until
 from teamformer.mission.checks.windows import find_hopeless_windows
@@ -82,6 +83,7 @@ def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
             for robot in _draw_robots(rng, starts)
         ]
         tasks = _draw_tasks(rng, robots, places)
+        tasks = [_with_load(rng, task, lambda: places[_below(rng, places)]) for task in tasks]
         tasks = _with_windows(rng, _in_order(rng, tasks))
         return _mission(name, world, robots, tasks)
 
@@ -96,7 +98,7 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
         starts = [_spot(rng) for _ in range(2)]
         robots = _draw_robots(rng, starts)
         tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
-        tasks = [_with_load(rng, task) for task in tasks]
+        tasks = [_with_load(rng, task, lambda: _spot(rng)) for task in tasks]
         tasks = _linked(rng, tasks, total(robot.can for robot in robots))
         tasks = _with_windows(rng, _in_order(rng, tasks))
         late = [replace(t, appears=int(rng.integers(1, 90))) for t in tasks]
@@ -113,7 +115,7 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
 
 
 def draw_in_shifts(rng: np.random.Generator, name: str) -> Mission:
-    """Return a mission of robots that work in shifts; most tasks fit into what two share."""
+    """Return a mission of robots that work in shifts."""
 
     def draw() -> Mission:
         starts = [_spot(rng) for _ in range(2)]
@@ -163,14 +165,26 @@ CONTINUOUS_FAMILIES = {
 }
 
 
+def split_continuous(setting: str) -> tuple[str, str | None] | None:
+    """Return the family and the incident that a setting such as `roads-lost` names, if it does."""
+    name, _, incident = setting.partition("-")
+    if name not in CONTINUOUS_FAMILIES:
+        return None
+    if incident and incident not in INCIDENTS:
+        known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
+        raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")
+    return name, incident or None
+
+
 def _first_sound(draw: Callable[[], Mission]) -> Mission:
-    """Return the first mission that can be done, and whose windows can be kept."""
+    """Return the first mission that can be done, without some robot too, with windows to keep."""
     for _ in count():
         try:
             mission = draw()
         except MissionError:  # as where linked tasks want more robots than there are
             continue
-        if not any((*find_hopeless_windows(mission), *find_hopeless_until(mission))):
+        hopeless = (*find_hopeless_windows(mission), *find_hopeless_until(mission))
+        if not hopeless and robots_to_spare(mission):
             return mission
     raise AssertionError
 
@@ -233,10 +247,14 @@ def _with_windows(rng: np.random.Generator, tasks: Sequence[Task]) -> list[Task]
     return changed
 
 
-def _with_load(rng: np.random.Generator, task: Task) -> Task:
+def _with_load(rng: np.random.Generator, task: Task, draw_place: Callable[[], Place]) -> Task:
     if "carry" not in task.needs or rng.random() >= LOADED / TWO_NEEDS:
         return task
-    return replace(task, to=_spot(rng), unload=round(float(rng.uniform(0, 10)), 1))
+    return replace(task, to=draw_place(), unload=round(float(rng.uniform(0, 10)), 1))
+
+
+def _below(rng: np.random.Generator, choices: Sequence[object]) -> int:
+    return int(rng.integers(len(choices)))
 
 
 def _linked(

@@ -25,10 +25,11 @@ class EndingWatch:
         self._operators = operators
         self._stuck = {spell.robot for spell in faults.stuck if spell.end is None}
 
-    def left(self, now: float, held: Set[int]) -> list[TaskFact] | None:
+    def left(self, now: float, held: Set[int], knowing: Set[int]) -> list[TaskFact] | None:
         """Return what cannot be done any more if all else is done; None while it is not.
 
-        `held` are the operators' tasks, and those called off, that somebody knows still.
+        `held` are the operators' tasks, and those called off, that somebody knows still. Robots
+        `knowing` that all is over have to be home, if the mission ends there.
         """
         able = self._able()
         waiting = [operator for operator in self._operators if not operator.is_accepted]
@@ -38,7 +39,7 @@ class EndingWatch:
         impossible = self.impossible(now, held)
         excused = unheard | {task.key for task in impossible} | self.called_off(now)
         is_over = all(key in excused for key in self._world.tasks if key not in self._world.done)
-        is_home = bool(impossible) or all(map(self._is_home, able))
+        is_home = bool(impossible) or all(map(self._is_home, knowing & set(able)))
         return impossible if is_over and is_home else None
 
     def _is_home(self, robot: int) -> bool:

@@ -106,7 +106,8 @@ class Rehearsal:
             self._step()
             if self._is_to_look and self.now >= over:
                 self._is_to_look = False
-                left = self._ending.left(self.now, self._held())
+                knowing = {r for r, agent in enumerate(self.agents) if agent and agent.is_over}
+                left = self._ending.left(self.now, self._held(), knowing)
                 if left is not None:
                     status = "infeasible" if left else "ended"
                     break

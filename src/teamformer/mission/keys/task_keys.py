@@ -137,10 +137,11 @@ TASK_KEYS = (
         "within",
         Number(0),
         "the task is somewhere within this distance of `at`, in a straight line, in cells or "
-        f"metres; where exactly shows only when a team comes near {NOT_KNOWN}",
+        "metres; on roads in a place to which the way from `at` takes no longer, at speed 1, by "
+        f"whatever is quickest. Where exactly shows only when a team comes near {NOT_KNOWN}",
         default=0.0,
         without="0: it is at `at`",
-        label="Within (cells or m)",
+        label="Within (cells, m, time)",
         unknown=Unknown((ROBOTARIUM,), "has an uncertain place", is_surprise=True),
     ),
     Key(

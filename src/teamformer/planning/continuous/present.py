@@ -55,8 +55,9 @@ def _search(problem: CoalitionProblem, mended: CoalitionPlan | None) -> Solution
 
 
 def _goes_as_planned(known: Known, old: Plan) -> bool:
-    """Say whether a plan foresaw the news, and has all that can be done."""
-    return known.news == ("task done",) and set(known.possible_tasks) <= set(old.order)
+    """Say whether a plan foresaw the news, has all that can be done, and nothing of it is late."""
+    is_foreseen = known.news == ("task done",) and set(known.possible_tasks) <= set(old.order)
+    return is_foreseen and min(old.ends, default=known.now) >= known.now
 
 
 def _solve_present(known: Known, old: Plan | None, rule: Rule, made_from: str) -> Plan:

@@ -34,13 +34,12 @@ class OperatorShares(NamedTuple):
     with_misses: bool = False
 
 
-DROP, EXCHANGE_TASKS, SWAP, REPLACE, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(9)
+DROP, EXCHANGE_TASKS, SWAP, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(8)
 
 OPERATORS = (
-    OperatorShares("drop a task", 10, 10, 10, 10, with_misses=True),
-    OperatorShares("exchange tasks", 20, 20, 20, 20, with_misses=True),
+    OperatorShares("drop a task", 10, 10, 0, 0, with_misses=True),
+    OperatorShares("exchange tasks", 20, 20, 0, 0, with_misses=True),
     OperatorShares("swap heads", 40, 0, 25, 30),
-    OperatorShares("replace a member", 0, 0, 20, 10),
     OperatorShares("ride", 15, 10, 20, 5, with_spares=True),
     OperatorShares("move a stretch", 0, 0, 15, 0),
     OperatorShares("exchange rests", 0, 30, 0, 0),

@@ -29,7 +29,6 @@ from teamformer.planning.graph.ledger import (
 from teamformer.planning.operators.draws import draw_task
 from teamformer.planning.operators.exchanges import exchange_rests
 from teamformer.planning.operators.group_moves import move_group
-from teamformer.planning.operators.members import replace_member
 from teamformer.planning.operators.moved import take_back
 from teamformer.planning.operators.optional_tasks import drop_task, exchange_tasks
 from teamformer.planning.operators.riders import ride
@@ -42,7 +41,6 @@ from teamformer.planning.operators.table import (
     EXCHANGE_TASKS,
     MOVE_GROUP,
     MOVE_TASK,
-    REPLACE,
     RIDE,
     STRETCH,
     SWAP,
@@ -146,8 +144,6 @@ def _change(
             return exchange_tasks(problem, graph, trial, ledger, room, random, task, leg, limit)
     if number == SWAP:
         return swap_heads(problem, graph, trial, ledger, room, random, task, leg, limit)
-    if number == REPLACE:
-        return replace_member(problem, graph, trial, ledger, room, random, task, leg, limit)
     if number == RIDE:
         return ride(problem, graph, trial, ledger, room, random, task, leg, limit)
     if number == STRETCH:

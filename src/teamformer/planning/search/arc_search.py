@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.planning.dispatch.futures import first_plan
 from teamformer.planning.graph.arc_problem import StepRules, pose_arcs
 from teamformer.planning.graph.graph import COST, LEADS, empty_graph, lay, plan_of
 from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledger, room_for_change
@@ -20,8 +21,6 @@ from teamformer.planning.problem.links import have_weights
 from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.planning.search.annealing import anneal, copy_graph
-from teamformer.planning.search.group_start import construct
-from teamformer.planning.search.start import first_plan
 from teamformer.world.rules.chance import SLACKS
 
 HOT, COLD = 20, 800
@@ -45,9 +44,12 @@ hot it begins."""
 WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task then, and so many at most: about a second."""
 
-SHORTER, LESS_HOT, LESS_HOT_IF_WEIGHED = 5, 3, 8
-"""After news the rounds are so many times fewer than those of the shared plan, and begin less hot,
-the last of these if plans have a cost."""
+SHORTER, SHORTER_IF_MANY = 5, 10
+"""After news the rounds are so many times fewer than those of the shared plan: the first of these
+if it has few tasks, or a cost, the other if it takes a second."""
+
+LESS_HOT, LESS_HOT_IF_WEIGHED = 3, 8
+"""They begin less hot, too, the last of these if plans have a cost."""
 
 TRIES = 100
 """How many first plans are begun before nobody is said to be able: linked tasks take robots from
@@ -61,7 +63,7 @@ def has_few_tasks(tasks: int) -> bool:
 
 def rounds_of_a_second(tasks: int) -> int:
     """Return how many rounds take a second of one core, about."""
-    return 440_000_000 // (350 + tasks)
+    return 880_000_000 // (350 + tasks)
 
 
 class ArcSearch:
@@ -81,15 +83,11 @@ class ArcSearch:
 
     def begin_anew(self) -> bool:
         """Make a first plan; say whether every task has an able coalition."""
-        if self._is_weighed:
-            for number in range(TRIES):
-                plan = construct(self.problem, self._draws if number else None)
-                if plan is not None and self.begin_at(plan):
-                    return True
-            return False
-        if (self.problem.counts.sum(axis=0) < self.problem.needs).any():
-            return False
-        return self.begin_at(first_plan(self.problem, self.arcs, self.graph))
+        for number in range(TRIES if self._is_weighed else 1):
+            plan = first_plan(self.problem, self._draws if number else None)
+            if plan is not None and self.begin_at(plan):
+                return True
+        return False
 
     def begin_at(self, plan: CoalitionPlan) -> bool:
         """Stand at a plan; say whether nobody waits in it for ever.
@@ -117,9 +115,9 @@ class ArcSearch:
         """Return the optional tasks that the plan has end too late."""
         if not can_miss(self.problem.misses):
             return []
-        nodes, worth, tasks = self.graph.nodes, self.graph.worth, len(self.problem.needs)
-        is_late = (nodes.taken[:tasks] > 0) & (nodes.end[:tasks] > worth.until)
-        late = is_late & (worth.is_optional > 0)
+        tasks: Any = self.graph.nodes[: len(self.problem.needs)]
+        worth = self.graph.worth
+        late = (worth.is_optional > 0) & (tasks.taken > 0) & (tasks.end > worth.until)
         return [int(task) for task in np.flatnonzero(late)]
 
     def begin_at_best(self) -> None:
@@ -180,7 +178,9 @@ class ArcSearch:
 
     def anneal_again(self) -> None:
         """Make the rounds of that plan after news, from what is left of the old one."""
-        (hot, cold), rounds = self.heats, sum(self._shared_rounds) // SHORTER
+        is_quick = self._is_weighed or has_few_tasks(len(self.problem.needs))
+        rounds = sum(self._shared_rounds) // (SHORTER if is_quick else SHORTER_IF_MANY)
+        hot, cold = self.heats
         if self._is_weighed:
             self._cool(hot / LESS_HOT_IF_WEIGHED, rounds)
         else:

@@ -35,7 +35,7 @@ VERBS = {
     UNLOADING: "unloads",
     IDLE: "is idle",
     LOST: "is lost",
-    OFF: "is off",
+    OFF: "waits for its shift",
     UNKNOWN: "is not known yet",
     CLOSED: "may not begin yet",
     LINKED: "its start is linked",
@@ -43,7 +43,7 @@ VERBS = {
 }
 SHARES = {
     **{phase: phase for phase in PHASES},
-    OFF: "off shift",
+    OFF: "waiting for shifts",
     UNKNOWN: "before tasks are known",
     CLOSED: "before tasks may begin",
     LINKED: "between linked starts",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -10,7 +11,7 @@ from teamformer.mission.keys.mission_keys import HOME
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
-from teamformer.mission.parts.places import possible_places
+from teamformer.mission.parts.places import possible_places, sight_of
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import fits_all, rotas_of
 from teamformer.mission.precedence import keep_precedence, tasks_before
@@ -19,7 +20,6 @@ from teamformer.record.event_rules.names import BrokenRuleError, InWords, need
 from teamformer.record.event_rules.outside import what_is_to_come
 from teamformer.record.record import Record
 from teamformer.world.continuous.events import Event, Passed, PlanMade
-from teamformer.world.reference.ways import apart
 from teamformer.world.rules.constants import NOBODY
 
 SEEN = 1e-9
@@ -157,8 +157,9 @@ class Standing:
 
     def sees(self, robot: int, place: Place) -> bool:
         """Say whether a robot is near enough to a place to see what is there."""
-        away = apart(self.turns_at(robot)[0].place, place)
-        return away <= self.mission.finding_radius + SEEN * max(1.0, away)
+        away = sight_of(self.mission.world, self.turns_at(robot)[0].place, place)
+        radius = self.mission.finding_radius
+        return away <= radius or (away < math.inf and away <= radius + SEEN * max(1.0, away))
 
     def brings(self, robots: tuple[int, ...], task: int) -> bool:
         """Say whether robots bring what a task really needs."""

@@ -163,7 +163,8 @@ class _Seen:
         if task not in self._appeared:
             yield f"{name} is not known yet"
         have = total(self._mission.robots[robot].can for robot in event.robots)
-        if lacks := missing(have, real.needs):
+        is_known = event.robots or event.kind != "done"  # or nobody knows by whom it is done
+        if is_known and (lacks := missing(have, real.needs)):
             yield f"the team of {name} lacks {describe(lacks)}"
         for robot in event.robots:
             if event.kind == "serve" or (event.kind == "done" and real.to is None):
@@ -212,7 +213,10 @@ class _Seen:
     def _end(self, event: Event) -> Iterator[str]:
         task = event.task
         real = self._mission.tasks[task]
-        yield from self._lasts(event, real.duration if real.to is None else real.unload)
+        if event.at < real.appears + real.duration + real.unload - A_MOMENT:
+            yield f"{self._names.task(task)} is done sooner than it can be"
+        if event.robots and self._began.get(task) != event.at:  # else nobody saw it begin
+            yield from self._lasts(event, real.duration if real.to is None else real.unload)
         self._works.pop(task, None)
         self._over[task] = event.at
         self._done.add(task)

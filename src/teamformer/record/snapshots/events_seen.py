@@ -42,7 +42,9 @@ class EventsSeen:
         robots = tuple(robot for robot in robots if robot not in self.lost or kind == "back")
         if not self._is_due(kind, robots, task):
             return
-        if kind == "done" and task not in self.at_work:  # it took no time, or nobody heard of it
+        if (
+            kind == "done" and robots and task not in self.at_work
+        ):  # it took no time, or nobody heard of it
             self.tell(at, "serve", robots, task, place=said["place"], until=at)
         known = [self._since.get(robot, NOBODY) for robot in robots]
         known += [self._of_task.get(task, NOBODY)]
@@ -59,7 +61,7 @@ class EventsSeen:
         if kind in ("lost", "walk", "arrive", "back"):
             return bool(robots) and (kind != "back" or robots[0] in self.lost)
         if kind in ("done", "cancel", "serve", "lift", "unload"):
-            return task not in self.over and (kind == "cancel" or bool(robots))
+            return task not in self.over and (kind in ("done", "cancel") or bool(robots))
         return kind != "broken" or task in self.at_work
 
     def _note(self, event: Event) -> None:

@@ -110,7 +110,11 @@ KINDS = {
     "unload": EventKind(
         ("robots", "task", "place", "until"), "a team with a load is where it goes, and unloads it"
     ),
-    "done": EventKind(("robots", "task", "place"), "a task is done"),
+    "done": EventKind(
+        ("robots", "task", "place"),
+        "a task is done; of fleets perhaps nobody knows by whom",
+        may_lack=("robots",),
+    ),
     "broken": EventKind(
         ("robots", "task", "place"),
         "a service has broken off; robots: those of it that are left; place: where the load lies",

@@ -6,6 +6,8 @@ by array, and a row is copied, or handed out as arrays, in one go.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from teamformer.base.array_types import Array
@@ -67,7 +69,7 @@ class Observer:
     def observations(self, teams: int) -> list[Observation]:
         """Return what each of the first teams observes, in arrays of their own."""
         rows = self.bytes[:teams].copy().reshape(-1).view(self.rows.dtype)
-        parts: list[tuple[Array, ...]] = rows.tolist()  # arrays that share the memory of `rows`
+        parts: Any = rows.tolist()  # tuples of arrays, which share the memory of `rows`
         return [dict(zip(self.names, row, strict=True)) for row in parts]
 
     def _copies_of(self, view: View) -> list[tuple[Array, Array]]:

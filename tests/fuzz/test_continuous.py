@@ -49,7 +49,12 @@ def planned(mission: Mission, method: str) -> MissionPlan | None:
     try:
         return plan_continuous(pose_mission(mission), method, SECONDS)
     except TeamformerError:
-        if not any(task.starts for task in mission.tasks) and mission.cost is None:
+        has_shifts = any(robot.shifts for robot in mission.robots)  # too short for some loads
+        if (
+            not any(task.starts for task in mission.tasks)
+            and mission.cost is None
+            and not has_shifts
+        ):
             raise
         return None
 

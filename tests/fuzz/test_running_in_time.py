@@ -27,8 +27,8 @@ from watching import fuzzed
 NEAR = 1e-9
 FAMILIES = [
     name if incident is None else f"{name}-{incident}"
-    for name in CONTINUOUS_FAMILIES
-    for incident in (None, *INCIDENTS)
+    for name, family in CONTINUOUS_FAMILIES.items()
+    for incident in (None, *(INCIDENTS if family.has_incidents else ()))
 ]
 RUN = "run FILE --seed {seed}"
 SEEDS = st.integers(0, 10**6)

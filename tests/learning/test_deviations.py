@@ -29,7 +29,7 @@ from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.schedule import schedule_of
 from teamformer.trials.trial import run_trial
 
-TINY = replace(load_settings("teamformer-tasks"), iterations=2, worlds=4, held_out=2)
+TINY = replace(load_settings("teamformer-tasks-deviations"), iterations=2, worlds=4, held_out=2)
 
 
 def by_chance(seed: int) -> torch.nn.Module:

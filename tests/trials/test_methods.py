@@ -14,7 +14,7 @@ from teamformer.files.drawn.smallest import smallest_mission
 from teamformer.methods.by_name import Method, as_method, default_for, load_method, with_settings
 from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.crews import Crews
-from teamformer.methods.coordinators.giving_out import TeamformerTasks
+from teamformer.methods.coordinators.giving_out import GivesOutTasks, TeamformerTasks
 from teamformer.methods.coordinators.reactive import Reactive
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.coordinators.soonest import Soonest
@@ -121,6 +121,17 @@ def test_learned_policies_go_without_their_deadlock_guard(own_module: str, tmp_p
             load_method(name)
     with pytest.raises(TeamformerError, match="no method 'gnn-bare'"):
         load_method("gnn-bare")
+
+
+def test_networks_that_give_out_tasks_follow_the_best_of_some_samples() -> None:
+    for name, samples in (("teamformer-tasks", 1), ("teamformer-tasks-of8", 8)):
+        coordinator = load_method(name).coordinator
+        assert isinstance(coordinator, GivesOutTasks)
+        assert coordinator.samples == samples
+    with pytest.raises(TeamformerError, match="no method 'plan-of8': it draws no samples"):
+        load_method("plan-of8")
+    with pytest.raises(TeamformerError, match="no method 'teamformer-tasks-of1'"):
+        load_method("teamformer-tasks-of1")
 
 
 def test_names_are_listed_once() -> None:

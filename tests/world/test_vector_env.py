@@ -77,7 +77,7 @@ def test_worlds_end_and_start_again_each_by_itself() -> None:
     starts = list(together._env.missions)
     for env, mission in zip(alone, starts, strict=True):
         env._env.restart(0, mission, mission)
-        env._observe(env._look())
+        env._observe()
     over = np.zeros(3, dtype=bool)
     for _ in range(SPEC.step_limit or 1):
         counts = together._seen["counts"].copy()

@@ -20,7 +20,7 @@ from teamformer.bench.suites import Suite, cells, player_of
 from teamformer.bench.trials_in_time import why_not_in_time
 from teamformer.files.drawn.named_settings import is_in_time, size_of
 from teamformer.files.imports.authors import read_worlds
-from teamformer.methods.by_name import BARE, files_of_own
+from teamformer.methods.by_name import files_of_own, without_suffix
 from teamformer.methods.listings import method_names, our_method_names
 
 TIMED = 50
@@ -142,7 +142,7 @@ def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tupl
     said: set[str] = set()
     for setting, method in cells(request.suite, request.methods, request.settings):
         why = ""
-        is_listed = player_of(method).removesuffix(BARE) in (*method_names(), AUTHORS)
+        is_listed = without_suffix(player_of(method)) in (*method_names(), AUTHORS)
         if not is_listed and not request.methods:
             why = f"{method}: not in this installation; skipped"
         elif not fits(method, setting):
@@ -195,7 +195,7 @@ def _jobs(
 def _goes_alone(method: str, request: Request) -> bool:
     """Say whether trials must not share a batch: a planner's, and those of methods not ours."""
     method = player_of(method)
-    is_ours = method.removesuffix(BARE) in our_method_names()
+    is_ours = without_suffix(method) in our_method_names()
     return not is_ours or ready_method(method, request.time_limit).needs_everything
 
 

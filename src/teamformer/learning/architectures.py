@@ -138,7 +138,7 @@ ARCHITECTURES = {
         mixture=lambda capabilities: ANY_MIXTURE,
         selection=lambda capabilities: (),
         is_for_any_number=True,
-        methods=("deviations",),
+        methods=("deviations", "samples"),
     ),
     "any": Architecture(
         make=_make_any,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from teamformer.learning.algorithms import deviations, distributed, imitation
+from teamformer.learning.algorithms import deviations, distributed, imitation, sampled_plans
 from teamformer.learning.algorithms.counterfactual import try_others
 from teamformer.learning.algorithms.demonstrations import demonstrate
 from teamformer.learning.algorithms.optimiser import Learner
@@ -120,11 +120,31 @@ def learn_by_deviations(
     return Iteration(steps * distributed.count(), figures)
 
 
+def learn_by_samples(
+    learner: Learner, settings: TrainSettings, number: int, progress: float
+) -> Iteration:
+    """Give out the tasks of fresh missions by chance, and make what better plans chose likelier."""
+    missions = task_worlds(settings.worlds, (settings.seed, number, distributed.rank()))
+    rng = np.random.default_rng(_seed(settings, number))
+    score = deviations.torch_scorer(learner.policy, settings.device)
+    seen, steps, spread = sampled_plans.sample_plans(score, missions, settings.samples, rng)
+    generator = torch.Generator().manual_seed(_seed(settings, number))
+    entropy, clipped = sampled_plans.fit(learner, seen, settings.samples, progress, generator)
+    figures = {
+        "states": float(len(seen.gain)),
+        "spread": spread,  # of the logarithm of what plans of one mission cost
+        "entropy": entropy,
+        "clipped": clipped,
+    }
+    return Iteration(steps * distributed.count(), figures)
+
+
 METHODS: Mapping[str, Callable[[Learner, TrainSettings, int, float], Iteration]] = {
     "ppo": learn_from_rewards,
     "rollouts": learn_by_rollouts,
     "imitation": learn_by_imitation,
     "deviations": learn_by_deviations,
+    "samples": learn_by_samples,
 }
 
 

@@ -24,7 +24,7 @@ LEARNED_FROM = ("real", "sparse", "warehouse", "carry", "air-ground", "moving")
 SIZES = (0.35, 1.4)
 """Robots and tasks are drawn times a number in this range, alike in its logarithm."""
 
-PAPERS, CONTINUOUS = 0.1, 0.3
+PAPERS, CONTINUOUS = 0.05, 0.15
 """Share of the paper's missions, and of those in continuous time; the others are of families."""
 
 

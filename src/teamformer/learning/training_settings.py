@@ -10,6 +10,7 @@ from teamformer.learning.algorithms.imitation import ImitationSettings
 from teamformer.learning.algorithms.ppo import PpoSettings
 from teamformer.learning.algorithms.reward_streams import MissionReward, TeamReward
 from teamformer.learning.algorithms.rollout_improvement import RolloutImprovementSettings
+from teamformer.learning.algorithms.sampled_plans import SampleSettings
 from teamformer.learning.architectures import Architecture, find_architecture
 from teamformer.learning.training_worlds import Mixture, imitation_mixture
 
@@ -35,6 +36,7 @@ class TrainSettings:
     rollouts: RolloutImprovementSettings = field(default_factory=RolloutImprovementSettings)
     imitation: ImitationSettings = field(default_factory=ImitationSettings)
     deviations: DeviationSettings = field(default_factory=DeviationSettings)
+    samples: SampleSettings = field(default_factory=SampleSettings)
     evaluate_every: int = 10
     held_out: int = 48  # worlds of each setting to select on
     begin_from: str = ""  # folder of a checkpoint to take the first weights from
@@ -60,7 +62,7 @@ class TrainSettings:
 
     @property
     def learns_by(self) -> str:
-        """Return the method: `ppo`, `rollouts`, `deviations`, or `imitation` of a script."""
+        """Return the method: a key of `iteration.METHODS`."""
         return self.method or self.architecture.methods[0]
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import importlib.util
 import inspect
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, TypeGuard, cast
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.own_code import load_own, look_here, telling_where
+from teamformer.methods.coordinators.giving_out import GivesOutTasks
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.learned.shipped import shipped_policy
 from teamformer.methods.listings import CARDS, DEFAULT, STAND_IN, find_method, method_names
@@ -24,6 +26,9 @@ from teamformer.planning.steps.shared_plan import is_too_large
 
 BARE = "-bare"
 """After the name of a learned policy: without its deadlock guard."""
+
+SAMPLES = re.compile(r"(.+)-of([2-9]|[1-9]\d+)")
+"""The name of a method that gives out tasks, and how many samples it follows the best of."""
 
 
 @dataclass(frozen=True)
@@ -95,8 +100,9 @@ def with_settings(method: Method, settings: Mapping[str, str]) -> Method:
 def load_method(name: str, time_limit: float | None = None, workers: int | None = None) -> Method:
     """Return a method by its listed name, as `module:Class`, or from the folder of a training.
 
-    With `-bare` after it a learned policy goes without its deadlock guard. `time_limit` (seconds)
-    and `workers` (threads) are what a planner may take for each mission. Raises `TeamformerError`
+    With `-bare` after it a learned policy goes without its deadlock guard, and with `-of8` a
+    network that gives out tasks follows the best of eight samples. `time_limit` (seconds) and
+    `workers` (threads) are what a planner may take for each mission. Raises `TeamformerError`
     for a name that is unknown and for a class that is neither policy nor coordinator.
     """
     made = _own_or_ours(_make_player(name), name)
@@ -131,6 +137,8 @@ def _make_player(name: str) -> Any:
         return load_trained(Path(name))
     if name.endswith(BARE):
         return _bare(name)
+    if (sampled := SAMPLES.fullmatch(name)) is not None:
+        return _best_of(name, sampled[1], int(sampled[2]))
     if ":" in name:
         return _instance(name)
     if not name:
@@ -154,12 +162,29 @@ def _bare(name: str) -> Policy:
     return policy.unguarded()
 
 
+def _best_of(name: str, of: str, samples: int) -> Coordinator:
+    try:
+        made = _make_player(of)
+    except TeamformerError as error:
+        raise TeamformerError(f"there is no method '{name}': {error}", error.hint) from None
+    if not isinstance(made, GivesOutTasks):
+        hint = f"-of{samples} is for networks that give out tasks, such as teamformer-tasks"
+        raise TeamformerError(f"there is no method '{name}': it draws no samples", hint)
+    return made.of_samples(samples)
+
+
+def without_suffix(name: str) -> str:
+    """Return the name of a method without its `-bare` or `-of8`."""
+    sampled = SAMPLES.fullmatch(name)
+    return name.removesuffix(BARE) if sampled is None else sampled[1]
+
+
 def files_of_own(name: str) -> list[Path]:
     """Return the files that make a method that is not ours: of its class, or of a trained folder.
 
     What the class imports is not among them. A method that comes with Teamformer has none.
     """
-    name = name.removesuffix(BARE)
+    name = without_suffix(name)
     folder, found = Path(name), find_method(name)
     if name in CARDS or (found is not None and found.is_ours):
         return []

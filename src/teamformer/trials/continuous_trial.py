@@ -132,7 +132,8 @@ def ending_of(course: Course) -> Ending:
     cost = None
     if mission.cost is not None and is_completed:
         parts = {"makespan": world.now, "travel": world.travel}
-        cost = cost_of(mission.cost, {**parts, **parts_of_ends(mission.tasks, ends)})
+        called_off = world.over.keys() - world.done - set(world.missed)
+        cost = cost_of(mission.cost, {**parts, **parts_of_ends(mission.tasks, ends, called_off)})
     return Ending(
         status=course.status,
         makespan=world.now if is_completed else None,
@@ -144,6 +145,7 @@ def ending_of(course: Course) -> Ending:
             (mission.tasks[gap.task].name, mission.tasks[gap.other].name)
             for gap in course.links.broken(world)
         ),
+        missed=tuple(mission.tasks[task].name for task in sorted(world.missed)),
     )
 
 

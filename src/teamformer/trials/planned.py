@@ -85,6 +85,7 @@ class PlannedMission(MissionPlan):
                 for route in self.routes
             ],
             "late": {tasks[task].name: round(by, DIGITS) for task, by in self.late.items()},
+            **({"missed": [tasks[k].name for k in self.missed]} if self.mission.until else {}),
             "windows": {task.name: list(task.between) for task in tasks if task.between},
             "critical_path": path_rows(self.mission, self.critical_path),
             "curve": [[round(seconds, 3), round(when, DIGITS)] for seconds, when in self.curve],

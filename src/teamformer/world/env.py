@@ -292,7 +292,7 @@ class TeamFormation:
     def _bring_up_to_date(self, worlds: Worlds) -> None:
         """Have orders and plans made where there is news."""
         begun = working_seconds()
-        if self._has_order:
+        if self._has_order and worlds.count["arrived"].any():
             order_worlds(worlds)
         if self._guide is not None:
             self._guide.update(worlds)

@@ -1,7 +1,8 @@
-"""Families of missions in continuous time: `roads`, on the lanes of sites, and `clock`.
+"""Families of missions in continuous time: `roads`, on the lanes of sites, `clock` and `shifts`.
 
-Both have loads, order and windows. Those of `clock` are on a plane and have linked starts, forming,
-ways home, tasks that appear and a cost, too.
+Those of `roads` and `clock` have loads, order and windows. Those of `clock` are on a plane and have
+linked starts, forming, ways home, tasks that appear and a cost, too. Those of `shifts` have robots
+that work in shifts with breaks.
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ import numpy as np
 from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.files.drawn.continuous_incidents import INCIDENTS, robots_to_spare
 from teamformer.files.drawn.site_graphs import CART, draw_hospital, draw_warehouse
+from teamformer.mission.checks.optional import find_hopeless_until
 from teamformer.mission.checks.windows import find_hopeless_windows
 from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND
+from teamformer.mission.parts.shifts import Shift
 
 CAPABILITIES = ("carry", "clean", "scan", "steer")
 ROBOTS, TASKS = (6, 12), (15, 40)
@@ -42,13 +45,30 @@ OPENS, LASTS = (0.0, 90.0), (30.0, 300.0)
 """Seconds at which windows open, and for which they do besides the task itself."""
 
 
+ROTAS: tuple[tuple[Shift, ...], ...] = (
+    ((0, 100), (120, 220)),
+    ((80, 160), (180, 280)),
+    ((0, 280),),
+    (),
+)
+"""The shifts of a robot: early, late, without a break, always."""
+
+EVERY = 300.0
+"""After how many seconds shifts come again."""
+
+
+MUST, WEIGHTS, UNTIL = 2, (1.0, 1.0, 2.0, 3.0, 5.0), (80.0, 200.0)
+"""Of `optional`: how many tasks must be done, what others weigh, and when the mission is over."""
+
+
 @dataclass(frozen=True)
 class ContinuousFamily:
-    """How missions of a family are drawn, and how large they are at most."""
+    """How missions of a family are drawn, how large they are at most, and if something happens."""
 
     draw: Callable[[np.random.Generator, str], Mission]
     robots: int = ROBOTS[1]
     capabilities: int = len(CAPABILITIES)
+    has_incidents: bool = False
 
 
 def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
@@ -68,7 +88,7 @@ def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
         tasks = _with_windows(rng, _in_order(rng, tasks))
         return _mission(name, world, robots, tasks)
 
-    return _first_sound(draw)
+    return _first_sound(draw, has_spare=True)
 
 
 def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
@@ -92,12 +112,57 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
         mission = _mission(name, world, robots, tasks)
         return replace(mission, cost=cost if rng.random() < 0.5 else None, **more)  # type: ignore[arg-type]
 
+    return _first_sound(draw, has_spare=True)
+
+
+def draw_in_shifts(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission of robots that work in shifts."""
+
+    def draw() -> Mission:
+        starts = [_spot(rng) for _ in range(2)]
+        robots = [_in_a_shift(rng, robot) for robot in _draw_robots(rng, starts)]
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        tasks = _with_windows(rng, _in_order(rng, tasks))
+        ends = "home" if rng.random() < 0.5 else None
+        mission = _mission(name, Plane(WIDTH, HEIGHT), robots, tasks)
+        return replace(mission, forming=float(rng.integers(0, 5)), ends=ends)
+
+    return _first_sound(draw)
+
+
+def _in_a_shift(rng: np.random.Generator, robot: Robot) -> Robot:
+    shifts = ROTAS[int(rng.integers(len(ROTAS)))]
+    return replace(robot, shifts=shifts, every=EVERY if shifts else 0.0)
+
+
+def draw_optional(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission that is over before everything can be done; the first tasks must be."""
+
+    def draw() -> Mission:
+        starts = [_spot(rng) for _ in range(2)]
+        robots = _draw_robots(rng, starts)
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        weights = rng.choice(WEIGHTS, len(tasks)).tolist()
+        tasks = [
+            replace(task, optional=number >= MUST, weight=weights[number] if number >= MUST else 1)
+            for number, task in enumerate(tasks)
+        ]
+        tasks = _with_windows(rng, _in_order(rng, tasks))
+        more = {
+            "until": round(float(rng.uniform(*UNTIL)), 1),
+            "ends": "home" if rng.random() < 0.5 else None,
+            "cost": {"makespan": 1.0, "missed": 20.0} if rng.random() < 0.5 else None,
+        }
+        return replace(_mission(name, Plane(WIDTH, HEIGHT), robots, tasks), **more)  # type: ignore[arg-type]
+
     return _first_sound(draw)
 
 
 CONTINUOUS_FAMILIES = {
-    "roads": ContinuousFamily(draw_on_roads),
-    "clock": ContinuousFamily(draw_by_the_clock),
+    "roads": ContinuousFamily(draw_on_roads, has_incidents=True),
+    "clock": ContinuousFamily(draw_by_the_clock, has_incidents=True),
+    "shifts": ContinuousFamily(draw_in_shifts),
+    "optional": ContinuousFamily(draw_optional),
 }
 
 
@@ -106,20 +171,26 @@ def split_continuous(setting: str) -> tuple[str, str | None] | None:
     name, _, incident = setting.partition("-")
     if name not in CONTINUOUS_FAMILIES:
         return None
-    if incident and incident not in INCIDENTS:
-        known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
+    incidents = INCIDENTS if CONTINUOUS_FAMILIES[name].has_incidents else {}
+    if incident and incident not in incidents:
+        known = ", ".join([name, *(f"{name}-{one}" for one in incidents)])
         raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")
     return name, incident or None
 
 
-def _first_sound(draw: Callable[[], Mission]) -> Mission:
-    """Return the first mission that can be done, without some robot too, with windows to keep."""
+def _first_sound(draw: Callable[[], Mission], has_spare: bool = False) -> Mission:
+    """Return the first mission that can be done, and whose windows can be kept.
+
+    If it `has_spare`, it can be done without some robot, too.
+    """
     for _ in count():
         try:
             mission = draw()
         except MissionError:  # as where linked tasks want more robots than there are
             continue
-        if not any(find_hopeless_windows(mission)) and robots_to_spare(mission):
+        if any((*find_hopeless_windows(mission), *find_hopeless_until(mission))):
+            continue
+        if not has_spare or robots_to_spare(mission):
             return mission
     raise AssertionError
 

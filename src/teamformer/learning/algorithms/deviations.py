@@ -18,7 +18,7 @@ from torch import Tensor
 from teamformer.base.array_types import Array
 from teamformer.learning.algorithms.optimiser import Learner, descend, minibatches, set_rate
 from teamformer.methods.learned.dispatch.forecast import DispatchForecast, forecast_of
-from teamformer.methods.learned.dispatch.giving_out import Scorer, give_out_all
+from teamformer.methods.learned.dispatch.giving_out import Scorer, give_out_all, likeliest
 from teamformer.methods.learned.dispatch.offers import MOST_OFFERS
 from teamformer.mission.model import Mission
 from teamformer.planning.dispatch.futures import take_back_from
@@ -70,7 +70,8 @@ def try_deviations(
     forecasts = [forecast_of(mission) for mission in missions]
     given, record = [one.given for one in forecasts], _States()
 
-    def explore(rows: list[int], position: int, features: Array, scores: Array) -> None:
+    def explore(rows: list[int], position: int, features: Array, scores: Array) -> Array:
+        chosen = likeliest(rows, position, features, scores)
         for row, n in enumerate(rows):
             count = int(given[n].dispatcher.offers.made[0])
             if count > 2 and rng.random() < settings.share:
@@ -82,9 +83,10 @@ def try_deviations(
                 record.tried.append(others)
                 record.gain.append(gain)
             if count and rng.random() < settings.random:
-                scores[row, int(rng.integers(count))] = np.inf
+                chosen[row] = rng.integers(count)
+        return chosen
 
-    give_out_all(given, score, before=explore)
+    give_out_all(given, score, explore)
     return _as_tensors(record), sum(one.tasks for one in given)
 
 

@@ -13,9 +13,18 @@ if TYPE_CHECKING:
     from teamformer.mission.model import Mission
 
 
+SAME = 1e-9
+"""By such a share a time may be later: it is rounded."""
+
+
 def has_optional(mission: Mission) -> bool:
     """Say whether a task of a mission may be left out."""
     return any(task.optional for task in mission.tasks)
+
+
+def is_in_time(end: float, until: float | None) -> bool:
+    """Say whether what ends at a time has ended when the mission is over; sums are rounded."""
+    return until is None or end <= until + SAME * max(1.0, until)
 
 
 def find_optional_problems(mission: Mission) -> Iterator[Problem]:

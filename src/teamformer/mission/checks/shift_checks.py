@@ -23,7 +23,19 @@ def find_shift_problems(mission: Mission) -> Iterator[Problem]:
     faults = [p for n, robot in enumerate(mission.robots) for p in _problems_of_rota(robot, n)]
     yield from faults
     if not faults and any(robot.shifts for robot in mission.robots):
+        yield from _linked_tasks(mission)
         yield from _problems_of_tasks(mission)
+
+
+def _linked_tasks(mission: Mission) -> Iterator[Problem]:
+    for number, task in enumerate(mission.tasks):
+        if task.starts:
+            message = f"task '{task.name}' has a linked start, and robots work in shifts"
+            yield Problem(
+                ("tasks", number, "starts"),
+                f"{message}; plans know either of the two, so drop starts or shifts",
+            )
+            return
 
 
 def _problems_of_rota(robot: Robot, number: int) -> Iterator[Problem]:

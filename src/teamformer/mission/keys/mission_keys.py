@@ -19,7 +19,7 @@ from teamformer.mission.keys.kinds import (
     Time,
     Whole,
 )
-from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS, SURPRISES
+from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS
 from teamformer.mission.keys.task_keys import (
     CONTINUOUS_TIME,
     LARGEST_WEIGHT,
@@ -183,7 +183,7 @@ MISSION_KEYS = (
         f"`{{rate: 0.05, until: 60}}`: tasks that appear at random {NOT_KNOWN}",
         default=None,
         without="none",
-        unknown=Unknown(SURPRISES, "tasks appear at random", is_surprise=True),
+        unknown=Unknown((FLEETS, ROBOTARIUM), "tasks appear at random", is_surprise=True),
     ),
     Key(
         "until",

@@ -28,7 +28,6 @@ MOST_ALIKE = 1000
 """Robots that one entry of a file stands for."""
 
 NOT_KNOWN = "([what is not known](mission/unknown.md))"
-SURPRISES = (FLEETS, ROBOTARIUM)
 
 BREAKS_KEYS = (
     Key(
@@ -113,7 +112,7 @@ ROBOT_KEYS = (
         f"`{{rate: 0.001, repair: [10, 40]}}`: random breakdowns {NOT_KNOWN}",
         default=None,
         without="it does not break down",
-        unknown=Unknown(SURPRISES, "may break down", is_surprise=True),
+        unknown=Unknown((ROBOTARIUM,), "may break down", is_surprise=True),
     ),
     Key(
         "delays",
@@ -122,7 +121,7 @@ ROBOT_KEYS = (
         default=None,
         without="0",
         label="Stands still (0 to 1)",
-        unknown=Unknown(SURPRISES, "may stand still", is_surprise=True),
+        unknown=Unknown((ROBOTARIUM,), "may stand still", is_surprise=True),
     ),
     Key(
         "moves",

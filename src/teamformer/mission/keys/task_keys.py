@@ -107,6 +107,7 @@ TASK_KEYS = (
         default={},
         without="whenever it can",
         example={"drip": [5, 10]},
+        unknown=Unknown((FLEETS,), "has starts"),
     ),
     Key(
         "to",

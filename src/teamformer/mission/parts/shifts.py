@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 Shift = tuple[float, float]
 """When a shift begins and ends."""
@@ -12,7 +13,7 @@ Shift = tuple[float, float]
 SAME = 1e-9
 """Moments nearer than this share of the time that has passed are the same: sums are rounded."""
 
-MOST_TRIED = 1000
+MOST_TRIED = 100
 """After so many attempts nobody looks further for a moment that suits the shifts of several."""
 
 
@@ -82,12 +83,32 @@ class Rota:
 
     def walked(self, begin: float, spent: float) -> float:
         """Return when it has walked so long that sets out at `begin`; infinite if it never has."""
-        if not self.shifts or spent <= 0:
+        if not self.shifts or spent <= 0 or math.isinf(begin + spent):
             return begin + spent
         done, end = 0.0, begin
         for start, end in self.walks(begin, spent):
             done += end - start
         return end if done >= spent - SAME * max(1.0, abs(end)) else math.inf
+
+    def goes_on(self, now: float) -> float:
+        """Return the first moment at or after one at which it works; infinite if it never does."""
+        if not self.shifts:
+            return now
+        return next(
+            (max(now, opens) for opens, closes in self.since(now) if closes > now), math.inf
+        )
+
+    def next_border(self, now: float) -> tuple[float, bool] | None:
+        """Return when a shift begins or ends next after a moment, and whether it begins; or None.
+
+        Where shifts touch the one that ends comes first, at the same time as the other one.
+        """
+        for opens, closes in _next_two(self, now):
+            if opens > now:
+                return opens, True
+            if closes > now:
+                return closes, False
+        return None
 
     def worked(self, begin: float, end: float) -> float:
         """Return how long it works between two moments."""
@@ -113,6 +134,20 @@ class Rota:
 
 ALWAYS = Rota()
 """Of a robot without shifts."""
+
+
+class HasRota(Protocol):
+    """A robot."""
+
+    @property
+    def rota(self) -> Rota:
+        """Return when it works."""
+
+
+def rotas_of(robots: Sequence[HasRota]) -> tuple[Rota, ...]:
+    """Return when each robot works; nothing where all always do."""
+    rotas = tuple(robot.rota for robot in robots)
+    return rotas if any(rotas) else ()
 
 
 def fits_all(rotas: Sequence[Rota], earliest: float, takes: float) -> float:

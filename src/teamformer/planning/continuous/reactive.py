@@ -15,6 +15,7 @@ from teamformer.planning.dispatch.futures import (
     begin_dispatch,
     do_not_put_back,
     empty_calls,
+    first_plan,
     have_done_as_in,
     leg_of,
     play_out,
@@ -66,11 +67,8 @@ def react(problem: CoalitionProblem, start: CoalitionPlan | None = None) -> Solu
 
 def dispatch(problem: CoalitionProblem) -> Solution | None:
     """Return what the rule `soonest` itself comes to; None if some task cannot be done."""
-    schedule = empty_schedule(problem)
-    begin_dispatch(problem, schedule)
-    if not play_out(problem, schedule, empty_calls(problem, 0), 0):
-        return _where_linked(problem)
-    return solution_of(problem, schedule.plan)
+    plan = first_plan(problem)
+    return _where_linked(problem) if plan is None else solution_of(problem, plan)
 
 
 def _where_linked(problem: CoalitionProblem) -> Solution | None:

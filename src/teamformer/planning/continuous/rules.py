@@ -14,7 +14,6 @@ from teamformer.planning.continuous.continuous_mission import ContinuousMission,
 from teamformer.planning.continuous.reactive import dispatch, react
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
 from teamformer.planning.continuous_bounds.makespan import improving_bounds
-from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.links import have_weights
@@ -66,7 +65,7 @@ def _better_one(
     """Return the better one of what was found and what was given, with what is known of both."""
     if made is None:
         return None if math.isinf(given.makespan) else given
-    if mission.worth_of(made) <= mission.worth_of(given):
+    if mission.rank_of(made) <= mission.rank_of(given):
         return made
     bound = min(made.bound, given.makespan)
     return replace(given, bound=bound, curve=made.curve)
@@ -88,6 +87,5 @@ def warm_up() -> None:
     search.begin_anew()
     search.anneal(1, 1, 0, 10, 10)
     schedule_of(problem, search.best)
-    draw_plan(problem, 0)
     react(problem)
     list(islice(improving_bounds(problem, lambda: 10), 2))

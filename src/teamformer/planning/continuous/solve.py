@@ -14,7 +14,8 @@ from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_shar
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.links import have_weights, is_bounded
-from teamformer.planning.problem.schedule import COST, LATE, MAKESPAN, schedule_of
+from teamformer.planning.problem.misses import can_miss
+from teamformer.planning.problem.schedule import COST, LATE, MAKESPAN, MISSED, schedule_of
 from teamformer.planning.race import Judgement, Race
 from teamformer.planning.search.arc_search import ArcSearch, has_few_tasks
 
@@ -105,7 +106,8 @@ def solve(
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
     best = _without_riders(problem, race.plan)
-    least = least_cost(problem) if have_weights(problem.links) else 0.0
+    has_least = have_weights(problem.links) and not can_miss(problem.misses)
+    least = least_cost(problem) if has_least else 0.0
     is_proven = judge(problem, best).bounded <= race.bound or best.worth <= least
     return replace(
         best, bound=race.bound, least_cost=least, is_proven=is_proven, curve=(first, *race.curve)
@@ -134,7 +136,7 @@ NEVER_DONE = (math.inf, math.inf)
 
 def _timed(problem: CoalitionProblem, plan: CoalitionPlan) -> Solution:
     total = schedule_of(problem, plan).total
-    return Solution(plan, (int(total[MAKESPAN]), int(total[COST])))
+    return Solution(plan, (int(total[MAKESPAN] + total[MISSED]), int(total[COST])))
 
 
 def _found(search: ArcSearch) -> Solution:
@@ -164,6 +166,8 @@ def judge(problem: CoalitionProblem, solution: Solution) -> Judgement:
         total, bounded = schedule_of(problem, solution.plan).total, math.inf
         if is_bounded(problem.links) and total[LATE] == 0:
             bounded = int(total[MAKESPAN])
+    if can_miss(problem.misses):
+        bounded = math.inf
     return Judgement(solution.rank, solution.worth, bounded)
 
 
@@ -209,11 +213,16 @@ def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[Solution]
     CP-SAT gets as large a share of what is left as bounds get.
     """
     tasks, is_weighed = len(problem.needs), have_weights(problem.links)
-    if is_bounded(problem.links):
+    if is_bounded(problem.links) and not can_miss(problem.misses):
         raise_bound(
             problem, race, lambda: int(schedule_of(problem, race.plan.plan).total[MAKESPAN])
         )
-    is_provable = not is_weighed and has_few_tasks(tasks) and is_small(problem)
+    is_provable = (
+        not is_weighed
+        and not can_miss(problem.misses)
+        and has_few_tasks(tasks)
+        and is_small(problem)
+    )
     if is_provable and not race.is_over:
         seconds = proof_share(tasks) * race.seconds_left
         proof = solve_exactly(problem, race.plan.plan, race.bound, seconds)

@@ -13,8 +13,6 @@ import numpy.typing as npt
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.dispatch.coalition_choice import arrival
-from teamformer.planning.dispatch.first_plan import is_ready
 from teamformer.planning.dispatch.groups import (
     are_linked,
     begun_group,
@@ -24,6 +22,8 @@ from teamformer.planning.dispatch.groups import (
     time_next,
 )
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.planning.problem.rotas import walked
+from teamformer.planning.problem.schedule import empty_schedule
 from teamformer.world.rules.chance import draw
 
 if TYPE_CHECKING:
@@ -72,6 +72,14 @@ def empty_calls(problem: CoalitionProblem, seed: int) -> Calls:
         short=np.zeros(caps, np.int32),
         random=np.array([seed * 2654435761 + 88172645463325252], np.uint64),
     )
+
+
+def first_plan(problem: CoalitionProblem) -> CoalitionPlan | None:
+    """Return the plan of the rule alone; None if all robots together cannot do some task."""
+    schedule = empty_schedule(problem)
+    begin_dispatch(problem, schedule)
+    is_able = play_out(problem, schedule, empty_calls(problem, 0), 0)
+    return schedule.plan if is_able else None
 
 
 def leg_of(problem: CoalitionProblem) -> int:
@@ -139,6 +147,30 @@ def soonest(problem: CoalitionProblem, schedule: Schedule, calls: Calls, positio
         if calls.begin[task] < NEVER and calls.begin[task] + calls.handicap[task] < least:
             best, least = task, calls.begin[task] + calls.handicap[task]
     return best
+
+
+@kernel
+def is_ready(problem: CoalitionProblem, schedule: Schedule, task: int) -> bool:
+    """Say whether a task is not planned while all that come before it are; others have no rank."""
+    tasks = len(schedule.rank)
+    if schedule.rank[task] < tasks:
+        return False
+    for other in problem.before[task]:
+        if other == NOBODY:
+            break
+        if schedule.rank[other] == tasks:
+            return False
+    return True
+
+
+@kernel
+def arrival(
+    problem: CoalitionProblem, schedule: Schedule, robot: int, task: int, position: int
+) -> int:
+    """Return when a robot can be at a task that is done at a position of the order."""
+    place = schedule.last[position, robot]
+    way = problem.ways[problem.pace[robot], place, task]
+    return walked(problem.rotas, problem.kind[robot], schedule.end[place], way)
 
 
 @kernel

@@ -39,6 +39,7 @@ class MissionPlan:
     late: dict[int, float]
     curve: tuple[tuple[float, float], ...] = ()  # (seconds, makespan or cost) of each improvement
     cost: float | None = None  # of a mission that has one
+    missed: tuple[int, ...] = ()  # tasks that are left out
     least_cost: float | None = None
 
     @property

@@ -14,7 +14,7 @@ from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.record.happenings import events
-from teamformer.record.phases import IDLE, LOADING, PHASES, SERVING
+from teamformer.record.phases import IDLE, LOADING, OFF, PHASES, SERVING
 from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, known_steps, lateness
 from teamformer.record.telling.whole import told_of
@@ -40,6 +40,8 @@ def _robots(record: Record) -> Iterable[Row]:
     more = _in_details(ROBOT_KEYS, robots)
     away = (f"lost_{when}", f"back_{when}")
     where = _place_columns(record, "")
+    have_shifts = any(robot.shifts for robot in robots)
+    phases = tuple(phase for phase in PHASES if phase != OFF or have_shifts)
     yield (
         "robot",
         "capabilities",
@@ -47,13 +49,13 @@ def _robots(record: Record) -> Iterable[Row]:
         "moves",
         *where,
         *away,
-        *PHASES,
+        *phases,
         *(k.name for k in more),
     )
     lost, back = (_times_by_robot(record, kind) for kind in ("lost", "back"))
     told = told_of(record)
     for number, robot in enumerate(robots):
-        spent = dict.fromkeys(PHASES, 0.0)
+        spent = dict.fromkeys(phases, 0.0)
         for end, run in told.runs_of(number):
             spent[run.phase or IDLE] += end - run.begun
         can = describe(robot.can)

@@ -14,7 +14,7 @@ from teamformer.base.whole_files import write_whole
 from teamformer.files.mission_files import read_content, read_mission, write_mission
 from teamformer.files.yaml import writer
 from teamformer.methods.listings import method_names
-from teamformer.mission.checks.rules import rules_not_planned, rules_not_played
+from teamformer.mission.checks.rules import rules_not_planned, rules_not_run
 from teamformer.mission.model import Mission
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.reasons import story_lines
@@ -227,7 +227,7 @@ class Workbench:
 
     def _state(self, mission: Mission) -> Told:
         """Return what a mission is, and what it is not fit for."""
-        not_run = mistakes(list(rules_not_played(mission)))
+        not_run = mistakes(list(rules_not_run(mission)))
         not_planned = mistakes(list(rules_not_planned(mission)))
         return (
             summary(mission)

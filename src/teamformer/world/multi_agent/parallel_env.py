@@ -14,12 +14,12 @@ from teamformer.mission.arrivals import most_tasks
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.world.env import Decision, TeamFormation
-from teamformer.world.multi_agent.action_spaces import wanted_from_action
+from teamformer.world.multi_agent.action_spaces import wanted_from_actions
 from teamformer.world.multi_agent.drawing import RENDER_MODES, check_render_mode, draw
-from teamformer.world.multi_agent.observing import observe_rows, observed
+from teamformer.world.multi_agent.observing import Observation, Observer
 from teamformer.world.reward import Reward
 from teamformer.world.rules.constants import NEVER, NOBODY
-from teamformer.world.state.arrays import RUNNING, STATUS_NAMES
+from teamformer.world.state.arrays import COMPLETED, INFEASIBLE, RUNNING, STEP_LIMIT
 
 try:
     from gymnasium import spaces
@@ -30,7 +30,6 @@ except ImportError as error:
     hint = how_to_install("env")
     raise TeamformerError("PettingZoo and Gymnasium are not installed", hint) from error
 
-Observation = dict[str, Array]
 Everyone = dict[str, dict[str, Any]]
 
 
@@ -71,7 +70,10 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         self.possible_agents = [robot.name for robot in self._env.missions[0].robots]
         self._look()
         self.agents: list[str] = []
-        self._columns = observed(self._view)
+        self._observations: dict[str, Observation] = {}
+        robots = len(self.possible_agents)
+        self._number = {name: robot for robot, name in enumerate(self.possible_agents)}
+        self._observer = Observer(self._view, robots, robots, self._has_original_actions)
         self._observation_space = space_of_observations(
             self._observe_rows()[0], self._env.missions[0]
         )
@@ -98,7 +100,8 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
             self._env.reset()
         self._look()
         self.agents = list(self.possible_agents)
-        self._observations = self._observe()
+        self._observations = {}
+        self._observe()
         return dict(self._observations), {agent: {} for agent in self.agents}
 
     def step(
@@ -109,23 +112,30 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         """Make one step with the actions of the agents that are left."""
         self._env.step(self._decision(actions))
         self._look()
-        self._observations |= self._observe()  # the lost keep what they saw last
-        status = STATUS_NAMES[self._env.worlds.count["status"][0]]
-        robots, steps = self._env.worlds.robots[0], self._env.worlds.count["steps"][0]
-        is_coming = (robots["back"] > steps) & (robots["back"] < NEVER)
-        slots = dict(zip(self.possible_agents, robots["team"], strict=True))
-        is_due = dict(zip(self.possible_agents, is_coming.tolist(), strict=True))
+        slots = self._observe()
+        status, is_gone = int(self._env.worlds.count["status"][0]), self._are_gone()
+        is_ended, is_cut = status in (COMPLETED, INFEASIBLE), status == STEP_LIMIT
+        paid = self._env.rewards[0].tolist()
         observations, rewards, terminations, truncations = {}, {}, {}, {}
+        infos: Everyone = {}
         for agent in self.agents:
-            is_away = slots[agent] == NOBODY
-            is_gone = is_away and not is_due[agent]
-            observations[agent] = self._observations[agent]
-            rewards[agent] = 0.0 if is_away else float(self._env.rewards[0, slots[agent]])
-            terminations[agent] = bool(is_gone or status in ("completed", "infeasible"))
-            truncations[agent] = status == "step limit" and not is_gone
-        infos: Everyone = {agent: {} for agent in self.agents}
+            robot = self._number[agent]
+            observations[agent], infos[agent] = self._observations[agent], {}
+            rewards[agent] = 0.0 if slots[robot] == NOBODY else paid[slots[robot]]
+            terminations[agent] = is_ended or is_gone[robot]
+            truncations[agent] = is_cut and not is_gone[robot]
         self.agents = [a for a in self.agents if not (terminations[a] or truncations[a])]
         return observations, rewards, terminations, truncations, infos
+
+    def _are_gone(self) -> list[bool]:
+        """Return which robots are lost and will not be back."""
+        robots, steps = self._env.worlds.robots[0], self._env.worlds.count["steps"][0]
+        is_lost = robots["team"] == NOBODY
+        if not is_lost.any():
+            return [False] * len(robots)
+        is_coming = (robots["back"] > steps) & (robots["back"] < NEVER)
+        gone: list[bool] = (is_lost & ~is_coming).tolist()
+        return gone
 
     def render(self) -> str | Array | None:
         """Return the world as lines of text (`ansi`) or pixels (`rgb_array`); None without mode."""
@@ -167,34 +177,35 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
     def _look(self) -> None:
         """View the world, one that has just ended too: a learner needs the last state's value."""
         status = self._env.worlds.count["status"]
-        ended_as = status.copy()
-        status[:] = RUNNING
+        ended_as = int(status[0])
+        status[0] = RUNNING
         self._view = self._env.view()
-        status[:] = ended_as
+        status[0] = ended_as
 
     def _decision(self, actions: dict[str, Any]) -> Decision:
         """Take each team's decision from its lowest robot; without an answer it maintains."""
-        wanted: list[Any] = list(self._view.counts)
-        for row, slot in enumerate(self._view.slot):
-            answer = actions.get(self.possible_agents[slot])
-            if answer is None:
-                continue
-            if self._has_original_actions:
-                wanted[row] = wanted_from_action(self._view.counts[row], int(answer))
-            else:
-                wanted[row] = answer
-        return Decision(np.array(wanted).reshape(self._view.counts.shape))
+        counts = self._view.counts
+        answers = [actions.get(self.possible_agents[slot]) for slot in self._view.slot.tolist()]
+        if self._has_original_actions:
+            numbers = [0 if answer is None else int(answer) for answer in answers]
+            return Decision(wanted_from_actions(counts, np.array(numbers, np.int64)))
+        both = zip(counts, answers, strict=True)
+        wanted = [own if answer is None else answer for own, answer in both]
+        return Decision(np.array(wanted).reshape(counts.shape))
 
-    def _observe(self) -> dict[str, Observation]:
-        """Return what each robot sees that is in a team; members share the arrays."""
-        rows = self._observe_rows()
-        slots = {slot: row for row, slot in enumerate(self._view.slot.tolist())}
-        teams = zip(self.possible_agents, self._env.worlds.robots["team"][0].tolist(), strict=True)
-        return {agent: rows[slots[slot]] for agent, slot in teams if slot != NOBODY}
+    def _observe(self) -> list[int]:
+        """Note what each robot sees that is in a team; return the slots of their teams.
+
+        Members share the arrays; the lost keep what they saw last.
+        """
+        rows = dict(zip(self._view.slot.tolist(), self._observe_rows(), strict=True))
+        slots: list[int] = self._env.worlds.robots["team"][0].tolist()
+        for agent, slot in zip(self.possible_agents, slots, strict=True):
+            if slot != NOBODY:
+                self._observations[agent] = rows[slot]
+        return slots
 
     def _observe_rows(self) -> list[Observation]:
         """Return what each team sees, in the order of the view."""
-        robots = len(self.possible_agents)
-        arrays = observe_rows(self._view, self._columns, robots, self._has_original_actions)
-        by_row = zip(*map(list, arrays.values()), strict=True)  # each a row of every array
-        return [dict(zip(arrays, row, strict=True)) for row in by_row]
+        self._observer.look(self._view)
+        return self._observer.observations(len(self._view.slot))

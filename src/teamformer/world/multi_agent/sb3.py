@@ -10,7 +10,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import how_to_install
-from teamformer.world.multi_agent.observing import Observations
+from teamformer.world.multi_agent.observing import Observation
 from teamformer.world.multi_agent.vector_env import TeamFormationVector
 
 try:
@@ -35,7 +35,7 @@ class TeamFormationSB3(VecEnv):
             vector.num_envs, vector.single_observation_space, vector.single_action_space
         )
 
-    def reset(self) -> Observations:
+    def reset(self) -> Observation:
         """Start all worlds again."""
         seed = self._seeds[0] if self._seeds else None
         observations, _ = self._vector.reset(seed=seed)
@@ -46,7 +46,7 @@ class TeamFormationSB3(VecEnv):
         """Keep the actions of the next step."""
         self._actions = actions
 
-    def step_wait(self) -> tuple[Observations, Array, Array, list[dict[str, Any]]]:
+    def step_wait(self) -> tuple[Observation, Array, Array, list[dict[str, Any]]]:
         """Make the step."""
         seen, rewards, is_ended, is_cut, _ = self._vector.step(self._actions)
         is_over, infos = is_ended | is_cut, [dict[str, Any]() for _ in range(self.num_envs)]
@@ -89,6 +89,6 @@ class TeamFormationSB3(VecEnv):
         return [indices] if isinstance(indices, int) else list(indices)
 
 
-def _copies(observations: Observations) -> Observations:
+def _copies(observations: Observation) -> Observation:
     """Return arrays that the next step leaves alone."""
     return {name: array.copy() for name, array in observations.items()}

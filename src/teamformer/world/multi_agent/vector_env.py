@@ -15,10 +15,10 @@ from teamformer.mission.truth import draw_truth
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.multi_agent.action_spaces import wanted_from_actions
 from teamformer.world.multi_agent.drawing import RENDER_MODES, check_render_mode, draw
-from teamformer.world.multi_agent.observing import Observations, observe_rows, observed
+from teamformer.world.multi_agent.observing import Observation, Observer, arrays_of, as_bytes
 from teamformer.world.reward import Reward
 from teamformer.world.rules.constants import NOBODY
-from teamformer.world.state.arrays import RUNNING, STATUS_NAMES
+from teamformer.world.state.arrays import RUNNING, STEP_LIMIT
 
 try:
     from gymnasium.vector import AutoresetMode, VectorEnv
@@ -28,10 +28,8 @@ try:
 except ImportError as error:
     raise TeamformerError("Gymnasium is not installed", how_to_install("env")) from error
 
-STEP_LIMIT = STATUS_NAMES.index("step limit")
 
-
-class TeamFormationVector(VectorEnv[Observations, Array, Array]):
+class TeamFormationVector(VectorEnv[Observation, Array, Array]):
     """Worlds in which every robot is an environment: robot `r` of world `w` is `w * robots + r`.
 
     A robot observes its team's row of the view and gets its team's reward (eq. 1). The lowest robot
@@ -74,23 +72,22 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         self._robots = self._env.worlds.robots.shape[1]
         self._is_over = np.zeros(worlds, dtype=np.bool_)
         self.num_envs = worlds * self._robots
-        self._columns = observed(self._env.view())
-        rows = self._look()
-        first = {name: array[0] for name, array in rows.items()}
+        self._observer = Observer(
+            self._env.view(), self.num_envs, self._robots, self._has_original_actions
+        )
+        seen_by = np.zeros_like(self._observer.rows)  # a row for each robot
+        self._seen, self._rows = arrays_of(seen_by), as_bytes(seen_by)
+        first = {name: array[0] for name, array in self._seen.items()}
         self.single_observation_space = space_of_observations(first, missions[0])
         self.single_action_space = space_of_actions(self._env, source, self._has_original_actions)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._seen = {
-            name: np.zeros((self.num_envs, *array.shape[1:]), array.dtype)
-            for name, array in rows.items()
-        }
         self._is_deciding = np.zeros(self.num_envs, dtype=np.bool_)
-        self._observe(rows)
+        self._observe()
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observations, dict[str, Any]]:
+    ) -> tuple[Observation, dict[str, Any]]:
         """Start all worlds again; a seed decides these starts and the later ones."""
         if isinstance(seed, list):
             raise TeamformerError("the worlds draw from one seed", "give one number as seed")
@@ -99,10 +96,10 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         for w in range(len(self._is_over)):
             self._env.restart(w, *self._draw())
         self._is_over[:] = False
-        self._observe(self._look())
+        self._observe()
         return self._seen, self._infos()
 
-    def step(self, actions: Array) -> tuple[Observations, Array, Array, Array, dict[str, Any]]:
+    def step(self, actions: Array) -> tuple[Observation, Array, Array, Array, dict[str, Any]]:
         """Make a step in every world with a row of `actions` (robots, ...) for each robot."""
         was_over = np.flatnonzero(self._is_over).tolist()
         self._env.step(self._decision(np.asarray(actions)))
@@ -110,7 +107,7 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
             self._env.restart(w, *self._draw())
         status = self._env.worlds.count["status"]
         self._is_over = status != RUNNING
-        self._observe(self._look())
+        self._observe()
         ended, cut = self._is_over & (status != STEP_LIMIT), status == STEP_LIMIT
         slots = self._env.worlds.robots["team"]
         rewards = np.where(
@@ -119,12 +116,12 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
         both = (np.repeat(ended, self._robots), np.repeat(cut, self._robots))
         return self._seen, rewards.ravel(), *both, self._infos()
 
-    def restart_ended(self) -> Observations:
+    def restart_ended(self) -> Observation:
         """Start ended worlds again now, not in the next step; return what robots see then."""
         for w in np.flatnonzero(self._is_over).tolist():
             self._env.restart(w, *self._draw())
         self._is_over[:] = False
-        self._observe(self._look())
+        self._observe()
         return self._seen
 
     def render(self) -> tuple[Any, ...] | None:
@@ -157,24 +154,24 @@ class TeamFormationVector(VectorEnv[Observations, Array, Array]):
             return mission, mission
         return mission, draw_truth(mission, int(rng.integers(2**31)))
 
-    def _look(self) -> Observations:
-        """Return what teams see, in worlds that have just ended, too: learners need that state."""
+    def _look(self) -> None:
+        """View all worlds, those that have just ended, too: learners need that state."""
         status = self._env.worlds.count["status"]
         ended_as = status.copy()
         status[:] = RUNNING
         self._view = self._env.view()
         status[:] = ended_as
-        return observe_rows(self._view, self._columns, self._robots, self._has_original_actions)
 
-    def _observe(self, rows: Observations) -> None:
+    def _observe(self) -> None:
         """Give each robot that is in a team what its team sees; the lost keep what they saw."""
+        self._look()
+        self._observer.look(self._view)
         view, slots = self._view, self._env.worlds.robots["team"]
         row_of = np.full(slots.shape, NOBODY)  # by slot
         row_of[view.world, view.slot] = np.arange(len(view.slot))
         own_row = np.take_along_axis(row_of, slots.clip(0), axis=1)[slots != NOBODY]  # by robot
         there = np.flatnonzero(slots.ravel() != NOBODY)
-        for name, array in rows.items():
-            self._seen[name][there] = array[own_row]
+        self._rows[there] = self._observer.bytes[own_row]
         self._is_deciding = (slots == np.arange(self._robots)).ravel()
 
     def _infos(self) -> dict[str, Any]:

@@ -70,6 +70,8 @@ def _show(made: PlannedMission, row: Mapping[str, Any]) -> None:
     out.print(over, markup=False)
     for task, by in row["late"].items():
         out.print(f"late: {task} by {by:g}", markup=False)
+    if row.get("missed"):
+        out.print(f"left out: {', '.join(row['missed'])}", markup=False)
     ends_home = made.mission.ends is not None
     table = Table("robot", "tasks: start to end", *(["back"] if ends_home else []), box=None)
     routes = row["routes"]

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from teamformer.base.array_types import Ints
 from teamformer.methods.learned.dispatch.giving_out import GivingOut
 from teamformer.mission.coordination import known_at_start
 from teamformer.mission.model import Mission
-from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.continuous_mission import ContinuousMission, pose_mission
 from teamformer.planning.continuous.reactive import mean_future
 from teamformer.planning.dispatch.futures import empty_calls
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.constants import TICKS
-from teamformer.planning.problem.schedule import MAKESPAN, schedule_of
+from teamformer.planning.problem.schedule import COST, MAKESPAN, schedule_of
 from teamformer.planning.step_times.groups import empty_groups
 from teamformer.planning.step_times.timing import STEP
 from teamformer.planning.steps.reactive import mean_future_in_steps, pose_present
@@ -39,6 +40,9 @@ class DispatchForecast(Protocol):
 
     def makespan(self) -> float:
         """Return the makespan of what is given out, in the mission's unit."""
+
+    def cost(self) -> float:
+        """Return what is given out costs: the makespan, and a little when tasks end on average."""
 
 
 class StepForecast:
@@ -78,12 +82,15 @@ class StepForecast:
         """Return the step in which everything is done."""
         return float(self.timed().makespan)
 
+    def cost(self) -> float:
+        """Return what leads a search."""
+        return float(self.timed().lead)
+
 
 class ContinuousForecast:
     """Of a mission in continuous time that is judged by its makespan and lateness."""
 
-    def __init__(self, mission: Mission) -> None:
-        posed = pose_mission(mission)
+    def __init__(self, posed: ContinuousMission) -> None:
         self.given = GivingOut.of(posed.problem)
         self._scale = posed.scale
         self._calls = empty_calls(posed.problem, 0)
@@ -97,13 +104,27 @@ class ContinuousForecast:
 
     def makespan(self) -> float:
         """Return when everything is over."""
+        return float(self._total[MAKESPAN] / self._scale)
+
+    def cost(self) -> float:
+        """Return what plans are compared by, in ticks."""
+        return float(self._total[COST])
+
+    @property
+    def _total(self) -> Ints:
         plan: CoalitionPlan = self.given.schedule.plan
-        total = schedule_of(self.given.problem, plan).total
-        return float(total[MAKESPAN] / self._scale)
+        return schedule_of(self.given.problem, plan).total
 
 
-def forecast_of(mission: Mission) -> StepForecast | ContinuousForecast:
-    """Return a forecast of a mission from its start on."""
+def forecasts_of(mission: Mission, count: int) -> list[DispatchForecast]:
+    """Return so many forecasts of a mission from its start on; each gives out its own tasks."""
     if mission.time == "continuous":
-        return ContinuousForecast(mission)
-    return StepForecast(situation_of(known_at_start(mission)))
+        posed = pose_mission(mission)
+        return [ContinuousForecast(posed) for _ in range(count)]
+    situation = situation_of(known_at_start(mission))
+    return [StepForecast(situation) for _ in range(count)]
+
+
+def forecast_of(mission: Mission) -> DispatchForecast:
+    """Return a forecast of a mission from its start on."""
+    return forecasts_of(mission, 1)[0]

@@ -13,6 +13,7 @@ from teamformer.methods.learned.dispatch.offers import (
     FEATURES,
     MOST_OFFERS,
     Dispatcher,
+    OfferFeature,
     accept_offer,
     empty_dispatcher,
     make_offers,
@@ -23,6 +24,10 @@ from teamformer.planning.problem.schedule import Schedule, empty_schedule
 
 Scorer = Callable[[Array, Array], Array]
 """From features (states, offers, FEATURES) and counts (states,), scores (states, offers)."""
+
+Chooser = Callable[[list[int], int, Array, Array], Array]
+"""From problems (numbers), the position, features and scores of what is on offer to each, the
+offers that are accepted, (problems,)."""
 
 MOST_GIVEN = 80
 """So many tasks are given out by the network; the rule `soonest` plays out what is left then."""
@@ -60,17 +65,28 @@ class GivingOut:
         accept_offer(self.problem, self.schedule, self.dispatcher, offer, position)
 
 
+def likeliest(rows: list[int], position: int, features: Array, scores: Array) -> Array:
+    """Choose the offer with the highest score."""
+    best: Array = scores.argmax(axis=1)
+    return best
+
+
+def by_chance(rng: np.random.Generator, heat: float) -> Chooser:
+    """Return a chooser to whom the chance of an offer is the exponential of its score by `heat`."""
+
+    def choose(rows: list[int], position: int, features: Array, scores: Array) -> Array:
+        best: Array = (scores + heat * rng.gumbel(size=scores.shape)).argmax(axis=1)
+        return best
+
+    return choose
+
+
 def give_out_all(
-    problems: Sequence[GivingOut],
-    score: Scorer,
-    rng: np.random.Generator | None = None,
-    heat: float = 0.0,
-    before: Callable[[list[int], int, Array, Array], None] | None = None,
+    problems: Sequence[GivingOut], score: Scorer, choose: Chooser = likeliest
 ) -> Array:
     """Give out all tasks of some problems, side by side; return which could be, (problems,) bool.
 
-    With `heat` each score has a random part of that size (Gumbel's), from `rng`. `before` is told
-    the problems (numbers), the position, features and scores before offers are accepted.
+    Scores of what is not on offer, and of second offers of the same robots, are -inf.
     """
     could = np.ones(len(problems), np.bool_)
     last = max((min(one.tasks, MOST_GIVEN) for one in problems), default=0)
@@ -84,19 +100,26 @@ def give_out_all(
         count = np.array([problems[n].offer(position) for n in rows], np.int64)
         for row, n in enumerate(rows):
             features[row] = problems[n].dispatcher.offers.features
-        scores = score(features[: len(rows)], count)
-        if before is not None:
-            before(rows, position, features[: len(rows)], scores)
-        if heat > 0 and rng is not None:
-            scores = scores + heat * rng.gumbel(size=scores.shape)
-        scores[np.arange(MOST_OFFERS) >= count[:, None]] = -np.inf
-        for n, offers, best in zip(
-            rows, count.tolist(), scores.argmax(axis=1).tolist(), strict=True
-        ):
+        seen = features[: len(rows)]
+        scores = score(seen, count)
+        scores[~are_choices(seen, count)] = -np.inf
+        chosen = choose(rows, position, seen, scores).tolist()
+        for n, offers, offer in zip(rows, count.tolist(), chosen, strict=True):
             if offers:
-                problems[n].accept(best, position)
+                problems[n].accept(offer, position)
             could[n] &= offers > 0
     for n, one in enumerate(problems):
         if could[n] and one.tasks > MOST_GIVEN:
             could[n] = play_out(one.problem, one.schedule, one.dispatcher.first, MOST_GIVEN)
     return could
+
+
+def are_choices(features: Array, count: Array) -> Array:
+    """Return which offers there are, (states, offers), second ones of the same robots left out."""
+    is_offer = np.arange(features.shape[1]) < count[:, None]
+    is_alike, is_second = (
+        features[..., OfferFeature.IS_ALIKE],
+        features[..., OfferFeature.IS_SPARING],
+    )
+    chosen: Array = is_offer & (is_alike * is_second == 0)
+    return chosen

@@ -36,6 +36,7 @@ export const ACTIVITIES = {
   forms: "forming a team",
   "leads home": "on the way to where they stop",
   idle: "without assignment",
+  off: "off its shift",
 };
 
 function overview(/** @type {App} */ app) {

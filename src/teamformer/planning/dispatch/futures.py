@@ -6,6 +6,7 @@ its own handicap, so that futures differ. Robots that are there first do a task,
 
 from __future__ import annotations
 
+from random import Random
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -41,6 +42,11 @@ SHY = 1
 """A robot counts as coming later by up to so many times what a task takes it."""
 
 
+FEW = 4
+"""Where the rule finds no plan, it is tried again with everything put back by up to so many tasks
+at random."""
+
+
 class Calls(NamedTuple):
     """Who would do each open task next, and when; and by how much each is put back."""
 
@@ -74,12 +80,18 @@ def empty_calls(problem: CoalitionProblem, seed: int) -> Calls:
     )
 
 
-def first_plan(problem: CoalitionProblem) -> CoalitionPlan | None:
-    """Return the plan of the rule alone; None if all robots together cannot do some task."""
-    schedule = empty_schedule(problem)
+def first_plan(problem: CoalitionProblem, draws: Random | None = None) -> CoalitionPlan | None:
+    """Return the plan of the rule alone; None if nobody is left for some task.
+
+    With `draws` tasks and robots are put back by what a few tasks take at most.
+    """
+    schedule, calls = empty_schedule(problem), empty_calls(problem, 0)
+    if draws is not None:
+        most = FEW * leg_of(problem)
+        calls.handicap[:] = [int(draws.random() * most) for _ in calls.handicap]
+        calls.reserve[:] = [int(draws.random() * most) for _ in calls.reserve]
     begin_dispatch(problem, schedule)
-    is_able = play_out(problem, schedule, empty_calls(problem, 0), 0)
-    return schedule.plan if is_able else None
+    return schedule.plan if play_out(problem, schedule, calls, 0) else None
 
 
 def leg_of(problem: CoalitionProblem) -> int:

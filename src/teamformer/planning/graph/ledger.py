@@ -230,7 +230,7 @@ def _start(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, 
 @kernel
 def _completion(weight: float, worth: Any, end: int) -> int:
     """Return what counts of the end of a task, unless it is missed."""
-    return 0 if end > worth.until else np.int64(weight * end)
+    return 0 if end > worth.until else int(weight * end)
 
 
 @kernel

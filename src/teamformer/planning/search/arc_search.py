@@ -21,7 +21,6 @@ from teamformer.planning.problem.links import have_weights
 from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.planning.search.annealing import anneal, copy_graph
-from teamformer.planning.search.group_start import construct
 from teamformer.world.rules.chance import SLACKS
 
 HOT, COLD = 20, 800
@@ -84,14 +83,11 @@ class ArcSearch:
 
     def begin_anew(self) -> bool:
         """Make a first plan; say whether every task has an able coalition."""
-        if self._is_weighed:
-            for number in range(TRIES):
-                plan = construct(self.problem, self._draws if number else None)
-                if plan is not None and self.begin_at(plan):
-                    return True
-            return False
-        first = first_plan(self.problem)
-        return first is not None and self.begin_at(first)
+        for number in range(TRIES if self._is_weighed else 1):
+            plan = first_plan(self.problem, self._draws if number else None)
+            if plan is not None and self.begin_at(plan):
+                return True
+        return False
 
     def begin_at(self, plan: CoalitionPlan) -> bool:
         """Stand at a plan; say whether nobody waits in it for ever.
@@ -119,7 +115,8 @@ class ArcSearch:
         """Return the optional tasks that the plan has end too late."""
         if not can_miss(self.problem.misses):
             return []
-        tasks, worth = self.graph.nodes[: len(self.problem.needs)], self.graph.worth
+        tasks: Any = self.graph.nodes[: len(self.problem.needs)]
+        worth = self.graph.worth
         late = (worth.is_optional > 0) & (tasks.taken > 0) & (tasks.end > worth.until)
         return [int(task) for task in np.flatnonzero(late)]
 

@@ -12,7 +12,6 @@ from clock_missions import RandomPlans, draw_mission
 from clock_promises import check_promises
 from missions import continuous_missions, optional_missions
 from teamformer.base.errors import TeamformerError
-from teamformer.files.drawn.continuous_incidents import INCIDENTS
 from teamformer.files.drawn.continuous_missions import CONTINUOUS_FAMILIES
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.files.mission_files import mission_from_tree, mission_to_tree
@@ -26,14 +25,10 @@ from teamformer.trials.trial import bound_of, run_trial
 from watching import fuzzed
 
 NEAR = 1e-9
-NOT_WITH_BATTERIES = ("delays", "places", "mixed", "all")
-"""What may happen that does not go with batteries yet."""
-
 FAMILIES = [
     name if incident is None else f"{name}-{incident}"
-    for name in CONTINUOUS_FAMILIES
-    for incident in (None, *INCIDENTS)
-    if name != "charging" or incident not in NOT_WITH_BATTERIES
+    for name, family in CONTINUOUS_FAMILIES.items()
+    for incident in (None, *family.incidents)
 ]
 RUN = "run FILE --seed {seed}"
 SEEDS = st.integers(0, 10**6)

@@ -41,8 +41,6 @@ def _draw(rng: np.random.Generator) -> Mission:
     world = draw_world(rng)
     robots = [_draw_robot(rng, world, number) for number in range(int(rng.integers(2, 6)))]
     tasks = [_draw_task(rng, world, number) for number in range(int(rng.integers(1, 9)))]
-    if isinstance(world, Grid) and any(task.to for task in tasks):  # nobody flies with a load
-        robots = [replace(robot, moves="ground") for robot in robots]
     for number in range(1, len(tasks)):
         before = tasks[int(rng.integers(number))].name
         what = rng.random()

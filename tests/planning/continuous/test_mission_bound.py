@@ -52,6 +52,18 @@ def test_what_is_called_off_need_not_be_done_and_who_is_lost_need_not_come_home(
     assert bound_in_time(corridor(tasks=(replace(both, cancelled=5.0),))) == 0
 
 
+def test_who_has_a_long_way_home_may_do_nothing() -> None:
+    """The fast one is there at 5, done at 6 and home at 11; the slow one stays where it is.
+
+    If both shared the work and both had to go home, it would be 6 and their ways home, 5 and 50,
+    divided by two.
+    """
+    fast, slow = (tf.Robot(name, (0, 0), {"a": 1}, speed) for name, speed in (("f", 1), ("s", 0.1)))
+    task = tf.Task("t", (5, 0), {"a": 1}, duration=1.0)
+    mission = corridor(robots=(fast, slow), tasks=(task,))
+    assert bound_in_time(mission) == pytest.approx(11, abs=NEAR)
+
+
 def test_a_run_tells_it_as_in_steps() -> None:
     trial = tf.run(corridor())
     assert (trial.makespan, trial.lower_bound) == (19, pytest.approx(19, abs=NEAR))

@@ -75,13 +75,17 @@ def with_loss(mission: Mission, rng: np.random.Generator) -> tuple[Mission, Miss
 
 
 def with_arrivals(mission: Mission, rng: np.random.Generator) -> tuple[Mission, Mission]:
-    """Return a mission of which a fifth of the tasks appear one by one, for both."""
+    """Return a mission of which a fifth of the tasks appear one by one, for both.
+
+    With windows each appears at 0.6 of the time at which its own begins.
+    """
     end = worth_of(replace(mission, cost=None))
     late = rng.permutation(len(mission.tasks))[: len(mission.tasks) // 5]
     when = np.sort(rng.uniform(0.1, 0.6, len(late))) * end
     tasks = list(mission.tasks)
     for task, at in zip(late.tolist(), when.tolist(), strict=True):
-        tasks[task] = replace(tasks[task], appears=at)
+        between = tasks[task].between
+        tasks[task] = replace(tasks[task], appears=0.6 * between[0] if between else at)
     changed = replace(mission, tasks=tuple(tasks))
     return changed, changed
 
@@ -121,12 +125,19 @@ def imported(form: str, name: str) -> Mission:
     return mission
 
 
+def home_care(patients: int, number: int) -> str:
+    """Return the file of an instance of home care."""
+    return f"hhcrsp/instances/InstanzCPLEX_HCSRP_{patients}_{number + 1}.json"
+
+
 SETS: dict[str, Callable[[int], Mission]] = {
     "RA-L, 20 tasks": lambda n: imported("hetero-mrta", f"ral/env_{n}.json"),
     "roads, 40 tasks": roads,
     "MA-AT-50-5-50": lambda n: imported(
         "hetero-mrta", f"heteromrta/MA-AT-50-5-50/env_{n % 5}.json"
     ),
+    "HHCRSP, 25 patients": lambda n: imported("hhcrsp", home_care(25, n % 10)),
+    "HHCRSP, 50 patients": lambda n: imported("hhcrsp", home_care(50, n % 10)),
     "MA-AT-50-5-200": lambda n: imported(
         "hetero-mrta", f"heteromrta/MA-AT-50-5-200/env_{n % 5}.json"
     ),

@@ -90,7 +90,11 @@ def _idle_bound(problem: CoalitionProblem, home: Ints) -> int:
 
 
 def _work(problem: CoalitionProblem, relaxation: Relaxation, cap: int) -> int:
-    """Return the work of a capability, shared out evenly: services, ways there and home."""
+    """Return the work of a capability, shared out evenly: services, ways there and home.
+
+    Whoever has a long way home may do nothing: it is shared among those with the shortest ways home
+    that are over first with it.
+    """
     able, tasks = _able(problem, cap), np.flatnonzero(problem.needs[:, cap])
     if not len(tasks):
         return 0
@@ -101,4 +105,6 @@ def _work(problem: CoalitionProblem, relaxation: Relaxation, cap: int) -> int:
     needed = int((problem.needs[tasks, cap] * cheapest).sum())
     counts = problem.counts[able, cap].astype(np.int64)
     back = relaxation.home[problem.kind[able]][:, tasks].min(axis=1)
-    return -(-(needed + int((counts * back).sum())) // int(counts.sum()))
+    order = np.argsort(back, kind="stable")
+    done = needed + np.cumsum((counts * back)[order])  # (able,) by so many robots
+    return int((-(-done // np.cumsum(counts[order]))).min())

@@ -50,13 +50,19 @@ def judge_way(
     stub: tuple[Passed, ...],
     goal: Place,
 ) -> None:
-    """Check that a way begins where robots are, is as short as can be, and takes so long."""
+    """Check that a way begins where robots are, is as short as can be, and takes so long.
+
+    Together they go round obstacles if somebody walks, and take as long as the slowest would alone.
+    """
     way = event.way
     if not _is_same_way(way[: len(stub)], stub):
         said, due = (now.names.passed(part[0]) for part in (way, stub))
         raise BrokenRuleError(f"the way begins at {said} in the record, by the rules at {due}")
-    slowest = max(robots, key=lambda robot: now.takes(robot, stub[-1].place, goal))
-    speed, spent, here = now.truth.robots[slowest].speed, 0.0, stub[-1].place
+    alone = {robot: now.takes(robot, stub[-1].place, goal) for robot in robots}
+    walkers = [robot for robot in robots if not now.truth.robots[robot].flies]
+    slowest = max(walkers or robots, key=alone.__getitem__)
+    slower = max(alone.values()) / alone[slowest] if alone[slowest] > 0 else 1.0
+    speed, spent, here = now.truth.robots[slowest].speed / slower, 0.0, stub[-1].place
     for at, place in way[len(stub) :]:
         spent += now.lengths.between(here, place, slowest)
         due_at = now.lengths.when(robots, stub[-1].at, spent / speed)

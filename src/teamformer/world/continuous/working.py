@@ -7,10 +7,11 @@ from collections.abc import Iterable, Sequence
 
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
-from teamformer.mission.parts.shifts import SAME, fits_all
+from teamformer.mission.parts.shifts import fits_all
 from teamformer.world.continuous.body import (
     CARRYING,
     FORMING,
+    SAME,
     SERVING,
     UNLOADING,
     TeamWork,
@@ -234,7 +235,8 @@ class WorkingWorld(SeekingWorld):
     def _set_down(self, task: int, way: tuple[Passed, ...]) -> Place:
         """Return where a load is set down: where it passed last, not over an obstacle."""
         world, origin = self.truth.world, self.place_of(task)
-        passed = [one.place for one in way if one.at <= self.now]
+        latest = self.now + SAME * max(1.0, self.now)  # sums of times are rounded
+        passed = [one.place for one in way if one.at <= latest]
         where = [
             at for at in passed if world.is_free(at) and world.region(at) == world.region(origin)
         ]

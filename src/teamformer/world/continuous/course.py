@@ -240,12 +240,8 @@ class Course:
         cause = world.cause_among([body.since, self._plan_now()])
         if world.charges_first(robot, task, goal, cause):
             return NOBODY
-        is_new = task != body.task
-        if (
-            is_new
-            or (goal is None and body.is_walking)
-            or (goal and not self._is_bound(robot, goal))
-        ):
+        is_elsewhere = body.is_walking if goal is None else not self._is_bound(robot, goal)
+        if task != body.task or is_elsewhere:
             world.set_out(robot, goal, task, cause)
         return task
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from teamformer.mission.checks.windows import release_of
-from teamformer.mission.model import Mission
+from teamformer.mission.model import Mission, Robot
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import Plane
@@ -84,7 +84,22 @@ def _check_walks(truth: Mission, events: Sequence[Event]) -> None:
             continue
         ahead = [passed for passed in way if passed.at >= event.at - NEAR]
         takes = length_of(truth, robot, ahead[0].place, way[-1].place)
-        assert abs(way[-1].at - ahead[0].at - takes) < NEAR, f"as long as the way: {event}"
+        walked = _worked(truth.robots[robot], ahead[0].at, way[-1].at)
+        assert abs(walked - takes) < NEAR, f"as long as the way: {event}"
+
+
+def _shifts_of(robot: Robot, until: float) -> list[tuple[float, float]]:
+    """Return when a robot works up to a time, turn by turn."""
+    if not robot.shifts:
+        return [(0.0, math.inf)]
+    turns = range(1 + (int(until / robot.every) if robot.every else 0))
+    return [(a + n * robot.every, b + n * robot.every) for n in turns for a, b in robot.shifts]
+
+
+def _worked(robot: Robot, begin: float, end: float) -> float:
+    """Return how long a robot works between two times."""
+    shifts = _shifts_of(robot, end)
+    return sum(max(0.0, min(end, closes) - max(begin, opens)) for opens, closes in shifts)
 
 
 def _check_services(truth: Mission, events: Sequence[Event]) -> None:
@@ -118,6 +133,9 @@ def _check_services(truth: Mission, events: Sequence[Event]) -> None:
             assert covers(total(truth.robots[r].can for r in event.robots), real.needs)
             assert all(_is_same(at[r], place) for r in event.robots), f"all are there: {event} {at}"
             assert release_of(real) <= event.at + NEAR
+            for shifts in (_shifts_of(truth.robots[r], event.until or 0.0) for r in event.robots):
+                is_in_one = [a <= event.at and (event.until or 0.0) <= b + NEAR for a, b in shifts]
+                assert any(is_in_one), f"it fits into a shift of each: {event}"
             assert all(over.get(names[name], math.inf) <= event.at for name in real.after)
             assert task not in serving
             serving[task] = event

@@ -62,17 +62,18 @@ def judge_way(
     walkers = [robot for robot in robots if not now.truth.robots[robot].flies]
     slowest = max(walkers or robots, key=alone.__getitem__)
     slower = max(alone.values()) / alone[slowest] if alone[slowest] > 0 else 1.0
-    speed, spent, here = now.truth.robots[slowest].speed / slower, 0.0, stub[-1].place
+    speed, spent = now.truth.robots[slowest].speed / slower, 0.0
+    before, here = stub[-1]
     for at, place in way[len(stub) :]:
         spent += now.lengths.between(here, place, slowest)
         due_at = now.lengths.when(robots, stub[-1].at, spent / speed)
         if place == here and len(robots) == 1:  # it pauses there, where a shift has just ended
-            rounded = due_at + NEAR * max(1.0, due_at)
+            rounded = before + NEAR * max(1.0, before)
             due_at = now.truth.robots[robots[0]].rota.goes_on(rounded)
         if not is_near(at, due_at):
             what = f"{now.names.place(place)} is passed at {due_at:.9g} by the rules"
             raise BrokenRuleError(f"{what} and at {at:.9g} in the record")
-        here = place
+        here, before = place, at
     length = now.lengths.between(stub[-1].place, goal, slowest)
     if not is_near(spent, length):
         raise BrokenRuleError(f"the way is {spent:.9g} long, and a way of {length:.9g} leads there")

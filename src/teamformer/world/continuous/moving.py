@@ -127,7 +127,8 @@ class MovingWorld(ABC):
         ahead = self.passing((robot,), start.at, [(p, d / real.speed) for p, d in stages])
         if ahead and math.isinf(ahead[-1].at):  # its shifts are over before
             goal, ahead = start.place, ()
-        way = (*stub, *with_pauses(real.rota, start, ahead, self.is_plane))
+        is_even = self.is_plane and real.delays is None
+        way = (*stub, *with_pauses(real.rota, start, ahead, is_even))
         if len(way) == 1:
             stops = body.is_walking
             self.stop_walking(robot)

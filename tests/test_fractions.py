@@ -188,7 +188,7 @@ def test_an_operators_task_may_be_finer_than_what_robots_bring() -> None:
     run.step()
     message = {"task": {"at": [5, 0], "needs": {"lift": 7.401}, "name": "more"}}
     more = read_incident(message, run.source)
-    assert more == NewTask((5, 0), {"lift": 7.401}, "more")
+    assert more == NewTask(Task("more", (5, 0), {"lift": 7.401}))
     assert more.text(run.source) == "task more at [5, 0] that needs 7.401 x lift"
     run.happen(more)
     while run.is_running:
@@ -198,7 +198,7 @@ def test_an_operators_task_may_be_finer_than_what_robots_bring() -> None:
     again = run_trial(run.source, JoinAll()).record
     assert again.steps == run.record().steps
     with pytest.raises(TeamformerError, match=r"7\.501 x lift but .* have 7\.5 x lift"):
-        run.happen(NewTask((5, 0), {"lift": 7.501}, "most"))
+        run.happen(NewTask(Task("most", (5, 0), {"lift": 7.501})))
 
 
 def test_a_fleet_does_what_an_operator_adds_in_fractions() -> None:

@@ -288,6 +288,28 @@ def test_what_a_wheel_brings_is_not_compiled(tmp_path: Path) -> None:
     assert list((tmp_path / "mine").rglob("*.nbc")) == []
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("fields", [("one", "other"), ("other", "one")])
+def test_fields_that_change_places_are_compiled_anew(
+    fields: tuple[str, str], tmp_path: Path
+) -> None:
+    """Machine code reads a field by its place, and the kernel's own file does not name it."""
+    (tmp_path / "oracle.py").write_text(
+        "from pairs import Pair\n"
+        "from teamformer.base.kernels.jit import entry\n\n"
+        "@entry\ndef other_of(pair):\n    return pair.other\n\n"
+        "def reply():\n    return other_of(Pair(one=1, other=2))\n"
+    )
+    for order in (("one", "other"), fields):
+        (tmp_path / "pairs.py").write_text(
+            "from typing import NamedTuple\n\nclass Pair(NamedTuple):\n"
+            + "".join(f"    {field}: int\n" for field in order)
+        )
+        assert call_anew(tmp_path, "kept", PYTHONDONTWRITEBYTECODE="1") == "False 2"
+    kept = list((tmp_path / "kept").rglob("*.nbc"))
+    assert len(kept) == len({("one", "other"), fields})
+
+
 def test_compiling_is_told_apart_from_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The clock of work stands still meanwhile; what is kept is not compiled again."""
     monkeypatch.setattr(nb.config, "CACHE_DIR", str(tmp_path / "kept"))

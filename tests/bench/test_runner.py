@@ -75,6 +75,24 @@ def test_missions_with_a_cost_are_told_by_it(tmp_path: Path) -> None:
     assert "cost" not in summary_table(summarise(rows_of("4N4T-C4", "plan", [20, 21])))
 
 
+def test_missions_in_continuous_time_are_told_in_their_unit(tmp_path: Path) -> None:
+    """Rows are what a run tells; a method that counts in steps is left out, and why is said."""
+    suite, said = load_suite("clock"), list[str]()
+    request = Request(suite, 2, methods=("plan", "soonest", "heuristic"), settings=("clock-lost",))
+    rows = measured(tmp_path, request, say=said.append)
+    assert {method for _, method, _ in rows} == {"plan", "soonest"}
+    assert any("decides step by step" in line for line in said)
+    for (_, method, seed), row in rows.items():
+        end = run_trial(world_of("clock-lost", seed), load_method(method), seed).record.end
+        assert (row.makespan, row.cost, row.tasks_done) == (end.makespan, end.cost, end.tasks_done)
+        assert row_of(row.to_line()) == row
+        assert row.makespan is not None
+        assert row.lower_bound is not None
+        assert 0 < row.lower_bound <= row.makespan
+        assert row.decisions is not None
+        assert row.decisions > 1  # after the loss, too
+
+
 def test_rows_of_older_versions_are_read() -> None:
     job = Job("hand", "4N4T-C4", "plan", (), 1.0, "abc")
     row = known_row(job, 0, world_of("4N4T-C4", 0), 20)

@@ -327,6 +327,33 @@ CASES = [
     ("speed: 0.5", "lost: 4, back: 4", 7, "robot 'b' is lost at step 4 and back at step 4; it"),
     (
         "speed: 0.5",
+        "shifts: [[9, 5]]",
+        7,
+        "robot 'b' has a shift from 9 to 5; use [begin, end], 0 or more and in this order, up to "
+        "1e9",
+    ),
+    (
+        "speed: 0.5",
+        "shifts: [[0, 5], [4, 9]]",
+        7,
+        "robot 'b' has a shift from 4 on, before the one before it ends at 5; put them in order, "
+        "or join the two",
+    ),
+    (
+        "speed: 0.5",
+        "shifts: [[0, 8]], every: 6",
+        7,
+        "the shifts of robot 'b' come again every 6, but take 8 from first to last; use 8",
+    ),
+    (
+        "speed: 0.5}\ntasks:\n  - {name: x,",
+        "shifts: [[0, 8]]}\ntasks:\n  - {duration: 9, name: x,",
+        9,
+        "task 'x' takes 9, but robots that can do it have no shift that long in common; lengthen "
+        "their shifts, or shorten the task",
+    ),
+    (
+        "speed: 0.5",
         "lost: [4, 6], back: [6]",
         7,
         "robot 'b' is back at step 6 and lost at step 6; it must be lost later",

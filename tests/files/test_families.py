@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from teamformer.base.errors import TeamformerError
-from teamformer.files.drawn.continuous_missions import CONTINUOUS_FAMILIES, ROBOTS, TASKS
+from teamformer.files.drawn.continuous_incidents import INCIDENTS, WHEN, robots_to_spare
+from teamformer.files.drawn.continuous_missions import (
+    CONTINUOUS_FAMILIES,
+    EVERY,
+    ROBOTS,
+    ROTAS,
+    TASKS,
+)
 from teamformer.files.drawn.families import FAMILIES
 from teamformer.files.drawn.family_missions import INCIDENT_STEPS, about_half_of
 from teamformer.files.drawn.named_settings import size_of, world_of
@@ -217,9 +224,56 @@ def test_whoever_moves_gets_everywhere_on_roads_and_some_lanes_lead_one_way() ->
     assert movers == {"ground", "cart"}
 
 
+def test_in_shifts_robots_have_four_rotas() -> None:
+    robots = [robot for mission in worlds("shifts") for robot in mission.robots]
+    share = {rota: sum(it.shifts == rota for it in robots) / len(robots) for rota in ROTAS}
+    assert all(0.15 < part < 0.35 for part in share.values())
+    assert {robot.every for robot in robots if robot.shifts} == {EVERY}
+
+
 def test_by_the_clock_every_key_is_drawn() -> None:
     tasks = [task for mission in worlds("clock") for task in mission.tasks]
     for key in ("after", "between", "starts", "to", "appears"):
         assert 0.05 < sum(bool(getattr(task, key)) for task in tasks) / len(tasks) < 0.5
     for key in ("forming", "ends", "cost"):
         assert sum(bool(getattr(mission, key)) for mission in worlds("clock")) > 10
+
+
+def test_on_roads_some_tasks_have_loads_windows_and_others_before_them() -> None:
+    tasks = [task for mission in worlds("roads") for task in mission.tasks]
+    for key in ("after", "between", "to"):
+        assert 0.05 < sum(bool(getattr(task, key)) for task in tasks) / len(tasks) < 0.5
+
+
+@pytest.mark.parametrize("name", CONTINUOUS_FAMILIES)
+@pytest.mark.parametrize("incident", INCIDENTS)
+def test_incidents_in_continuous_time_change_nothing_else(name: str, incident: str) -> None:
+    for seed in range(5):
+        calm, changed = world_of(name, seed), world_of(f"{name}-{incident}", seed)
+        assert [task.at for task in changed.tasks] == [task.at for task in calm.tasks]
+        assert [robot.can for robot in changed.robots] == [robot.can for robot in calm.robots]
+        assert changed.world == calm.world
+        assert mission_from_tree(mission_to_tree(changed)) == changed
+    assert size_of(f"{name}-{incident}") == size_of(name)
+
+
+@pytest.mark.parametrize("name", CONTINUOUS_FAMILIES)
+def test_who_is_lost_can_be_spared_and_a_fifth_appears_or_is_called_off(name: str) -> None:
+    for seed in range(20):
+        lost = world_of(f"{name}-lost", seed)
+        [gone] = [n for n, robot in enumerate(lost.robots) if robot.absences]
+        [away] = lost.robots[gone].absences
+        assert WHEN[0] <= away.lost <= WHEN[1]
+        assert away.back is None
+        assert gone in robots_to_spare(world_of(name, seed))
+        off = [t for t in world_of(f"{name}-cancelled", seed).tasks if t.cancelled is not None]
+        assert len(off) == len(lost.tasks) // 5
+        assert all(task.cancelled > task.appears for task in off)  # type: ignore[operator]
+        late = sum(t.appears > 0 for t in world_of(f"{name}-arrivals", seed).tasks)
+        assert late >= len(lost.tasks) // 5
+
+
+def test_an_unknown_incident_in_continuous_time_is_refused() -> None:
+    with pytest.raises(TeamformerError, match="'clock-stolen' is no setting") as refused:
+        size_of("clock-stolen")
+    assert "clock-lost, clock-arrivals, clock-cancelled" in refused.value.hint

@@ -11,21 +11,28 @@ import pytest
 from teamformer.base.errors import MissionError
 from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.mission.keys import robot_keys, task_keys
+from teamformer.mission.keys.charging_keys import BATTERY_KEYS, CHARGER_KEYS
 from teamformer.mission.keys.key import Key
 from teamformer.mission.keys.mission_keys import ARRIVALS_KEYS, MISSION_KEYS
 from teamformer.mission.keys.robot_keys import BREAKS_KEYS, DELAYS_KEYS, ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
+from teamformer.mission.keys.zone_keys import ZONE_KEYS
 from teamformer.mission.model import Arrivals, Breakdown, Delays, Mission, Robot, Task
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.zones import Zone
 
 TABLES: dict[type[Any], tuple[tuple[Key, ...], dict[str, str]]] = {
     Robot: (ROBOT_KEYS, robot_keys.NOT_ALIKE),
     Task: (TASK_KEYS, task_keys.NOT_ALIKE),
     Mission: (MISSION_KEYS, {"teamformer": "the version of the format"}),
     Arrivals: (ARRIVALS_KEYS, {}),
+    Battery: (BATTERY_KEYS, {}),
     Breakdown: (BREAKS_KEYS, {}),
+    Charger: (CHARGER_KEYS, {}),
     Delays: (DELAYS_KEYS, {}),
+    Zone: (ZONE_KEYS, {"name": "it stands before the keys"}),
     Plane: (PLANE_KEYS, dict.fromkeys(("plane", "width", "height"), "plane has both sides")),
 }
 

@@ -128,8 +128,8 @@ def test_missions_in_steps_have_neither() -> None:
     told = [problem.message for problem in rules_not_played(replace(MISSION, time="steps"))]
     remedy = "write time: continuous"
     assert told == [
-        "in steps a cost may weigh makespan, tardiness, max_tardiness, completion; drop travel, or "
-        + remedy,
+        "in steps a cost may weigh makespan, tardiness, max_tardiness, completion, missed; "
+        f"drop travel, or {remedy}",
         f"task 'y' has starts, which are for continuous time; {remedy}",
         f"task 'z' has starts, which are for continuous time; {remedy}",
     ]

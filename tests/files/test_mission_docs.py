@@ -10,6 +10,7 @@ from test_broken_files import CASES, GOOD, problems_of
 
 from teamformer.files.mission_files import read_mission
 from teamformer.mission.model import Breakdown, Mission
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.roads import Roads
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -26,7 +27,8 @@ def test_the_tables_of_keys_are_as_the_keys_are_now() -> None:
     wanted = re.findall(r"^\| `([\w.]+)` \| .* \| must be there \|$", text, re.MULTILINE)
     robots, tasks = ["at", "can"], ["at", "needs"]
     mission = ["teamformer", "world", "capabilities", "robots", "tasks"]
-    assert wanted == [*mission, *robots, *tasks, "world.plane"]
+    charging = ["battery.lasts", "battery.fills", "chargers.at"]
+    assert wanted == [*mission, *robots, *tasks, *charging, "world.plane"]
 
 
 def examples_of(page: Path, folder: Path) -> list[Mission]:
@@ -50,6 +52,11 @@ def test_the_examples_are_read(tmp_path: Path) -> None:
     [errands] = examples_of(PARTS / "time.md", tmp_path)
     assert [robot.name for robot in errands.robots] == ["cart-1", "cart-2", "cart-3", "eye"]
     assert errands.tasks[2].between == (10, 40)
+    [lifts] = examples_of(PARTS / "charging.md", tmp_path)
+    assert lifts.robots[1].battery == Battery(60, 20, 0.5, 0.2)
+    assert lifts.chargers == (Charger((20, 20), 2),)
+    [dock] = examples_of(PARTS / "zones.md", tmp_path)
+    assert [zone.tasks_in(dock.tasks) for zone in dock.zones] == [[0, 1], [2]]
     [storm] = examples_of(PARTS / "unknown.md", tmp_path)
     assert storm.tasks[0].lasts == (2, 9)
     assert storm.tasks[1].may_need == {"weld": 0.4, "power": 0.2}

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from small_worlds import make, robot, task
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.bodies.body import Report
+from teamformer.fleet.bodies.journey import Journey
+from teamformer.fleet.bodies.world import Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import OPERATOR, Message, Notice, Post
 from teamformer.fleet.observer.watch import Watch
+from teamformer.fleet.observer.watch_in_time import WatchInTime
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.mission.parts.grid import Place
+from teamformer.world.continuous.events import Passed
 
 PLANNER = CoordinatedPlanner()
 
@@ -54,6 +61,12 @@ def opened(mission: FleetMission, sender: int, notices: list[Notice]) -> list[Me
     return [message for message in messages if message is not None]
 
 
+def walked(at: float, robot: int, points: Sequence[Place], begin: float, time: float) -> Walked:
+    """Return that a robot set out through points, each so many seconds after the one before."""
+    way = (Passed(begin + number * time, place) for number, place in enumerate(points))
+    return Walked(at, robot, Journey(tuple(way)))
+
+
 class Watched(Rehearsal):
     """A rehearsal that somebody hears who looks once a step, from some second on.
 
@@ -63,7 +76,8 @@ class Watched(Rehearsal):
     def __init__(
         self, mission: FleetMission, since: float = 0.0, faults: Faults = UNDISTURBED
     ) -> None:
-        self.watch = Watch(mission)
+        is_in_steps = mission.source.time == "steps"
+        self.watch = Watch(mission) if is_in_steps else WatchInTime(mission)
         self._since, self._has_begun = since, since == 0.0
         self._onlooker = Post(mission.number, mission.robots)
         super().__init__(mission, PLANNER, plan_of(mission), faults)
@@ -78,16 +92,16 @@ class Watched(Rehearsal):
         assert heard is not None
         if not self._has_begun:
             self._come()
-        while self._has_begun and len(self.watch.steps) < int(self.now / self.mission.step):
+        while self._has_begun and self.watch.made < int(self.now / self.mission.step):
             self.watch.step()
         self.watch.hear(heard)
 
     def _come(self) -> None:
-        """Begin once everybody has been heard for a beat."""
+        """Hear what agents know; begin once everybody has been heard for a beat."""
         for me, agent in enumerate(self.agents):
             if agent is not None:
                 note = agent.knowledge.note_for_onlookers()
                 self.watch.hear(Message(1, self.mission.number, me, OPERATOR, note))
-        if self.now >= self._since + self.mission.timers.beat:
+        if not self._has_begun and self.now >= self._since + self.mission.timers.beat:
             self._has_begun = True
             self.watch.begin(self.now)

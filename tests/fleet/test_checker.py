@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fleets import pair
+from fleets import pair, walked
 from teamformer.fleet.messages import READY, SERVE
-from teamformer.fleet.rehearsal.checker import Checker
-from teamformer.fleet.rehearsal.trace import Accepted, Event, Finished, Said, Walked, Worked
+from teamformer.fleet.rehearsal.checking.checker import Checker
+from teamformer.fleet.rehearsal.trace import Accepted, Event, Finished, Said, Worked
 from teamformer.world.rules.constants import NOBODY
 
 GOOD: list[Event] = [
-    Walked(0.0, 0, tuple((x, 0) for x in range(7)), 0.0, 1.0),
-    Walked(0.0, 1, ((4, 0), (5, 0), (6, 0)), 0.0, 1.0),
+    walked(0.0, 0, tuple((x, 0) for x in range(7)), 0.0, 1.0),
+    walked(0.0, 1, ((4, 0), (5, 0), (6, 0)), 0.0, 1.0),
     Said(2.1, 1, 0, 0, READY, 8.0),
     Said(6.1, 0, 0, 0, READY, 2.6),
     Worked(6.2, 0, 0, 0),
@@ -41,23 +41,23 @@ def test_to_begin_alone_is_found() -> None:
 
 def test_to_begin_what_is_done_already_is_no_fault() -> None:
     """A mind that learns late that its task is done; the other one has left, as it may."""
-    late = Walked(8.4, 1, ((6, 0), (5, 0)), 8.4, 1.0)
+    late = walked(8.4, 1, ((6, 0), (5, 0)), 8.4, 1.0)
     assert found([*GOOD, late, Worked(9.5, 0, 0, 0), Worked(9.6, 0, NOBODY, NOBODY)]) == ""
 
 
 def test_to_begin_what_was_done_long_ago_is_found() -> None:
     """No body reports so late: 3.2 s after the task was done."""
-    late = Walked(8.4, 1, ((6, 0), (5, 0)), 8.4, 1.0)
+    late = walked(8.4, 1, ((6, 0), (5, 0)), 8.4, 1.0)
     assert "begins to serve task 't0' although" in found([*GOOD, late, Worked(11.5, 0, 0, 0)])
 
 
 def test_to_be_elsewhere_is_found() -> None:
-    late = Walked(0.0, 0, tuple((x, 0) for x in range(7)), 1.0, 1.0)
+    late = walked(0.0, 0, tuple((x, 0) for x in range(7)), 1.0, 1.0)
     assert "serves task 't0' without being there" in found([late, *GOOD[1:]])
 
 
 def test_to_leave_too_early_is_found() -> None:
-    leaving = Walked(6.15, 1, ((6, 0), (5, 0)), 6.15, 1.0)
+    leaving = walked(6.15, 1, ((6, 0), (5, 0)), 6.15, 1.0)
     assert "'r1' leaves task 't0' 3.95 s before" in found([*GOOD[:4], leaving])
 
 

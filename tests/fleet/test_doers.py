@@ -12,7 +12,7 @@ from teamformer.files.mission_files import read_mission
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.methods.coordinators.shared_plan import SharedPlan

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fleets import plan_of, trio
+from fleets import plan_of, trio, walked
 from small_worlds import make, robot, task
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.bodies.body import Command
@@ -16,11 +16,11 @@ from teamformer.fleet.bodies.world import FleetWorld, Lifted, Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import READY, SERVE, Beat, FactsNote, LoadFact, Message, Word
 from teamformer.fleet.observer.watch import Watch
-from teamformer.fleet.rehearsal.checker import Checker
+from teamformer.fleet.rehearsal.checking.checker import Checker
 from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import play
 from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Trace, Worked
 from teamformer.mission.model import Mission, Robot, Task
@@ -328,7 +328,7 @@ GOOD: list[Event] = [
     *(Worked(0.6, robot, 0, 0) for robot in (0, 1)),
     *(Said(0.6, robot, 0, 0, SERVE, 2.6) for robot in (0, 1)),
     Lifted(3.6, 0, (0, 1), (2, 0)),
-    *(Walked(3.6, robot, CELLS, 3.6, 1.0) for robot in (0, 1)),
+    *(walked(3.6, robot, CELLS, 3.6, 1.0) for robot in (0, 1)),
     Finished(13.6, 0),
     *(Worked(13.6, robot, NOBODY, NOBODY) for robot in (0, 1)),
 ]
@@ -354,12 +354,12 @@ def test_to_take_up_too_soon_is_found() -> None:
 
 
 def test_to_take_up_elsewhere_is_found() -> None:
-    away = Walked(0.0, 1, ((2, 0), (3, 0)), 0.0, 0.2)
+    away = walked(0.0, 1, ((2, 0), (3, 0)), 0.0, 0.2)
     assert "'t0' is taken up where it does not lie" in found([away, *GOOD])
 
 
 def test_to_carry_too_fast_is_found() -> None:
-    fast = [Walked(3.6, e.robot, CELLS, 3.6, 0.9) if isinstance(e, Walked) else e for e in GOOD]
+    fast = [walked(3.6, e.robot, CELLS, 3.6, 0.9) if isinstance(e, Walked) else e for e in GOOD]
     assert "'r0' carries 't0' faster than all can who do" in found(fast)
 
 

@@ -14,7 +14,7 @@ from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.rehearsal.faults import Crash, Faults, Order
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.record.files.reading import record_from_tree
 from teamformer.record.files.writing import record_to_tree

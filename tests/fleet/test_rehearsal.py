@@ -21,7 +21,7 @@ from teamformer.fleet.rehearsal.benchmark import bench_fleet, summarise
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, judge, play, set_stage
 from teamformer.fleet.rehearsal.shrink import shrink
 from teamformer.fleet.rehearsal.trace import Sent, Trace, Walked, Worked
@@ -116,7 +116,7 @@ def test_who_parts_where_its_next_task_is_stays_there() -> None:
     _, outcome, violations = play(mission, plan, Faults(), trace)
     assert (outcome.status, violations) == ("ended", [])
     ways = [event for event in trace.events if isinstance(event, Walked) and event.robot == 1]
-    assert sum(len(event.points) > 1 for event in ways) == 1
+    assert sum(len(event.journey.way) > 1 for event in ways) == 1
 
 
 def test_who_is_left_alone_goes_on_once_it_can_move_again() -> None:
@@ -137,7 +137,7 @@ def test_who_is_stuck_beside_its_task_may_go_the_rest_of_the_way_while_it_serves
     _, outcome, violations = play(mission, plan_of(mission), faults, trace)
     assert (outcome.status, violations) == ("ended", [])
     late = [e for e in trace.events if isinstance(e, Walked) and e.robot == 1 and e.at >= 5.0]
-    assert late[0].points == ((0.0, 0.0), (0.04, 0.0))
+    assert [passed.place for passed in late[0].journey.way] == [(0.0, 0.0), (0.04, 0.0)]
 
 
 def test_robots_of_different_speed_that_lose_each_other_on_the_way_get_there_all_the_same() -> None:

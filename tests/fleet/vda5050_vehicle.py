@@ -66,7 +66,7 @@ class Vehicle:
         self.told[what] = content
         if what == "order":
             self.orders.append(content)
-            why = self.rejects or self._why_not(content["nodes"][0]["nodePosition"])
+            why = self.rejects or self._why_not(content["nodes"][0])
             if why:
                 self._reject("orderError", why, orderId=content["orderId"], nodeId="start")
             elif content["orderId"] != self._order:
@@ -92,7 +92,8 @@ class Vehicle:
             self.heading = math.atan2(dy, dx)
         self._is_driving = len(nodes) < len(order["nodes"])
 
-    def _why_not(self, first: dict[str, Any]) -> str:
+    def _why_not(self, node: dict[str, Any]) -> str:
+        first = node["nodePosition"]
         if first["mapId"] != self.map:
             return "another map"
         turned = abs(first.get("theta", self.heading) - self.heading)

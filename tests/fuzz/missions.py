@@ -41,6 +41,9 @@ WEIGHTS = (1, 0.001, 0.5, 3, 3000, 1_000_000)
 COSTS = tuple(key.name for key in COST_KEYS)
 COSTS_IN_STEPS = tuple(part for part in COSTS if part != "travel")
 
+ENDS = (8, 30.5, 3, 100)
+"""When missions are over, in continuous time."""
+
 
 @dataclass(frozen=True)
 class Fleet:
@@ -123,6 +126,27 @@ def missions(
 
 
 @st.composite
+def optional_missions(draw: st.DrawFn, most_robots: int = MOST_ROBOTS) -> Tree:
+    """Return a mission in continuous time that is over at a time, and may leave tasks out."""
+    tree = draw(continuous_missions(most_robots=most_robots))
+    tree["until"] = pick(draw, ENDS)
+    tasks = {task.get("name", f"t{number + 1}"): task for number, task in enumerate(tree["tasks"])}
+    may = {name for name in tasks if now_and_then(draw, 2)}
+    for _ in tasks:  # what comes after optional tasks, or is linked with them, is optional, too
+        for name, task in tasks.items():
+            linked = {*task.get("starts", ()), name}
+            may |= linked if linked & may else set()
+            may |= {name} if may.intersection(task.get("after", ())) else set()
+    for name in may:
+        tasks[name]["optional"] = True
+        if now_and_then(draw, 2):
+            tasks[name]["weight"] = pick(draw, WEIGHTS)
+    if may and "cost" in tree:
+        tree["cost"]["missed"] = pick(draw, WEIGHTS)
+    return tree
+
+
+@st.composite
 def continuous_missions(
     draw: st.DrawFn, most_robots: int = MOST_ROBOTS, most_tasks: int = MOST_TASKS
 ) -> Tree:
@@ -139,6 +163,8 @@ def continuous_missions(
     _write_loads(draw, world, tasks)
     _write_windows(draw, tasks, can_be_short=False)
     group_of = _write_links(draw, tasks, fleet)
+    if not any("starts" in task for task in tasks) and now_and_then(draw, 3):
+        _write_shifts(draw, fleet.robots, tasks)
     _write_precedence(draw, tasks, group_of)
     _keep_windows_possible(tasks, step=0)
     tree = {"time": "continuous", **_write(draw, world, caps, fleet.robots, tasks)}
@@ -283,6 +309,24 @@ def _write_windows(draw: st.DrawFn, tasks: Sequence[Tree], can_be_short: bool) -
                 begin,
                 begin + length + (0 if can_be_short else task.get("duration", 0)),
             ]
+
+
+def _write_shifts(draw: st.DrawFn, robots: Sequence[Tree], tasks: Sequence[Tree]) -> None:
+    """Say when some robots work: a shift that all have in common, and perhaps others."""
+    longest = max(task.get("duration", 0) + task.get("unload", 0) for task in tasks)
+    common = longest + pick(draw, (0, 0.5, 2, 7))
+    begin, last = pick(draw, (0, 1, 3.5)), common + 20
+    every = pick(draw, (last, last + 3, 0))
+    for robot in robots:
+        if now_and_then(draw, 2):
+            shifts = [[begin, begin + common]]
+            if common and now_and_then(draw, 2):
+                shifts.append([begin + common + pick(draw, (0, 1, 4)), begin + last - 6])
+            robot["shifts"] = shifts if common else [[begin, begin + 4]]
+            if every:
+                robot["every"] = every
+            else:
+                robot["shifts"].append([begin + last, 10_000])
 
 
 def _write_precedence(draw: st.DrawFn, tasks: Sequence[Tree], group_of: Sequence[int]) -> None:

@@ -15,6 +15,9 @@ from teamformer.mission.model import Mission, Robot
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 
+TURNS = 60
+"""How often shifts come again that are looked at."""
+
 Routes = Sequence[Sequence[int]]
 """The tasks of each robot, in its order."""
 
@@ -76,6 +79,41 @@ class Ways:
         return field
 
 
+def shifts_of(robot: Robot) -> list[tuple[float, float]]:
+    """Return when a robot works, for as long as anybody looks ahead."""
+    if not robot.shifts:
+        return [(0.0, math.inf)]
+    turns = range(TURNS if robot.every else 1)
+    return [(a + n * robot.every, b + n * robot.every) for n in turns for a, b in robot.shifts]
+
+
+def walked(robot: Robot, begin: float, spent: float) -> float:
+    """Return when a robot has walked so long, which pauses outside its shifts."""
+    if spent == 0 or math.isinf(spent):
+        return begin + spent
+    for opens, closes in shifts_of(robot):
+        start = max(begin, opens)
+        if start + spent <= closes + 1e-9 * max(1.0, closes):
+            return start + spent
+        spent -= max(0.0, closes - start)
+    return math.inf
+
+
+def fitting(crew: Sequence[Robot], earliest: float, takes: float) -> float:
+    """Return the first moment from which something is within one shift of each of a crew."""
+    if math.isinf(earliest + takes):
+        return math.inf
+    opening = {a for robot in crew for a, _ in shifts_of(robot) if a > earliest}
+    for start in sorted({earliest, *opening}):
+        in_time = [
+            any(a <= start and start + takes <= b + 1e-9 * max(1.0, b) for a, b in shifts_of(robot))
+            for robot in crew
+        ]
+        if all(in_time):
+            return start
+    return math.inf
+
+
 def _end_of(mission: Mission, task: int) -> Place:
     """Return where robots are once they have done a task."""
     wanted = mission.tasks[task]
@@ -99,15 +137,16 @@ def times_of(mission: Mission, routes: Routes, ways: Ways) -> Times | None:
     takes = [_takes(mission, k, crew, ways) for k, crew in enumerate(crews)]
     begun = [max(float(t.appears), t.between[0] if t.between else 0.0) for t in tasks]
     last = [[None, *route] for route in routes]
+    came: list[tuple[list[tuple[Robot, int | None, float]], float]] = []  # by task; and forming
     least: list[tuple[int | None, int, float]] = []  # (k, l, t): l starts t after k does, or t
     for k, crew in enumerate(crews):
-        came = {r: last[r][routes[r].index(k)] for r in crew}
-        at = {robots[r].at if one is None else _end_of(mission, one) for r, one in came.items()}
-        forming = mission.forming if len(at) > 1 else 0.0
-        for r, one in came.items():
-            here = robots[r].at if one is None else _end_of(mission, one)
-            busy = 0.0 if one is None else takes[one]
-            least.append((one, k, busy + ways.time(robots[r], here, tasks[k].at) + forming))
+        before_it = {r: last[r][routes[r].index(k)] for r in crew}
+        at = {r: robots[r].at if o is None else _end_of(mission, o) for r, o in before_it.items()}
+        legs = [
+            (robots[r], one, ways.time(robots[r], at[r], tasks[k].at))
+            for r, one in before_it.items()
+        ]
+        came.append((legs, mission.forming if len(set(at.values())) > 1 else 0.0))
         least += [(number_of[o], k, takes[number_of[o]]) for o in tasks[k].after]
         for name, (soonest, latest) in tasks[k].starts.items():
             least += [(number_of[name], k, soonest), (k, number_of[name], -latest)]
@@ -115,6 +154,13 @@ def times_of(mission: Mission, routes: Routes, ways: Ways) -> Times | None:
         before = list(begun)
         for one, k, wait in least:
             begun[k] = max(begun[k], wait + (0.0 if one is None else begun[one]))
+        for k, (legs, forming) in enumerate(came):
+            ends = [0.0 if one is None else begun[one] + takes[one] for _, one, _ in legs]
+            there = max(walked(leg[0], end, leg[2]) for leg, end in zip(legs, ends, strict=True))
+            crew_of_k = [robot for robot, _, _ in legs]
+            if forming:
+                there = fitting(crew_of_k, there, forming) + forming
+            begun[k] = fitting(crew_of_k, max(begun[k], there), takes[k])
         if begun == before:
             return _told(mission, routes, ways, begun, takes)
     return None
@@ -132,7 +178,7 @@ def _told(
             at, free = _end_of(mission, k), start[k] + takes[k]
         end = robot.at if mission.ends == "home" else mission.ends or at
         home = ways.time(robot, at, end)
-        travel, back = travel + home, [*back, free + home]
+        travel, back = travel + home, [*back, walked(robot, free, home)]
     over = {k: start[k] + takes[k] - t.between[1] for k, t in enumerate(tasks) if t.between}
     late = {k: by for k, by in over.items() if by > 1e-9}
     parts = {

@@ -32,7 +32,7 @@ from teamformer.files.drawn.named_settings import world_of
 from teamformer.files.mission_files import mission_from_tree, write_mission
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.rehearsal.faults import Crash, Faults
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.live.running.incidents import LostRobot

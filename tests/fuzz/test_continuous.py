@@ -49,7 +49,12 @@ def planned(mission: Mission, method: str) -> MissionPlan | None:
     try:
         return plan_continuous(pose_mission(mission), method, SECONDS)
     except TeamformerError:
-        if not any(task.starts for task in mission.tasks) and mission.cost is None:
+        has_shifts = any(robot.shifts for robot in mission.robots)  # too short for some loads
+        if (
+            not any(task.starts for task in mission.tasks)
+            and mission.cost is None
+            and not has_shifts
+        ):
             raise
         return None
 
@@ -95,6 +100,10 @@ def test_a_tiny_mission_has_no_better_plan_than_is_proven(mission: Any, method: 
         assert made.cost is not None
         best = min(times.cost for times in plans if times.cost is not None)
         assert made.cost >= best - NEAR * max(1.0, best)
+        assert made.least_cost is not None
+        assert made.least_cost <= best + NEAR
+        if made.is_proven:
+            assert made.cost == pytest.approx(best, rel=NEAR, abs=NEAR)
         return
     soonest = min(times.makespan for times in plans)
     assert soonest - NEAR <= made.makespan

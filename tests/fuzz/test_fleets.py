@@ -12,7 +12,7 @@ from missions import missions
 from schedules import schedules
 from teamformer.files.mission_files import mission_from_tree
 from teamformer.fleet.fleet_mission import FleetMission
-from teamformer.fleet.rehearsal.record import record_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import play, set_stage
 from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.record.files.reading import read_record

@@ -19,6 +19,7 @@ from live_server import small_mission
 from small_worlds import late_pair
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import write_mission
+from teamformer.files.trees.writer import task_to_tree
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.keeping.autosave import NAME, Autosave, Identity
 from teamformer.live.keeping.resuming import (
@@ -39,11 +40,13 @@ from teamformer.live.running.incidents import (
     RobotBack,
     search_plan,
 )
+from teamformer.live.running.messages import read_incident
 from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import load_method
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Known, Plan
-from teamformer.mission.model import Mission
+from teamformer.mission.model import Mission, Task
+from teamformer.record.referee import judge
 
 METHODS = ("plan", "crews", "join-fitting")
 
@@ -76,11 +79,42 @@ def kept_while(folder: Path, deeds: Sequence[Happening | int | str], method: str
 
 
 DEEDS: Sequence[Happening | int | str] = (
-    *(2, NewTask((3, 1), {"lift": 1}, "extra"), NewTask((4, 0), {"scan": 1}, "more", 2)),
+    *(
+        2,
+        NewTask(Task("extra", (3, 1), {"lift": 1})),
+        NewTask(Task("more", (4, 0), {"scan": 1}, 2)),
+    ),
     *(1, LostRobot("r2"), 2, CancelledTask("c"), 1, RobotBack("r2"), 2),
     *(LostRobot("r3"), 1, "undo", 1),
 )
 """Two tasks at one moment, robots lost and back, a task called off, a loss that is undone."""
+
+WITH_KEYS = {
+    **{"at": [3, 1], "needs": {"lift": 1}, "duration": [1, 3], "after": ["a"]},
+    **{"between": [4, 90], "weight": 2, "to": [0, 1], "unload": 1, "note": "fragile"},
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_new_task_has_every_key_that_was_given(tmp_path: Path, method: str) -> None:
+    incident = read_incident({"task": WITH_KEYS}, small_mission())
+    before = kept_while(tmp_path, (2, incident, 3), method)
+    *_, task = before.source.tasks
+    given = task_to_tree(task, before.source.world)
+    assert given.pop("appears") == 2
+    assert given == {"name": "t4", **WITH_KEYS, "needs": ["lift"]}
+    again = play_again(read_autosave(tmp_path / NAME), lambda *given: start(*given, method=method))
+    assert again.incidents == before.incidents
+    for mission in (before, again):
+        play_on(mission)
+    assert again.record() == before.record()
+    assert before.record().end.status == "completed"
+    assert judge(before.record()).findings == ()
+
+
+def test_a_new_task_appears_now() -> None:
+    with pytest.raises(TeamformerError, match="appears now; leave 'appears' out"):
+        read_incident({"task": WITH_KEYS | {"appears": 9}}, small_mission())
 
 
 def play_on(mission: RunningMission) -> None:

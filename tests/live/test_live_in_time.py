@@ -41,7 +41,7 @@ from teamformer.live.session import Session
 from teamformer.methods.by_name import load_method
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Known, Plan
-from teamformer.mission.model import Absence, Breakdown, Delays, Mission
+from teamformer.mission.model import Absence, Breakdown, Delays, Mission, Task
 from teamformer.mission.truth import draw_truth
 from teamformer.record.files.reading import read_record
 from teamformer.record.referee import judge
@@ -140,6 +140,16 @@ def test_the_clock_passes_moments_and_what_happens_happens_at_its_time() -> None
     as_run(run)
 
 
+def test_an_incident_may_leave_no_time_for_an_optional_task() -> None:
+    """Both are done at 11.5; with 2 more on the way the far one is not by 12."""
+    source = one_walker(until=12)
+    source = replace(source, tasks=(source.tasks[0], replace(source.tasks[1], optional=True)))
+    assert play(running(source)).record().end.missed == ()
+    run = play(running(source), [(1.0, NewTask(Task("extra", (4, 0), {"a": 1}, duration=2)))])
+    assert (run.now, run.status, run.record().end.missed) == (7.5, "completed", ("far",))
+    as_run(run)
+
+
 def test_a_mission_that_is_looked_at_is_as_it_was_until_a_move_is_made(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -150,11 +160,11 @@ def test_a_mission_that_is_looked_at_is_as_it_was_until_a_move_is_made(
         seen.append(run.now)
         raise TeamformerError("no plan today")
 
-    run.happen(NewTask((8, 0), {"a": 1}, "extra"))
+    run.happen(NewTask(Task("extra", (8, 0), {"a": 1})))
     before = run.record()
     monkeypatch.setattr(SharedPlan, "update", fail)
     with pytest.raises(TeamformerError, match="no plan today"):
-        run.happen(NewTask((9, 0), {"a": 1}, "more"))
+        run.happen(NewTask(Task("more", (9, 0), {"a": 1})))
     assert seen == [0.001]
     assert run.record() == before
     assert len(run.incidents) == 1
@@ -179,7 +189,7 @@ def test_incidents_leave_a_record_that_run_makes_too(
         (at, cancelled if isinstance(it, CancelledTask) and it.task not in names else it)
         for at, it in deeds
     ]
-    extra = NewTask(source.robots[0].at, {"a": 1}, "extra", 0.25)
+    extra = NewTask(Task("extra", source.robots[0].at, {"a": 1}, 0.25))
     as_run(play(running(source), [*given, (max(at for at, _ in deeds), extra)]))
 
 
@@ -218,7 +228,7 @@ def test_an_incident_is_just_after_what_has_happened_at_this_moment() -> None:
     run.happen(CancelledTask("far"))  # at 4 the robot arrives
     assert run.incidents[-1][0] == 3.9995
     assert run.source.tasks[1].cancelled == 3.9995
-    run.happen(NewTask((1, 0), {"a": 1}, "late"))  # between this and 4
+    run.happen(NewTask(Task("late", (1, 0), {"a": 1})))  # between this and 4
     assert 3.9995 < run.incidents[-1][0] < 4
     as_run(play(run))
 
@@ -227,7 +237,7 @@ def test_an_incident_that_is_undone_has_not_happened() -> None:
     plain, run = running(on_roads()), running(on_roads())
     for one in (plain, run):
         one.move(2.0)
-        one.happen(NewTask((1, 0), {"b": 1}, "late"))
+        one.happen(NewTask(Task("late", (1, 0), {"b": 1})))
         one.move(1.0)
     run.happen(LostRobot("r0"))
     run.move(1.0)
@@ -251,7 +261,7 @@ def test_a_mission_anew_is_as_it_was_drawn() -> None:
 def test_a_task_can_come_after_all_is_done() -> None:
     """All is over at 11.5 at cell 10; the task at 8 is known at 11.501, and 2 cells away."""
     run = play(running(one_walker()))
-    run.happen(NewTask((8, 0), {"a": 1}, "late"))
+    run.happen(NewTask(Task("late", (8, 0), {"a": 1})))
     assert (run.is_running, run.now) == (True, 11.501)
     play(run)
     assert (run.status, run.now) == ("completed", pytest.approx(13.501))
@@ -299,7 +309,7 @@ def test_calling_off_what_can_never_be_done_lets_the_mission_end() -> None:
         (NewWeight("far", 2.0), "weights change nothing"),
         (LostRobot("nobody"), "there is no robot 'nobody'"),
         (RobotBack("r"), "robot 'r' is not lost"),
-        (NewTask((99, 0), {"a": 1}, "t"), r"task 't' is at \[99, 0\], outside the map"),
+        (NewTask(Task("t", (99, 0), {"a": 1})), r"task 't' is at \[99, 0\], outside the map"),
     ],
 )
 def test_what_cannot_happen_is_refused_and_changes_nothing(incident: Happening, why: str) -> None:
@@ -484,8 +494,8 @@ def test_what_appears_at_random_appears_whatever_else_happens(
     run = running(source, seed=2)
     run.move(first + 0.5)
     assert forecast(run.past()).futures == 5
-    extra = NewTask((0, 0), {"a": 1}, "extra")
-    play(run, [(first + 0.5, extra), (first + 3.5, NewTask((1, 0), {"a": 1}, "other"))])
+    extra = NewTask(Task("extra", (0, 0), {"a": 1}))
+    play(run, [(first + 0.5, extra), (first + 3.5, NewTask(Task("other", (1, 0), {"a": 1})))])
     appeared = [(it.name, it.appears) for it in run.truth.tasks[2:]]
     assert [row for row in appeared if row[0] not in ("extra", "other")] == calls
     as_run(run)
@@ -512,7 +522,7 @@ def kept_while(folder: Path, deeds: Sequence[Happening | float | str]) -> Runnin
 
 
 HISTORY: Sequence[Happening | float | str] = (
-    *(0.7, NewTask((1, 0), {"b": 1}, "extra"), NewTask((2, 0), {"a": 1}, "more", 2.5)),
+    *(0.7, NewTask(Task("extra", (1, 0), {"b": 1})), NewTask(Task("more", (2, 0), {"a": 1}, 2.5))),
     *(1 / 3, LostRobot("r0"), 0.9, CancelledTask("look"), 1.1, RobotBack("r0"), 0.2),
     *(LostRobot("r1"), 1.0, "undo", 1.0),
 )

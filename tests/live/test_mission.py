@@ -76,7 +76,10 @@ def test_a_mission_with_loads_is_as_it_was_after_it_was_played_ahead(carried: Mi
 @pytest.mark.parametrize("method", ["join-fitting", "heuristic", "teamformer", "crews", "plan"])
 def test_incidents_leave_a_record_that_run_makes_too(method: str) -> None:
     run = mission(method=method)
-    play(run, {4: NewTask((0, 0), {"lift": 1}, "extra"), 9: LostRobot(run.source.robots[0].name)})
+    play(
+        run,
+        {4: NewTask(Task("extra", (0, 0), {"lift": 1})), 9: LostRobot(run.source.robots[0].name)},
+    )
     record = run.record()
     assert judge(record).findings == ()
     again = run_trial(run.source, load_method(method))
@@ -115,7 +118,7 @@ def test_an_incident_that_is_undone_has_not_happened(method: str) -> None:
     for one in (plain, run):
         for _ in range(3):
             one.step()
-        one.happen(NewTask((2, 2), {"lift": 1}, "late"))
+        one.happen(NewTask(Task("late", (2, 2), {"lift": 1})))
         one.step()
     run.happen(LostRobot(run.source.robots[0].name))
     run.step()
@@ -152,7 +155,7 @@ def test_a_task_can_come_after_all_is_done() -> None:
     play(run, {})
     made = run.steps
     assert run.tally().status == "completed"
-    run.happen(NewTask((0, 0), {"lift": 1}, "late"))
+    run.happen(NewTask(Task("late", (0, 0), {"lift": 1})))
     assert run.is_running
     play(run, {})
     assert run.tally().status == "completed"
@@ -162,10 +165,10 @@ def test_a_task_can_come_after_all_is_done() -> None:
 @pytest.mark.parametrize(
     ("incident", "message"),
     [
-        (NewTask((99, 0), {"lift": 1}, "t6"), r"task 't6' is at \[99, 0\], outside the map"),
-        (NewTask((0, 0), {"fly": 1}, "t6"), "needs 'fly', which is not under capabilities"),
-        (NewTask((0, 0), {"lift": 99}, "t6"), "but all robots together have"),
-        (NewTask((0, 0), {}, "t6"), "needs nothing"),
+        (NewTask(Task("t6", (99, 0), {"lift": 1})), r"task 't6' is at \[99, 0\], outside the map"),
+        (NewTask(Task("t6", (0, 0), {"fly": 1})), "needs 'fly', which is not under capabilities"),
+        (NewTask(Task("t6", (0, 0), {"lift": 99})), "but all robots together have"),
+        (NewTask(Task("t6", (0, 0), {})), "needs nothing"),
         (LostRobot("nobody"), "there is no robot 'nobody'"),
     ],
 )
@@ -239,7 +242,7 @@ def called(method: str) -> RunningMission:
 def test_what_appears_at_random_appears_whatever_else_happens(method: str) -> None:
     """An operator's task comes before those that are yet to appear, which come as they would."""
     run = called(method)
-    extra = NewTask((0, 0), {"scan": 1}, "extra")
+    extra = NewTask(Task("extra", (0, 0), {"scan": 1}))
     play(run, {10: extra, 14: CancelledTask("call-2"), 20: LostRobot("kite")})
     assert [it.name for it in run.source.tasks[6:]] == ["call-1", "extra", "call-2"]
     assert run.source.arrivals == replace(STORM.arrivals, since=20)
@@ -282,7 +285,7 @@ def test_who_plans_with_everything_is_not_surprised() -> None:
         mission().source, lambda: Method("knows", policy=KnowsEverything()), seed=0
     )
     with pytest.raises(TeamformerError, match="run it by another method"):
-        run.happen(NewTask((0, 0), {"lift": 1}, "late"))
+        run.happen(NewTask(Task("late", (0, 0), {"lift": 1})))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -336,7 +339,7 @@ def test_what_happens_after_a_plan_was_taken_over_leaves_the_past_as_it_was() ->
     for _ in range(3):
         run.step()
     run.happen(PlanTakenOver(swapped(run), Forecast(1, (9,)), Forecast(1, (9,))))
-    run.happen(NewTask((2, 0), {"a": 1}, "extra"))  # at the same moment
+    run.happen(NewTask(Task("extra", (2, 0), {"a": 1})))  # at the same moment
     run.step()
     run.happen(LostRobot(run.source.robots[0].name))
     play(run, {})
@@ -542,7 +545,9 @@ def test_a_weight_that_is_raised_makes_another_plan() -> None:
         run.step()
     run.happen(NewWeight("right", 99.0))
     run.step()
-    run.happen(NewTask((6, 0), {"a": 1}, "between"))  # played again with the plan that was made
+    run.happen(
+        NewTask(Task("between", (6, 0), {"a": 1}))
+    )  # played again with the plan that was made
     run_to_its_end(run)
     record = run.record()
     assert judge(record).findings == ()

@@ -14,7 +14,7 @@ from teamformer.live.running.what_if import WhatIf, luck_of, what_if
 from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import Method, load_method
 from teamformer.mission.coordination import Coordinator, Known, Plan
-from teamformer.mission.model import Mission
+from teamformer.mission.model import Mission, Task
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -67,7 +67,7 @@ def test_what_no_order_changes_is_no_luck() -> None:
     [
         (LostRobot("r0"), -1, True),
         (LostRobot("r0"), 1, False),
-        (NewTask((0, 0), {"a": 1}, "new"), -1, True),
+        (NewTask(Task("new", (0, 0), {"a": 1})), -1, True),
         (CancelledTask("t0"), 1, True),
         (CancelledTask("t0"), -1, False),
         (CancelledTask("t0"), 0, False),

@@ -13,6 +13,7 @@ from teamformer.files.mission_files import read_mission
 from teamformer.live.running.incidents import LostRobot, NewTask
 from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Task
 from teamformer.record.referee import judge
 from teamformer.trials.trial import run_trial
 from typed import teamformer
@@ -69,7 +70,7 @@ def test_a_live_mission_goes_by_it_and_leaves_a_legal_record() -> None:
         if not run.is_running:
             break
         if step == 4:
-            run.happen(NewTask((1, 1), {"scan": 1}, "extra"))
+            run.happen(NewTask(Task("extra", (1, 1), {"scan": 1})))
         if step == 9:
             run.happen(LostRobot(run.source.robots[1].name))
         run.step()

@@ -7,8 +7,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from teamformer.planning.dispatch.futures import begin_dispatch, empty_calls, play_out
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem, pose_problem
+from teamformer.planning.problem.schedule import empty_schedule
 
 
 def random_problem(
@@ -43,6 +45,15 @@ def random_problem(
         forming=0 if is_plain else 7,
         site=np.unique(points, axis=0, return_inverse=True)[1].ravel(),
     )
+
+
+def drawn_plan(problem: CoalitionProblem, seed: int) -> CoalitionPlan:
+    """Return a plan in which tasks that are put back at random are done by who is there first."""
+    schedule, calls = empty_schedule(problem), empty_calls(problem, 0)
+    calls.handicap[:] = np.random.default_rng(seed).integers(2000, size=len(problem.needs))
+    begin_dispatch(problem, schedule)
+    assert play_out(problem, schedule, calls, 0)
+    return schedule.plan
 
 
 def plain_times(

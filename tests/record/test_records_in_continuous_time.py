@@ -67,6 +67,7 @@ ANY = {
     "plan": EVENTS[0].plan,
     "needs": {"lift": 1, "weld": 0.5},
     "status": "infeasible",
+    "why": "too late",
 }
 
 
@@ -149,7 +150,7 @@ def at(event: int, when: Any) -> Callable[[Any], None]:
         (
             put(15, "status", "lost"),
             "event 15: over: status: the status is 'lost', not one of "
-            "('completed', 'step limit', 'infeasible', 'interrupted')",
+            "('completed', 'step limit', 'infeasible', 'too late', 'interrupted')",
         ),
         (
             lambda tree: tree["events"][4][2].pop("place"),

@@ -97,6 +97,22 @@ def test_a_robot_that_is_lost_could_be_kept() -> None:
     assert [one.absences for one in kept.robots] == [(), ()]
 
 
+def test_who_has_shifts_works_for_longer() -> None:
+    worker = replace(robot("a", 0), shifts=((0, 4), (6, 10)), every=10.5)
+    clock = {"time": "continuous", "step_limit": 0}
+    mission = replace(make([robot("a", 0)], [task("a", 3)]), robots=(worker,), **clock)
+    found = {it.what: it.mission for it in changes_of(mission) if it.kind == "longer"}
+    shifts = {what: it and it.robots[0].shifts for what, it in found.items()}
+    assert shifts == {
+        f"{worker.name} works 0.5 longer in the last shift": ((0, 4), (6, 10.5)),
+        f"{worker.name} works without breaks": ((0, 10),),
+    }
+    once = replace(mission, robots=(replace(worker, shifts=((0, 8),), every=0.0),))
+    [longer] = [it for it in changes_of(once) if it.kind == "longer"]
+    assert longer.mission is not None
+    assert longer.mission.robots[0].shifts == ((0, 10),)
+
+
 def test_a_new_robot_is_not_lost_as_the_one_that_it_is_like() -> None:
     mission = make([replace(robot("a", 0), absences=(Absence(5, 9),))], [task("a", 3)])
     more = next(iter(changes_of(mission))).mission

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -83,11 +84,23 @@ def test_methods_that_count_in_steps_are_refused_in_a_sentence() -> None:
     for method, told in (
         ("heuristic", "decides step by step, which continuous time does not have"),
         ("crews", "plans in steps, and the mission is in continuous time"),
-        ("soonest", "plans in steps, and the mission is in continuous time"),
-        ("reactive", "plans in steps, and the mission is in continuous time"),
+        ("teamformer-tasks", "plans in steps, and the mission is in continuous time"),
     ):
         with pytest.raises(TeamformerError, match=told):
             tf.run(mission, method)
+
+
+@pytest.mark.parametrize("method", ["soonest", "reactive"])
+def test_rules_without_search_go_on_after_losses(method: str) -> None:
+    """What was given out stays until something is news that it did not foresee."""
+    trial = tf.run(with_loss(), method)
+    assert trial.completed
+    assert trial.check().is_legal
+    plans = [event.plan for event in trial.record.events if event.plan is not None]
+    for before, after in pairwise(plans):
+        if after.reasons == ("task done",):
+            assert set(after.tasks) <= set(before.tasks)  # robots and ends alike
+    assert any("robot lost" in plan.reasons for plan in plans)
 
 
 @pytest.mark.parametrize("time", ["steps", "continuous"])

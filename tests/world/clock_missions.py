@@ -134,7 +134,7 @@ def _draw_task(rng: np.random.Generator, world: World, number: int) -> Task:
         lasts=(1.0, 6.5) if rng.random() < 0.2 else None,
         may_need={"b": 0.5} if rng.random() < 0.2 else {},
     )
-    if not isinstance(world, Roads) and not is_load and rng.random() < 0.1:
+    if not is_load and rng.random() < 0.1:
         return replace(task, within=3.0)
     return task
 

@@ -15,6 +15,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.bench.rows import Row
 from teamformer.bench.suites import player_of
+from teamformer.bench.trials_in_time import play_in_time
 from teamformer.files.drawn.named_settings import new_tasks_of, world_of
 from teamformer.files.imports.authors import read_world
 from teamformer.methods.by_name import Method, load_method, with_settings
@@ -23,9 +24,8 @@ from teamformer.methods.seam.protocol import Planner, Policy
 from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
-from teamformer.planning.bounds.makespan import lower_bound
 from teamformer.trials.list_schedule import list_schedule
-from teamformer.trials.trial import run_trials
+from teamformer.trials.trial import bound_of, run_trials
 from teamformer.world.env import Decision, Tally
 from teamformer.world.view import View
 
@@ -174,9 +174,13 @@ def run_job(job: Job) -> list[Row]:
     method = with_settings(method, late | dict(job.settings))
     worlds = {seed: job.mission(seed) for seed in job.seeds}
     _warm_up(job, method)
+    is_in_time = worlds[job.seeds[0]].time == "continuous"
     parts = [[seed] for seed in job.seeds] if job.is_timed else [list(job.seeds)]
     rows = []
     for seeds in parts:
+        if is_in_time:
+            rows += [_row_in_time(job, seed, worlds[seed], method) for seed in seeds]
+            continue
         clock = Stopwatch(method, len(seeds))
         began = time.perf_counter()
         tallies = run_trials(
@@ -206,6 +210,8 @@ def _warm_up(job: Job, method: Method) -> None:
         return
     _WARM.add((job.method, job.setting))
     mission = job.mission(job.seeds[0])
+    if mission.time == "continuous":
+        return  # each trial there has what it needs compiled before
     if method.needs_everything:  # planning takes as long as it may
         mission = world_of(f"{len(mission.robots)}N1T-C{len(mission.capabilities)}", 0)
     run_trials([mission], method)
@@ -216,7 +222,7 @@ def _version() -> str:
     return version("teamformer")
 
 
-def known_row(job: Job, seed: int, mission: Mission, makespan: int | None) -> Row:
+def known_row(job: Job, seed: int, mission: Mission, makespan: float | None) -> Row:
     """Return the row of a trial of which nothing but the makespan is known; None: it failed."""
     return Row(
         suite=job.suite,
@@ -267,6 +273,26 @@ def _row(job: Job, seed: int, mission: Mission, tally: Tally) -> Row:
     )
 
 
+def _row_in_time(job: Job, seed: int, mission: Mission, method: Method) -> Row:
+    """Run a trial in continuous time; return its row."""
+    began = time.perf_counter()
+    trial = play_in_time(mission, method, seed)
+    record, end = trial.record, trial.record.end
+    limit = method.policy.time_limit if isinstance(method.policy, Planner) else None
+    return replace(
+        known_row(job, seed, mission, end.makespan),
+        cost=end.cost,
+        steps=record.length,
+        tasks_done=end.tasks_done,
+        decisions=trial.plans,
+        decision_seconds=round(trial.planning_seconds, 6),
+        decision_cpu_seconds=round(trial.cpu_seconds, 6),
+        total_seconds=round(time.perf_counter() - began, 6),
+        lower_bound=record.lower_bound,
+        time_limit=limit,
+    )
+
+
 def _with_times(row: Row, clock: Stopwatch, place: int) -> Row:
     """Add what the clock says of a trial and, of a planner, what it found."""
     row = replace(
@@ -290,8 +316,9 @@ def _with_times(row: Row, clock: Stopwatch, place: int) -> Row:
 
 def _with_bars(row: Row, mission: Mission) -> Row:
     truth = draw_truth(mission, row.seed)
-    bound = max(lower_bound(truth), row.lower_bound or 0)
-    return replace(row, lower_bound=bound, list_schedule=list_schedule(truth))
+    bound = max(bound_of(truth) or 0, row.lower_bound or 0)
+    listed = list_schedule(truth) if truth.time == "steps" else None
+    return replace(row, lower_bound=bound, list_schedule=listed)
 
 
 def rerun_command(job: Job, seed: int) -> str:

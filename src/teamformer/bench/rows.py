@@ -22,8 +22,9 @@ class Row:
     `list_schedule` is the makespan of the list schedule along the task order, `relaxed` that of the
     planner's schedule; in both joining is free. `code` tells states of this package's files
     apart; `version` is its version, empty in rows older than this field.
-    `curve` is the planner's: (seconds, makespan) of each improvement. None: not known, or not
-    measured.
+    `curve` is the planner's: (seconds, makespan) of each improvement. In continuous time
+    `makespan`, `steps` and the bars are in the mission's unit, `decisions` are plans, and
+    `decision_cpu_seconds` are of the whole trial. None: not known, or not measured.
     """
 
     suite: str
@@ -33,9 +34,9 @@ class Row:
     method: str
     seed: int
     completed: bool
-    makespan: int | None
+    makespan: float | None
     cost: float | None
-    steps: int | None
+    steps: float | None
     tasks_done: int | None
     tasks: int
     robots: int
@@ -48,8 +49,8 @@ class Row:
     decision_cpu_seconds: float | None
     total_seconds: float | None
     side_by_side: int
-    best_known: int | None
-    lower_bound: int | None
+    best_known: float | None
+    lower_bound: float | None
     list_schedule: int | None
     relaxed: int | None
     relaxed_bound: int | None
@@ -104,8 +105,8 @@ def _is_of(value: Any, kinds: tuple[type, ...]) -> bool:
 def with_bars(rows: Iterable[Row]) -> list[Row]:
     """Fill in what all trials of a world know together: its best makespan and its best bound."""
     rows = list(rows)
-    best: dict[tuple[str, int], int] = {}
-    bound: dict[tuple[str, int], int] = {}
+    best: dict[tuple[str, int], float] = {}
+    bound: dict[tuple[str, int], float] = {}
     listed: dict[tuple[str, int], int] = {}
     for row in rows:
         world = row.setting, row.world_seed

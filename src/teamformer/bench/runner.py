@@ -17,7 +17,8 @@ from teamformer.bench.jobs import Job, known_row, ready_method
 from teamformer.bench.rows import Row
 from teamformer.bench.store import BenchmarkDescription, Store
 from teamformer.bench.suites import Suite, cells, player_of
-from teamformer.files.drawn.named_settings import size_of
+from teamformer.bench.trials_in_time import why_not_in_time
+from teamformer.files.drawn.named_settings import is_in_time, size_of
 from teamformer.files.imports.authors import read_worlds
 from teamformer.methods.by_name import files_of_own, without_suffix
 from teamformer.methods.listings import method_names, our_method_names
@@ -146,8 +147,10 @@ def fitting_cells(request: Request, say: Callable[[str], None]) -> Iterator[tupl
             why = f"{method}: not in this installation; skipped"
         elif not fits(method, setting):
             why = f"{method}: does not fit {setting}; skipped"
-        elif method != AUTHORS:
-            ready_method(player_of(method), request.time_limit)  # an unknown name ends it here
+        elif method != AUTHORS:  # an unknown name ends it here
+            player = ready_method(player_of(method), request.time_limit)
+            if is_in_time(setting) and (refused := why_not_in_time(player)):
+                why = f"{setting}: {refused}; skipped"
         if not why:
             yield setting, method
         elif why not in said:

@@ -122,7 +122,7 @@ def on_shared_worlds(rows: Sequence[Row]) -> list[Row]:
     return [row for row in rows if played[row.setting, row.world_seed] == methods[row.setting]]
 
 
-def differences(ours: Mapping[int, int], theirs: Mapping[int, int]) -> Mean:
+def differences(ours: Mapping[int, float], theirs: Mapping[int, float]) -> Mean:
     """Return the mean of ours less theirs over the worlds that both have."""
     return mean_of([ours[world] - theirs[world] for world in ours if world in theirs])
 
@@ -137,7 +137,7 @@ def share_of(ours: Mapping[int, float], theirs: Mapping[int, float]) -> Mean:
 
 
 def room_won(
-    ours: Mapping[int, int], hopeful: Mapping[int, int], clairvoyant: Mapping[int, int]
+    ours: Mapping[int, float], hopeful: Mapping[int, float], clairvoyant: Mapping[int, float]
 ) -> Mean:
     """Return the part of the mean room between two bars that is won, on worlds that all have.
 
@@ -193,9 +193,9 @@ def _mean(values: Iterable[float | None]) -> Mean:
     return mean_of([value for value in values if value is not None])
 
 
-def _ratio(makespan: int | None, bar: int | None) -> float | None:
+def _ratio(makespan: float | None, bar: float | None) -> float | None:
     return makespan / bar - 1 if makespan is not None and bar else None
 
 
-def _difference(makespan: int | None, bar: int | None) -> float | None:
+def _difference(makespan: float | None, bar: float | None) -> float | None:
     return makespan - bar if makespan is not None and bar is not None else None

@@ -18,6 +18,7 @@ from teamformer.files.trees.writer import mission_to_tree
 from teamformer.files.yaml import reader, writer
 from teamformer.files.yaml.reader import StopReadingError
 from teamformer.files.yaml.tree_reader import Reader
+from teamformer.mission.checks.optional import find_hopeless_until
 from teamformer.mission.checks.windows import find_hopeless_windows
 from teamformer.mission.model import Mission, World
 
@@ -63,7 +64,11 @@ def read_content(
 
 def _checked(tree: reader.Tree, path: Path, find_problems: Finder | None) -> Mission:
     mission = _read(tree, str(path), path.stem, path.parent)
-    finders = [find_hopeless_windows, *([find_problems] if find_problems else ())]
+    finders = [
+        find_hopeless_windows,
+        find_hopeless_until,
+        *([find_problems] if find_problems else ()),
+    ]
     for problem in (problem for find in finders for problem in find(mission)):
         tree.refuse(problem.where, problem.message)
     if tree.problems:

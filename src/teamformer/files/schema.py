@@ -78,6 +78,8 @@ def schema_of(kind: kinds.Kind) -> Schema:
             return _pair(TIME)
         case kinds.Window():
             return _pair(TIME)
+        case kinds.Shifts():
+            return {"type": "array", "items": _pair(TIME), "minItems": 1}
         case kinds.StartLinks():
             return {"type": "object", "additionalProperties": _pair(TIME)}
         case kinds.Counts():
@@ -92,10 +94,17 @@ def schema_of(kind: kinds.Kind) -> Schema:
             return {"type": "array", "items": NAME, "minItems": 1}
         case kinds.TeamLists():
             return {"type": "array", "items": schema_of(kinds.RobotNames())}
+        case kinds.Places():
+            return {"type": "array", "items": schema_of(kinds.Place()), "minItems": 1}
+        case kinds.NamedParts():
+            part = object_of(kind.keys)
+            return {"type": "object", "additionalProperties": part, "minProperties": 1}
         case kinds.Place():
             return {"anyOf": [_pair(FINITE), NAME]}
         case kinds.OneOf():
             return {"enum": list(kind.choices)}
+        case kinds.Truth():
+            return {"type": "boolean"}
         case kinds.Moves():
             return NAME | {"examples": list(kind.choices)}
         case kinds.KeyedPart():

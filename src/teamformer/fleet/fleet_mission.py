@@ -5,20 +5,25 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+
+from msgspec.structs import replace
 
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.checks.windows import window_opens
-from teamformer.mission.model import Mission, Task
+from teamformer.mission.model import Mission, Task, World
 from teamformer.mission.parts.capabilities import Counts, exact
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.roads import Roads
 from teamformer.mission.precedence import tasks_before
 from teamformer.mission.truth import draw_truth, expected_mission
 from teamformer.world.continuous.ways import Ways
+
+ANYWHERE: Mapping[int, Place] = {}
 
 Row = tuple[float, ...]
 """How much there is of each capability, in the mission's order."""
@@ -45,7 +50,11 @@ class Timers:
 
 @dataclass(frozen=True)
 class FleetMission:
-    """A mission as agents need it; `step` is how many seconds a step of it takes."""
+    """A mission as agents need it; `step` is how many seconds a step, or a unit of time, takes.
+
+    On roads a place is the number of the one that a robot is at, or comes to next, and the seconds
+    until it is there.
+    """
 
     source: Mission
     step: float = 1.0
@@ -71,19 +80,22 @@ class FleetMission:
         if self.source.has_surprises:
             keep(self, "believed", expected_mission(self.source))
         off = ((key, task.cancelled) for key, task in enumerate(self.source.tasks))
-        keep(self, "off_at", {key: (at - 1) * self.step for key, at in off if at is not None})
+        keep(self, "off_at", {key: self.begin_of(at) for key, at in off if at is not None})
         keep(self, "radius", world.arrival_radius if isinstance(world, Plane) else 0.0)
-        keep(self, "forming", self.source.forming_steps * self.step)
+        is_in_steps = self.source.time == "steps"
+        forming = self.source.forming_steps if is_in_steps else self.source.forming
+        keep(self, "forming", forming * self.step)
         keep(self, "sight", max(self.radius, self.source.sensing_radius))
         keep(self, "ways", Ways(world))
-        keep(self, "_air", self.ways)
-        if isinstance(world, Grid) and world.rows:
-            keep(self, "_air", Ways(Grid(world.width, world.height)))
         before = tasks_before(self.source.tasks)
         keep(self, "before", {key: frozenset(others) for key, others in before.items()})
-        opens = ((key, window_opens(task)) for key, task in enumerate(self.source.tasks))
-        keep(self, "opens", {key: steps * self.step for key, steps in opens if steps})
-        keep(self, "paces", tuple(world.pace(robot.speed) / self.step for robot in robots))
+        opens = ((key, _opens(task, is_in_steps)) for key, task in enumerate(self.source.tasks))
+        keep(self, "opens", {key: at * self.step for key, at in opens if at})
+        pace = world.pace if is_in_steps else float
+        keep(self, "paces", tuple(pace(robot.speed) / self.step for robot in robots))
+        expected = (pace(robot.expected_speed) / self.step for robot in robots)
+        keep(self, "longest_walk", _length_across(world) / min(expected))
+        keep(self, "bases", tuple(map(self._base_of, range(len(robots)))))
 
     number: int = field(init=False)  # the same for who has the same mission, 62 bits
     counts: tuple[Row, ...] = field(init=False)  # of each robot
@@ -94,15 +106,16 @@ class FleetMission:
     radius: float = field(init=False)  # within which two places are the same
     forming: float = field(init=False)  # seconds that a split or join takes
     paces: tuple[float, ...] = field(init=False)  # of each robot, cells or metres a second
+    longest_walk: float = field(init=False)  # seconds that the slowest takes across the map
+    bases: tuple[Place, ...] = field(init=False)  # where each robot looks for others
     sight: float = field(init=False)  # within which a robot sees a load
-    ways: Ways = field(init=False, repr=False, compare=False)  # on the ground
+    ways: Ways = field(init=False, repr=False, compare=False)
     unsure: frozenset[int] = field(init=False)  # tasks that may need more than is known
     hidden: dict[int, tuple[Place, ...]] = field(init=False)  # where to look for tasks, in order
     believed: Mission = field(init=False, repr=False, compare=False)  # with what to expect
     off_at: dict[int, float] = field(init=False)  # when tasks are called off, which nobody foresees
     before: dict[int, frozenset[int]] = field(init=False)  # what tasks come after, where anything
     opens: dict[int, float] = field(init=False)  # when tasks may begin, if later than at once
-    _air: Ways = field(init=False, repr=False, compare=False)
 
     @property
     def robots(self) -> int:
@@ -110,30 +123,81 @@ class FleetMission:
         return len(self.counts)
 
     @property
-    def longest_walk(self) -> float:
-        """Return how many seconds it takes the slowest robot to walk across the map."""
-        return (self.source.world.width + self.source.world.height) / min(self.paces)
+    def across(self) -> float:
+        """Return how long the longer side of the map is, or the longest way on roads."""
+        world = self.source.world
+        return world.longest_way if isinstance(world, Roads) else max(world.width, world.height)
+
+    @property
+    def ends(self) -> bool:
+        """Say whether the mission ends with its robots home, or at a place."""
+        return self.source.ends is not None
+
+    def home_of(self, robot: int) -> Place | None:
+        """Return where a robot has to be when the mission is over; None if it may be anywhere."""
+        ends = self.source.ends
+        return self.source.robots[robot].at if isinstance(ends, str) else ends
+
+    def place_to_wait(self, robot: int, here: Place, is_to_meet: bool) -> Place | None:
+        """Return where a robot goes without a task: to meet others, else home; None: nowhere."""
+        place = self.bases[robot] if is_to_meet else self.home_of(robot)
+        return place if place is not None and self.leads(robot, here, place) else None
+
+    def begin_of(self, moment: float) -> float:
+        """Return the seconds after which a step begins, or what is the time in continuous time."""
+        return (moment - 1 if self.source.time == "steps" else moment) * self.step
+
+    def in_time(self, seconds: float) -> float:
+        """Return seconds in the mission's unit: in steps whole ones."""
+        units = seconds / self.step
+        return round(units) if self.source.time == "steps" else units
 
     def step_time(self, *robots: int) -> float:
-        """Return for how long robots on their way stand in one place: in a cell, on a grid."""
-        pace = min(self.paces[robot] for robot in robots)
-        return 1.0 / pace if isinstance(self.source.world, Grid) else 0.0
+        """Return for how long robots on their way stand in one place: in a cell, on a grid.
 
-    def base_of(self, robot: int) -> Place:
+        Who is delayed may stand there for several steps.
+        """
+        pace = min(self.paces[robot] for robot in robots)
+        delays = [self.source.robots[robot].delays for robot in robots]
+        still = max((2 * self.step / (1 - it.chance) for it in delays if it), default=0.0)
+        return still + (1.0 / pace if isinstance(self.source.world, Grid) else 0.0)
+
+    def _base_of(self, robot: int) -> Place:
         """Return where a robot looks for others when it has nothing else to do.
 
-        It is where the first of those starts that it can get to.
+        It is where the first of those starts that it can get to, and back from.
         """
-        return self.source.robots[self.regions.index(self.regions[robot])].at
+        at, others = self.source.robots[robot].at, self.source.robots
+        if not isinstance(self.source.world, Roads):
+            return others[self.regions.index(self.regions[robot])].at
+        starts = (other.at for other in others)
+        return next(s for s in starts if self.leads(robot, at, s) and self.leads(robot, s, at))
 
-    def ways_of(self, robot: int) -> Ways:
-        """Return the ways of a robot: some fly over walls."""
-        return self._air if self.source.robots[robot].flies else self.ways
+    def leads(self, robot: int, here: Place, there: Place) -> bool:
+        """Say whether a way leads a robot from one place to another."""
+        it, world = self.source.robots[robot], self.source.world
+        if isinstance(world, Roads):
+            return world.leads(it.moves, here, there)
+        return it.flies or self.region(here) == self.region(there)
 
     def can_be_at(self, robot: int, place: Place) -> bool:
         """Say whether a robot can be at a place: over obstacles only if it flies."""
         world = self.source.world
+        if isinstance(world, Roads):
+            return place[1] >= 0 and world.is_inside((place[0], 0))
         return world.is_inside(place) if self.source.robots[robot].flies else world.is_free(place)
+
+    def apart(self, here: Place, there: Place) -> float:
+        """Return how far two places are from one another: on roads the time of the shorter way."""
+        world = self.source.world
+        if not isinstance(world, Roads):
+            return math.dist(here, there)
+        one, other = int(here[0]), int(there[0])
+        if one == other:  # they go to the same place, or are there
+            return abs(here[1] - there[1])
+        pairs = ((one, other), (other, one))
+        way = min(rows[a][b] for rows in world.ways.values() for a, b in pairs)
+        return way + here[1] + there[1]
 
     def may_begin(self, key: int, over: Collection[int], age: float) -> bool:
         """Say whether a task may begin: those before it are over, and its window is open."""
@@ -161,10 +225,17 @@ class FleetMission:
                     lacking[cap] -= count
         return max(lacking, default=0) < SLACK
 
-    def reach(self, robot: int, task: TaskFact) -> bool:
-        """Say whether there is a way for a robot to a task."""
-        flies = self.source.robots[robot].flies
-        return flies or self.regions[robot] == self.region((task.x, task.y))
+    def reach(self, robot: int, task: TaskFact, here: Place | None = None) -> bool:
+        """Say whether there is a way for a robot to a task, and on with its load.
+
+        `here` is where it stands, by default where it starts; on roads not all ways lead back.
+        """
+        it = self.source.robots[robot]
+        if not isinstance(self.source.world, Roads):
+            return it.flies or self.regions[robot] == self.region((task.x, task.y))
+        at = (task.x, task.y)
+        has_way_on = task.to is None or self.leads(robot, at, task.to)
+        return has_way_on and self.leads(robot, here or it.at, at)
 
     def region(self, place: Place) -> int:
         """Return the connected part of the map that a place is in."""
@@ -173,14 +244,19 @@ class FleetMission:
             found = self._regions[place] = self.source.world.region(place)
         return found
 
-    def can_do(self, robots: Iterable[int], task: TaskFact) -> bool:
-        """Say whether robots that get there together have what a task needs."""
-        return self.covers([robot for robot in robots if self.reach(robot, task)], task.needs)
+    def can_do(
+        self, robots: Iterable[int], task: TaskFact, places: Mapping[int, Place] = ANYWHERE
+    ) -> bool:
+        """Say whether robots that get there together have what a task needs.
 
-    def can_do_at(self, task: TaskFact, where: TaskFact) -> bool:
-        """Say whether all robots could do a task if it were where another one is."""
-        there = TaskFact(task.key, task.name, where.x, where.y, task.needs)
-        return self.can_do(range(self.robots), there)
+        `places` says where they stand, by default where they start.
+        """
+        there = [robot for robot in robots if self.reach(robot, task, places.get(robot))]
+        return self.covers(there, task.needs)
+
+    def can_do_at(self, task: TaskFact, place: Place) -> bool:
+        """Say whether all robots could do a task if it were at some place."""
+        return self.can_do(range(self.robots), replace(task, x=place[0], y=place[1]))
 
     def in_units(self, counts: Sequence[float]) -> tuple[int, ...]:
         """Return counts in the mission's units, rounded up."""
@@ -213,6 +289,25 @@ class FleetMission:
                 to=to,
                 unload=unload,
             )
+
+
+def _opens(task: Task, is_in_steps: bool) -> float:
+    """Return when the window of a task begins, in steps or in units of time."""
+    if is_in_steps:
+        return window_opens(task)
+    return task.between[0] if task.between else 0.0
+
+
+def _length_across(world: World) -> float:
+    """Return a length that a walk across the map has at most, or hardly more."""
+    return world.longest_way if isinstance(world, Roads) else world.width + world.height
+
+
+def place_in(world: World, at: Place) -> Place:
+    """Return a place as missions have it; on roads the one that a robot comes to next."""
+    if isinstance(world, Roads):
+        return int(at[0]), 0
+    return (int(at[0]), int(at[1])) if isinstance(world, Grid) else at
 
 
 def places_to_look(mission: Mission, task: Task) -> tuple[Place, ...]:

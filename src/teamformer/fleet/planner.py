@@ -8,11 +8,12 @@ from operator import itemgetter
 from typing import NamedTuple, Protocol
 
 from teamformer.base.errors import MissionError
-from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.fleet_mission import FleetMission, place_in
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.coordination import UNFORESEEN, Coordinator, Known, Plan
-from teamformer.mission.model import Mission, Task
-from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.model import Mission, Task, as_believed
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.roads import Roads
 
 Stop = tuple[int, tuple[int, ...]]
 """A task and its coalition."""
@@ -66,19 +67,16 @@ class CoordinatedPlanner:
             return _one_after_another(mission, situation, robots)
         key_of = [*range(own), *(task.key for task in added)]  # of each task of the source
         number_of = {key: number for number, key in enumerate(key_of)}
-        is_grid = isinstance(mission.source.world, Grid)
-        places = [robot.at for robot in mission.source.robots]
-        for robot in robots:
-            places[robot] = _place(situation.places[robot], is_grid)
-        open_keys = frozenset(number_of)
-        old, step = _old_plan(situation, number_of), int(situation.age / mission.step)
+        now, places, free_at = _present(mission, situation)
+        open_keys, old = frozenset(number_of), _old_plan(situation, number_of)
         known = Known(
             mission=source,
-            now=step,
+            now=now,
             open_tasks=tuple(number_of[task.key] for task in situation.tasks),
-            places=tuple(places),
+            places=places,
             teams=tuple((robot,) for robot in robots),
-            free_at=(step,) * len(places),
+            free_at=free_at,
+            came_from=places,
             unseen_needs=mission.unsure & open_keys - situation.seen,
             news=UNFORESEEN[1:] if situation.old else ("start",),  # nobody tells which it was
         )
@@ -120,6 +118,21 @@ class CoordinatedPlanner:
         return self._changed[1]
 
 
+def _present(
+    mission: FleetMission, situation: FleetSituation
+) -> tuple[float, tuple[Place, ...], tuple[float, ...]]:
+    """Return how late it is, where each robot is or comes next, and when, in the mission's unit."""
+    is_in_steps = mission.source.time == "steps"
+    now = int(situation.age / mission.step) if is_in_steps else situation.age / mission.step
+    places = [robot.at for robot in mission.source.robots]
+    free_at = [now] * len(places)
+    for robot, at in situation.places.items():
+        places[robot] = place_in(mission.source.world, at)
+        if isinstance(mission.source.world, Roads):
+            free_at[robot] = now + at[1] / mission.step
+    return now, tuple(places), tuple(free_at)
+
+
 def _is_moved(mission: FleetMission, task: TaskFact) -> bool:
     """Say whether a mission's task has a load that lies elsewhere than at the beginning."""
     first = mission.tasks[task.key]
@@ -128,9 +141,8 @@ def _is_moved(mission: FleetMission, task: TaskFact) -> bool:
 
 def _can_get_to(mission: FleetMission, robot: int, place: Place) -> bool:
     """Say whether a robot can have got to where it says that it is."""
-    is_there = mission.can_be_at(robot, place)
-    flies = mission.source.robots[robot].flies
-    return is_there and (flies or mission.source.world.region(place) == mission.regions[robot])
+    start = mission.source.robots[robot].at
+    return mission.can_be_at(robot, place) and mission.leads(robot, start, place)
 
 
 def _old_plan(situation: FleetSituation, number_of: Mapping[int, int]) -> Plan | None:
@@ -151,7 +163,7 @@ def _change(
     mission: FleetMission, news: Sequence[TaskFact], over: frozenset[int]
 ) -> Mission | None:
     whole = mission.believed
-    caps, is_grid = whole.capabilities, isinstance(whole.world, Grid)
+    caps = whole.capabilities
     names = {whole.tasks[key].name for key in over}
     tasks = [
         replace(task, after=tuple(name for name in task.after if name not in names))
@@ -159,7 +171,7 @@ def _change(
     ]
     for task in news:
         if task.key < len(tasks):
-            at = _place((task.x, task.y), is_grid)
+            at = place_in(whole.world, (task.x, task.y))
             needs = (
                 _named(caps, task.needs)
                 if task.key in mission.unsure
@@ -169,13 +181,15 @@ def _change(
     tasks += [
         Task(
             f"added {task.key}",
-            _place((task.x, task.y), is_grid),
+            place_in(whole.world, (task.x, task.y)),
             _named(caps, task.needs),
-            round(task.duration / mission.step),
+            mission.in_time(task.duration),
         )
         for task in news
         if task.key >= len(whole.tasks)
     ]
+    if whole.time == "continuous":  # as it may be that nobody could have planned beforehand
+        return as_believed(whole, tasks=tuple(tasks))
     try:
         return replace(whole, tasks=tuple(tasks))
     except MissionError:  # as of a service that takes longer than can be counted
@@ -184,10 +198,6 @@ def _change(
 
 def _named(caps: Sequence[str], needs: Sequence[float]) -> dict[str, float]:
     return {cap: need for cap, need in zip(caps, needs, strict=True) if need}
-
-
-def _place(place: tuple[float, float], is_grid: bool) -> Place:
-    return (int(place[0]), int(place[1])) if is_grid else place
 
 
 def _without(situation: FleetSituation, stops: Sequence[Stop]) -> FleetSituation:
@@ -215,6 +225,6 @@ def _one_after_another(
 ) -> list[Stop]:
     """Return the plainest plan there is: all robots that can reach a task go, task by task."""
     return [
-        (task.key, tuple(robot for robot in robots if mission.reach(robot, task)))
+        (task.key, tuple(r for r in robots if mission.reach(r, task, situation.places[r])))
         for task in situation.tasks
     ]

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from teamformer.base.errors import MissionError
 from teamformer.mission.checks.checks import find_problems
 from teamformer.mission.checks.windows import opening_step
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.robot_keys import SLOWEST
 from teamformer.mission.parts.capabilities import Counts, in_units, out_of_units, total, units_of
+from teamformer.mission.parts.charging import Battery, Charger, Charging, has_batteries
 from teamformer.mission.parts.grid import FREE, Grid, Place
 from teamformer.mission.parts.places import possible_places
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.regions import flood
 from teamformer.mission.parts.roads import AIR, GROUND, Roads
+from teamformer.mission.parts.shifts import Rota, Shift
+from teamformer.mission.parts.zones import Zone
 
 MOST_WALKING = 10**6
 MOST_FORMING = 10**7
@@ -79,7 +83,8 @@ class Robot:
     in cells per step, on a plane in metres per second. `breaks` are random breakdowns. `delays`
     says how often it stands still; a team walks only in steps in which none of its robots stands
     still. On roads, `moves` says which table of ways the robot uses, and times are divided by
-    `speed`.
+    `speed`. A robot with `shifts` works in these only; after `every` they
+    come again, unless that is 0.
     """
 
     name: str
@@ -91,6 +96,14 @@ class Robot:
     delays: Delays | None = None
     moves: str = GROUND
     note: str = ""  # for people
+    shifts: tuple[Shift, ...] = ()  # in the order of time
+    every: float = 0.0
+    battery: Battery | None = None
+
+    @cached_property
+    def rota(self) -> Rota:
+        """Return when it works."""
+        return Rota(self.shifts, self.every)
 
     @property
     def flies(self) -> bool:
@@ -172,9 +185,10 @@ class Task:
     lasts: tuple[float, float] | None = None
     may_need: Mapping[str, float] = field(default_factory=dict)
     within: float = 0.0
-    weight: float = 1.0  # of its lateness and its end in the cost
+    weight: float = 1.0  # of its lateness, its end and of missing it in the cost
     has_arrived: bool = field(default=False, compare=False)
     note: str = ""  # for people
+    optional: bool = False  # it may be left out
 
     def __post_init__(self) -> None:
         if self.lasts is not None:
@@ -222,7 +236,7 @@ class Mission:
     quantities.
 
     A task with `within` is found once a team is within `finding_radius` of it. `arrivals` are tasks
-    that appear at random.
+    that appear at random. At `until` the mission is over, whatever is left.
     """
 
     name: str
@@ -241,6 +255,9 @@ class Mission:
     cost: Mapping[str, float] | None = None
     finding_radius: float = 1.0
     arrivals: Arrivals | None = None
+    until: float | None = None
+    chargers: tuple[Charger, ...] = ()
+    zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
         problems = list(find_problems(self))
@@ -275,6 +292,11 @@ class Mission:
         )
 
     @cached_property
+    def charging(self) -> Charging | None:
+        """Return which tasks robots can do with their batteries; None if none has one."""
+        return Charging(self) if has_batteries(self.robots) else None
+
+    @cached_property
     def units(self) -> Mapping[str, int]:
         """Return the unit of each capability that robots bring, in thousandths."""
         return units_of(robot.can for robot in self.robots)
@@ -294,7 +316,7 @@ def as_believed(mission: Mission, **changes: object) -> Mission:
     What is believed at a moment may be impossible: robots that are needed are lost, say.
     """
     changed = copy.copy(mission)
-    for name in ("units", "has_surprises"):
+    for name in ("units", "has_surprises", "charging"):
         changed.__dict__.pop(name, None)  # worked out of what is changed
     for name, value in changes.items():
         object.__setattr__(changed, name, value)
@@ -334,7 +356,19 @@ def default_step_limit(mission: Mission) -> int:
         waits += (count - len(mission.tasks)) * mission.arrivals.duration
     forming = 4 * (count + 1) * len(mission.robots)
     steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(forming, MOST_FORMING)
-    return steps + min(math.ceil(waits + latest), MOST_WAITING)
+    limit = steps + min(math.ceil(waits + latest), MOST_WAITING)
+    rotas = [robot.rota for robot in mission.robots if robot.shifts]
+    return limit if not rotas else min(_limit_in_shifts(rotas, limit, count), LARGEST_NUMBER)
+
+
+def _limit_in_shifts(rotas: Sequence[Rota], limit: float, tasks: int) -> int:
+    """Return a limit where robots work in shifts only, from one where they always do.
+
+    All takes as much longer as the robot that works least, and each task waits for ten turns.
+    """
+    share = min(rota.share for rota in rotas)
+    turns = 10 * (tasks + 1) * max(rota.every for rota in rotas)
+    return math.ceil(limit / share + turns + max(rota.shifts[-1][1] for rota in rotas))
 
 
 def _longest_walk(mission: Mission) -> float:

@@ -72,6 +72,7 @@ def events(record: Record) -> Iterator[LogEntry]:
 IN_THE_LOG = {
     "appear": "appears",
     "cancel": "cancelled",
+    "missed": "missed",
     "lost": "lost",
     "back": "back",
     "found": "found",

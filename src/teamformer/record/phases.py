@@ -12,10 +12,11 @@ from teamformer.world.rules.constants import NOBODY
 PHASES = (
     *("walking", "waiting", "forming", "serving"),
     *("loading", "carrying", "unloading"),
-    *("idle", "lost"),
+    *("idle", "lost", "off"),
 )
-WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST = PHASES
-"""A load is not served: it is loaded where it lies, carried, and unloaded where it goes."""
+WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, OFF = PHASES
+"""A load is not served: it is loaded where it lies, carried, and unloaded where it goes. Who is off
+is outside its shifts."""
 
 AT_WORK = (SERVING, LOADING, CARRYING, UNLOADING)
 

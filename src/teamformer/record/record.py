@@ -18,7 +18,7 @@ FLEET = "fleet"
 """The method in records of fleets, whose robots decide for themselves and keep no steps."""
 HEARD = ("beat", "facts", "plan")
 """What the agents of a rehearsed fleet say to one another."""
-STATUSES = ("completed", "step limit", "infeasible", "interrupted")
+STATUSES = ("completed", "step limit", "infeasible", "too late", "interrupted")
 
 
 StartingTeam = tuple[int, tuple[int, ...], float, float]
@@ -104,6 +104,7 @@ class Ending:
     late: Mapping[str, float] = field(default_factory=dict)  # by how much, by the tasks' names
     broken_links: tuple[tuple[str, str], ...] = ()
     """Tasks whose gap to another's start was not kept: its name, and that of the other."""
+    missed: tuple[str, ...] = ()  # tasks that were not done by the end, or given up
 
 
 @dataclass(frozen=True)

@@ -36,14 +36,26 @@ def cancelled_steps(record: Record) -> dict[int, float]:
     return {number: step for number, step in due.items() if number not in done}
 
 
+def missed_tasks(record: Record) -> dict[int, tuple[float, str]]:
+    """Return when each task was missed that was, and why, by number."""
+    return {it.task: (it.at, it.why) for it in record.events if it.kind == "missed"}
+
+
+def missed_weight(record: Record) -> float:
+    """Return the weights of the optional tasks that were missed, added up."""
+    tasks = record.true_mission.tasks
+    return sum(tasks[task].weight for task in missed_tasks(record) if tasks[task].optional)
+
+
 def _first_of(record: Record, kind: str) -> dict[int, float]:
     """Return when events of a kind first happened to each task, by number."""
     return {it.task: it.at for it in reversed(record.events) if it.kind == kind}
 
 
 def over_steps(record: Record) -> dict[int, float]:
-    """Return the step in which each task was done or called off, or the moment, by number."""
-    return done_steps(record) | cancelled_steps(record)
+    """Return the step in which each task was done, called off or missed, or the moment."""
+    missed = {task: at for task, (at, _) in missed_tasks(record).items()}
+    return done_steps(record) | cancelled_steps(record) | missed
 
 
 def known_steps(record: Record) -> list[float]:

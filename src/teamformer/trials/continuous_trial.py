@@ -23,6 +23,9 @@ from teamformer.world.env import Tally
 
 INTERRUPTED = "interrupted"
 
+RUN_HERE = "use plan, central, reactive, soonest or a coordinator of your own"
+"""What to do instead of what is refused."""
+
 
 @dataclass(frozen=True)
 class ContinuousTrial:
@@ -36,14 +39,14 @@ class ContinuousTrial:
     compiling_seconds: float
     is_interrupted: bool
 
-    def record(self, mission: Mission, seed: int) -> Record:
-        """Return the record; that of an uncertain mission has its truth."""
-        return record_of(self.course, mission, self.method.name, seed, self._bound())
+    def record(self, mission: Mission, seed: int, bound: float | None) -> Record:
+        """Return the record; that of an uncertain mission has its truth.
 
-    def _bound(self) -> float | None:
-        """Return what no plan is over before; None if nobody has worked it out."""
-        bound = self.coordinator.bound if isinstance(self.coordinator, InHindsight) else 0.0
-        return bound or None
+        `bound` is a time that no plan is over before; `central` may have proven a higher one.
+        """
+        proven = self.coordinator.bound if isinstance(self.coordinator, InHindsight) else 0.0
+        bound = max(bound or 0.0, proven) or None
+        return record_of(self.course, mission, self.method.name, seed, bound)
 
 
 def run_continuous(
@@ -113,10 +116,10 @@ def coordinator_of(method: Method, truth: Mission) -> Coordinator:
         return InHindsight(truth, method.policy)
     if method.coordinator is None:
         what = f"method '{method.name}' decides step by step, which continuous time does not have"
-        raise TeamformerError(what, "use plan, central or a coordinator of your own")
+        raise TeamformerError(what, RUN_HERE)
     if "continuous" not in times_of(method.coordinator):
         what = f"method '{method.name}' plans in steps, and the mission is in continuous time"
-        raise TeamformerError(what, "use plan, central or a coordinator of your own")
+        raise TeamformerError(what, RUN_HERE)
     return method.coordinator
 
 
@@ -129,7 +132,8 @@ def ending_of(course: Course) -> Ending:
     cost = None
     if mission.cost is not None and is_completed:
         parts = {"makespan": world.now, "travel": world.travel}
-        cost = cost_of(mission.cost, {**parts, **parts_of_ends(mission.tasks, ends)})
+        called_off = world.over.keys() - world.done - set(world.missed)
+        cost = cost_of(mission.cost, {**parts, **parts_of_ends(mission.tasks, ends, called_off)})
     return Ending(
         status=course.status,
         makespan=world.now if is_completed else None,
@@ -141,6 +145,7 @@ def ending_of(course: Course) -> Ending:
             (mission.tasks[gap.task].name, mission.tasks[gap.other].name)
             for gap in course.links.broken(world)
         ),
+        missed=tuple(mission.tasks[task].name for task in sorted(world.missed)),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -64,7 +65,7 @@ class PlannedMission(MissionPlan):
         return {
             "mission": self.mission.name,
             "makespan": round(self.makespan, DIGITS),
-            **({} if self.cost is None else {"cost": round(self.cost, DIGITS)}),
+            **self._costs,
             "bound": round(self.bound, DIGITS),
             "proven": self.is_proven,
             "routes": [
@@ -84,9 +85,20 @@ class PlannedMission(MissionPlan):
                 for route in self.routes
             ],
             "late": {tasks[task].name: round(by, DIGITS) for task, by in self.late.items()},
+            **({"missed": [tasks[k].name for k in self.missed]} if self.mission.until else {}),
             "windows": {task.name: list(task.between) for task in tasks if task.between},
             "critical_path": path_rows(self.mission, self.critical_path),
             "curve": [[round(seconds, 3), round(when, DIGITS)] for seconds, when in self.curve],
+        }
+
+    @property
+    def _costs(self) -> dict[str, float]:
+        """Return what the plan costs, and what none costs less than, if the mission has a cost."""
+        if self.cost is None:
+            return {}
+        return {
+            "cost": round(self.cost, DIGITS),
+            "least_cost": math.floor(10**DIGITS * (self.least_cost or 0.0)) / 10**DIGITS,
         }
 
 

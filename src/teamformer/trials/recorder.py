@@ -121,7 +121,7 @@ class Recorder:
         """Return what the latest step has changed."""
         return self._steps[-1]
 
-    def finish(self, method: str, seed: int, lower_bound: int | None) -> Record:
+    def finish(self, method: str, seed: int, lower_bound: float | None) -> Record:
         """Return the record so far: one of a trial that still runs is of an interrupted one."""
         made, is_uncertain = self._before.tally.steps, self._mission.has_surprises
         return Record(

@@ -11,7 +11,13 @@ from teamformer.mission.checks.costs import judged_by
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.plane import Plane
 from teamformer.record.record import Record
-from teamformer.record.task_times import cost_of_record, judged_value, lateness
+from teamformer.record.task_times import (
+    cost_of_record,
+    judged_value,
+    lateness,
+    missed_tasks,
+    missed_weight,
+)
 from teamformer.trials.trial import PlayedTrial
 
 
@@ -25,6 +31,7 @@ class Bars:
     best: float | None
     bound: float | None
     least: float | None
+    missed: float = 0.0  # what the best of them missed, where that counts first
 
 
 def bars_of(trials: Sequence[PlayedTrial]) -> Bars:
@@ -35,11 +42,12 @@ def bars_of(trials: Sequence[PlayedTrial]) -> Bars:
     bounds = (record.lower_bound for record in records)
     best = min((steps for steps in makespans if steps is not None), default=None)
     bound = max((steps for steps in bounds if steps is not None), default=None)
-    if all(judged_by(record.true_mission) is None for record in records):
+    if all(judged_by(record.true_mission) is None for record in records) and not _miss(records):
         return Bars(best, bound, best)
-    judged = (judged_value(record) for record in records)
-    least = min((value for value in judged if value is not None), default=None)
-    return Bars(best, bound, least)
+    values = ((judged_value(record), _missed_first(record)) for record in records)
+    judged = [(missed, value) for value, missed in values if value is not None]
+    missed, least = min(judged, default=(0.0, None))
+    return Bars(best, bound, least, missed)
 
 
 def result_row(trial: PlayedTrial, bars: Bars) -> dict[str, Any]:
@@ -64,6 +72,7 @@ def result_row(trial: PlayedTrial, bars: Bars) -> dict[str, Any]:
         "illegal_decisions": end.illegal_decisions,
         "blocked_tasks": list(end.blocked_tasks),
         "late": lateness(record),
+        **({"missed": _missed(record)} if record.mission.until is not None else {}),
         **({"broken_links": list(map(list, end.broken_links))} if record.is_continuous else {}),
         "planning_seconds": round(trial.planning_seconds, 6),
         "decision_seconds": round(trial.decision_seconds, 6),
@@ -78,6 +87,22 @@ def result_row(trial: PlayedTrial, bars: Bars) -> dict[str, Any]:
     }
 
 
+def _miss(records: Sequence[Record]) -> bool:
+    """Say whether tasks of a mission may be missed."""
+    return any(record.mission.until is not None for record in records)
+
+
+def _missed_first(record: Record) -> float:
+    """Return what was missed, by weight, where that counts before all else: without a cost."""
+    return missed_weight(record) if record.mission.cost is None else 0.0
+
+
+def _missed(record: Record) -> dict[str, str]:
+    """Return why each task was missed that was, by name."""
+    tasks = record.true_mission.tasks
+    return {tasks[task].name: why for task, (_, why) in missed_tasks(record).items()}
+
+
 def rounded_cost(record: Record) -> float | None:
     """Return what a mission cost, to six places; None if not everything was done."""
     cost = cost_of_record(record)
@@ -85,7 +110,12 @@ def rounded_cost(record: Record) -> float | None:
 
 
 def percent_over_least(record: Record, bars: Bars) -> float | None:
-    """Return by how many percent a trial is above the best one, by what plans are judged by."""
+    """Return by how many percent a trial is above the best one, by what plans are judged by.
+
+    None for one that missed more, where that counts first.
+    """
+    if _missed_first(record) > bars.missed:
+        return None
     return percent_over(judged_value(record), bars.least)
 
 

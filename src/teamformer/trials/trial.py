@@ -16,6 +16,7 @@ from teamformer.mission.coordination import Coordinator
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.planning.continuous.mission_bound import bound_in_time
 from teamformer.record.record import Record
 from teamformer.trials.continuous_trial import run_continuous
 from teamformer.trials.memory import refuse_too_large
@@ -53,7 +54,7 @@ def run_trial(
     mission: Mission,
     player: Player,
     seed: int = 0,
-    lower_bound: int | None = None,
+    lower_bound: float | None = None,
     on_step: Callable[[Tally], None] | None = None,
     truth: Mission | None = None,
     keeps_interrupted: bool = False,
@@ -77,7 +78,7 @@ def run_trial(
     if mission.time == "continuous":
         ran = run_continuous(mission, method, truth, on_step, keeps_interrupted)
         return PlayedTrial(
-            ran.record(mission, seed),
+            ran.record(mission, seed, lower_bound),
             planning_seconds=ran.planning_seconds,
             decision_seconds=0.0,
             total_seconds=ran.total_seconds,
@@ -142,12 +143,12 @@ def _recorded(env: TeamFormation) -> tuple[TeamFormation, Recorder]:
     return env, Recorder(env)
 
 
-def bound_of(truth: Mission) -> int | None:
-    """Return a number of steps that no plan can be faster than; None in continuous time.
+def bound_of(truth: Mission) -> float | None:
+    """Return a number of steps, or a time, that no plan can beat; None if nothing is known.
 
-    There `central` works out a bound, if the mission is such that one says anything.
+    In continuous time `central` may find a higher one.
     """
-    return lower_bound(truth) if truth.time == "steps" else None
+    return lower_bound(truth) if truth.time == "steps" else bound_in_time(truth) or None
 
 
 def run_trials(
@@ -209,7 +210,7 @@ def begin(
         policy.begin(truths if policy.needs_everything else None, rng)
 
 
-def _best_bound(known: int | None, plan: CentralPlan | None) -> int | None:
+def _best_bound(known: float | None, plan: CentralPlan | None) -> float | None:
     """Return the highest bound that holds for every policy."""
     proven = None if plan is None else plan.bound
     return max((bound for bound in (known, proven) if bound is not None), default=None)

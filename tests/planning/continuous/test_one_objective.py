@@ -8,7 +8,7 @@ import pytest
 
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import mission_from_tree
-from teamformer.mission.checks.links import is_linked
+from teamformer.mission.checks.costs import judged_by
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
@@ -57,17 +57,22 @@ def test_the_default_is_a_cost_in_which_tasks_have_their_weights() -> None:
 
 
 def test_a_mission_with_windows_is_searched_by_its_cost() -> None:
-    assert is_linked(urgent())
-    assert not is_linked(replace(urgent(), tasks=(Task("t", (6, 0), {"a": 1}),)))
+    assert judged_by(urgent()) is not None
+    assert judged_by(replace(urgent(), tasks=(Task("t", (6, 0), {"a": 1}),))) is None
     both = [pose_mission(one).problem for one in (urgent(), urgent(**DEFAULT))]
     weights = [one.links.weight.tolist() for one in both]
     assert weights[0] == weights[1] != []
 
 
-def test_reactive_knows_windows_but_no_cost() -> None:
-    assert planned(urgent(), "reactive").makespan in (29, 48)
-    with pytest.raises(TeamformerError, match="knows neither linked starts nor costs"):
-        planned(urgent(**DEFAULT), "reactive")
+def test_reactive_judges_futures_by_windows_and_costs() -> None:
+    """First to the near one all is over at 12, late by 1 and 11; else at 14, late by 5 and 2."""
+    near = Task("near", (6, 0), {"a": 1}, duration=9, between=(0, 9))
+    far = Task("far", (8, 0), {"a": 1}, between=(0, 1), weight=9.0)
+    mission = replace(urgent(), tasks=(near, far))
+    assert planned(mission, "soonest").makespan == 12
+    assert planned(mission, "reactive").makespan == 14
+    assert planned(replace(mission, cost=DEFAULT), "reactive").cost == (14 + 2 * (5 + 9 * 2)) / 3
+    assert planned(replace(mission, cost={"makespan": 1}), "reactive").cost == 12
 
 
 def test_a_plan_in_time_that_is_over_at_the_bound_is_proven() -> None:
@@ -193,3 +198,30 @@ def test_robots_that_wait_for_one_another_for_ever_make_no_plan() -> None:
     given = Plan((1, 0, 2), ((0,), (0,), (1,)))
     assert posed.time(posed.as_arrays(given)).makespan == float("inf")
     assert planned(mission, "central", 0.0, given).makespan < float("inf")
+
+
+def test_what_no_plan_costs_less_than_by_hand() -> None:
+    """Three robots that lift each go to one task or on from one to the next, and home.
+
+    A weight of 3 on travel and 1 on tardiness makes shares of 3/4 and 1/4.
+    """
+    line = Mission(
+        "line",
+        Grid(21, 1),
+        ("lift",),
+        (Robot("r", (10, 0), {"lift": 1}), Robot("s", (10, 0), {"lift": 1})),
+        (
+            Task("left", (0, 0), {"lift": 1}, between=(0, 4)),
+            Task("right", (20, 0), {"lift": 1}, between=(0, 99)),
+        ),
+        time="continuous",
+        ends="home",
+        cost={"travel": 3.0, "tardiness": 1.0},
+    )
+    made = planned(line, "central", 1.0)
+    assert made.cost == pytest.approx((3 * 40 + 6) / 4)  # there and back twice, six too late
+    assert made.least_cost == pytest.approx(made.cost, abs=1e-3)
+    both = (Task("left", (0, 0), {"lift": 2}), line.tasks[1])
+    together = planned(replace(line, tasks=both), "central", 1.0)
+    assert together.cost == pytest.approx(3 * 60 / 4)  # two go left, and one of them right as well
+    assert together.least_cost == pytest.approx(together.cost, abs=1e-3)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from random_coalitions import is_able, plain_times, random_problem
+from random_coalitions import drawn_plan, is_able, plain_times, random_problem
 from teamformer.planning.continuous.cp_sat import solve_exactly
 from teamformer.planning.continuous.reactive import react
 from teamformer.planning.continuous.solve import plan_together, solve
-from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.constants import SPREAD
@@ -90,8 +89,7 @@ def assert_consistent(problem: CoalitionProblem, schedule: Schedule) -> None:
 def test_a_plan_in_a_random_order_is_able_and_timed_as_its_twin_times_it(seed: int) -> None:
     problem = random_problem(seed, tasks=12)
     for draw in range(5):
-        plan = draw_plan(problem, draw)
-        assert plan is not None
+        plan = drawn_plan(problem, draw)
         assert is_able(problem, plan)
         assert_consistent(problem, schedule_of(problem, plan))
 

@@ -10,8 +10,7 @@ import sys
 import numpy as np
 import pytest
 
-from random_coalitions import is_able, least_coalitions, plain_times, random_problem
-from teamformer.planning.dispatch.first_plan import draw_plan
+from random_coalitions import drawn_plan, is_able, least_coalitions, plain_times, random_problem
 from teamformer.planning.graph.arc_problem import different_needs, pose_arcs
 from teamformer.planning.graph.graph import AIM, BACK_SUM, COST, MAKESPAN, read_off
 from teamformer.planning.problem import schedule as by_schedule
@@ -35,12 +34,6 @@ def lasting(
     problem = random_problem(seed, tasks, robots, is_plain=is_plain)
     due = np.full_like(problem.due, NEVER)
     return problem._replace(duration=np.maximum(problem.duration, 1), due=due)
-
-
-def any_plan(problem: CoalitionProblem, seed: int) -> CoalitionPlan:
-    plan = draw_plan(problem, seed)
-    assert plan is not None
-    return plan
 
 
 def rank_of(problem: CoalitionProblem, plan: CoalitionPlan) -> tuple[int, int]:
@@ -92,7 +85,7 @@ def assert_consistent(problem: CoalitionProblem, search: ArcSearch) -> None:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_plan_that_is_laid_out_is_read_off_again(seed: int, is_plain: bool) -> None:
     problem = lasting(seed, is_plain=is_plain)
-    plan, search = any_plan(problem, seed), ArcSearch(problem, seed)
+    plan, search = drawn_plan(problem, seed), ArcSearch(problem, seed)
     search.begin_at(plan)
     assert_consistent(problem, search)
     assert search.rank == rank_of(problem, plan)
@@ -105,7 +98,7 @@ def test_times_that_are_worked_out_as_they_change_are_those_of_the_whole_plan(
 ) -> None:
     problem = lasting(seed, is_plain=is_plain)
     search = ArcSearch(problem, seed)
-    search.begin_at(any_plan(problem, seed))
+    search.begin_at(drawn_plan(problem, seed))
     for turn in range(60):
         search.anneal(90, 30, turn * 5, turn * 5 + 5, 300)
         assert_consistent(problem, search)
@@ -186,7 +179,8 @@ def test_covers_are_all_coalitions_with_nobody_to_spare(seed: int) -> None:
 
 UNDOING = """
 import numpy as np
-from test_arcs import any_plan, assert_consistent, lasting
+from random_coalitions import drawn_plan
+from test_arcs import assert_consistent, lasting
 from teamformer.planning.graph.arc_problem import most_seats
 from teamformer.planning.graph.graph import COST
 from teamformer.planning.graph.judging import propagate, undo
@@ -201,7 +195,7 @@ changed = {"swap": 0, "move": 0}
 for seed in range(6):
     problem = lasting(seed, robots=12, is_plain=seed % 3 > 0)
     search = ArcSearch(problem, seed)
-    search.begin_at(any_plan(problem, seed))
+    search.begin_at(drawn_plan(problem, seed))
     arcs, graph, trial, random = search.arcs, search.graph, search._trial, search.random
     ledger, room = search._ledger, search._room
     for turn in range(200):
@@ -235,12 +229,11 @@ assert changed["move"] > 100, changed
 """
 
 SEARCHING = """
-from random_coalitions import random_problem
+from random_coalitions import drawn_plan, random_problem
 from teamformer.planning.search.arc_search import ArcSearch
-from teamformer.planning.dispatch.first_plan import draw_plan
 for seed in range(3):
     problem = random_problem(seed, 20)
-    print(draw_plan(problem, seed).order.tolist())
+    print(drawn_plan(problem, seed).order.tolist())
     search = ArcSearch(problem, seed)
     search.begin_anew()
     search.anneal(60, 5, 0, 300, 300)

@@ -178,7 +178,7 @@ def take_back(graph, moved):
 
 latest, taken_back = [None], annealing.take_back
 annealing.take_back = take_back
-for name in ("swap_heads", "replace_member", "ride", "move_task", "move_stretch"):
+for name in ("swap_heads", "ride", "move_task", "move_stretch"):
     setattr(annealing, name, watch(name, getattr(annealing, name)))
 for seed in range(4):
     arcs = TeamArcs(drawn(seed)[1], seed)
@@ -193,7 +193,7 @@ for seed in range(4):
             assert node.key < graph.nodes[graph.seats[to].node].key
     for task, row in enumerate(arcs.search.arcs.before):
         assert (graph.nodes.key[row[row >= 0]] < graph.nodes.key[task]).all()
-names = ("replace_member", "ride", "move_task", "move_stretch")
+names = ("ride", "move_task", "move_stretch")
 assert min(tried.get(name, 0) for name in names) > 5, tried
 """
 

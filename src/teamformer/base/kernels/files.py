@@ -26,7 +26,7 @@ from typing import Any
 import llvmlite
 import numba
 from llvmlite.binding import get_host_cpu_features
-from numba.core import config
+from numba.core import config, types
 from numba.core.caching import InTreeCacheLocator, UserProvidedCacheLocator, UserWideCacheLocator
 from numba.core.serialize import dumps
 
@@ -129,8 +129,8 @@ class KernelFiles:
         found = (_read(folder / self._file(key), key) for folder in self._folders())
         code = next((code for code in found if code is not None), None)
         if code is None and _is_at_least_baseline():
-            types, (triple, *_), hashes = key
-            same = (types, (triple, BASELINE, ""), hashes)
+            kinds, (triple, *_), hashes = key
+            same = (kinds, (triple, BASELINE, ""), hashes)
             code = _read(PACKAGED / self._file(same), same)
         return code
 
@@ -196,5 +196,13 @@ def _digest(text: str) -> str:
 
 def _spell(key: Any) -> str:
     """Write a key of numba's, (types of the arguments, processor, hashes of the code), as text."""
-    types, processor, code = key
-    return repr(([str(kind) for kind in types], processor, code))
+    kinds, processor, code = key
+    return repr(([_spell_kind(kind) for kind in kinds], processor, code))
+
+
+def _spell_kind(kind: Any) -> str:
+    """Write a type as text; of a named tuple the fields too, as code reads them by their places."""
+    if not isinstance(kind, types.BaseTuple):
+        return str(kind)
+    parts = [_spell_kind(part) for part in kind.types]  # type: ignore[attr-defined]
+    return f"{kind.name.partition('(')[0]} {getattr(kind, 'fields', '')} {parts}"

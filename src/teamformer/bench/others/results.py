@@ -105,7 +105,7 @@ def measure(instance: Instance, method: str, time_limit: float) -> Result | None
         instance=instance.name,
         method=method,
         makespan=round(made.makespan if made.cost is None else made.cost, DIGITS),
-        bound=round(made.bound, DIGITS),
+        bound=round(made.bound if made.least_cost is None else made.least_cost, DIGITS),
         proven=made.is_proven,
         seconds=round(seconds, 3),
         time_limit=time_limit,

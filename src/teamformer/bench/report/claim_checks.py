@@ -188,13 +188,15 @@ def slowest(evidence: Evidence, family: str) -> ClaimJudgement:
     return ClaimJudgement("; ".join(told), all(holds)) if told else UNKNOWN
 
 
-def _by_requirements(of: Callable[[str], list[int]]) -> dict[int, list[int]]:
+def _by_requirements(
+    of: Callable[[str], Sequence[float]],
+) -> dict[int, Sequence[float]]:
     """Return what each trial of the 100-robot worlds gave, by the requirements of a task."""
     found = {spec_of(setting).requirements or 0: of(setting) for setting in TABLE_1[4:]}
     return {requirements: values for requirements, values in found.items() if values}
 
 
-def _slope(found: Mapping[int, Sequence[int]], times: float) -> Slope:
+def _slope(found: Mapping[int, Sequence[float]], times: float) -> Slope:
     """Return the slope of the least-squares line through all trials, so many times."""
     return slope_of([(x, times * y) for x, values in found.items() for y in values])
 

@@ -16,7 +16,7 @@ class Evidence:
         self.rows = rows
         self.summaries = summarise(rows)
         self._summaries = {(s.setting, s.method): s for s in self.summaries}
-        self._makespans: dict[tuple[str, str], dict[int, int]] = {}
+        self._makespans: dict[tuple[str, str], dict[int, float]] = {}
         for row in rows:
             worlds = self._makespans.setdefault((row.setting, row.method), {})
             if row.makespan is not None:
@@ -52,7 +52,7 @@ class Evidence:
         found = differences(self._makespans.get((setting, method), {}), optimum)
         return found if found.count else None
 
-    def makespans(self, setting: str, method: str) -> list[int]:
+    def makespans(self, setting: str, method: str) -> list[float]:
         """Return the makespans of completed trials."""
         return list(self._makespans.get((setting, method), {}).values())
 

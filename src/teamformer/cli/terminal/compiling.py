@@ -33,9 +33,9 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     from teamformer.base.kernels.jit import needs_compiling
     from teamformer.planning.continuous.rules import warm_up
     from teamformer.planning.crews.deal import deal_crews
+    from teamformer.planning.dispatch.futures import play_out
     from teamformer.planning.relaxation import threshold
     from teamformer.planning.search.annealing import anneal
-    from teamformer.planning.search.start import dispatch
     from teamformer.planning.steps.arc_search import LARGE
     from teamformer.world.step import step_worlds
 
@@ -55,7 +55,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     ):
         _compile(wanted.values())
     is_large = mission is not None and len(mission.tasks) >= LARGE
-    if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(dispatch):
+    if is_large and {"plan", "central"} & wanted.keys() and needs_compiling(play_out):
         _plan_anew()
 
 

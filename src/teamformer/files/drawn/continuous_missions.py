@@ -1,7 +1,8 @@
-"""Families of missions in continuous time: `roads`, on the lanes of sites, and `clock`.
+"""Families of missions in continuous time: `roads`, `clock`, `shifts`, `optional`.
 
-Those of `clock` are on a plane and have each key that plans in continuous time know: order,
-windows, linked starts, loads, forming, ways home, tasks that appear, a cost.
+All have order and windows; those of `roads`, on the lanes of sites, and of `clock` have loads, too.
+Those of `clock` are on a plane and have linked starts, forming, ways home, tasks that appear and a
+cost. Robots of `shifts` work in shifts with breaks. Most tasks of `optional` may be left out.
 """
 
 from __future__ import annotations
@@ -12,14 +13,17 @@ from itertools import count
 
 import numpy as np
 
-from teamformer.base.errors import MissionError
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.files.drawn.continuous_incidents import INCIDENTS, robots_to_spare
 from teamformer.files.drawn.site_graphs import CART, draw_hospital, draw_warehouse
+from teamformer.mission.checks.optional import find_hopeless_until
 from teamformer.mission.checks.windows import find_hopeless_windows
 from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND
+from teamformer.mission.parts.shifts import Shift
 
 CAPABILITIES = ("carry", "clean", "scan", "steer")
 ROBOTS, TASKS = (6, 12), (15, 40)
@@ -39,6 +43,22 @@ BEHIND, DUE, LINKED, LOADED, LATE = 0.25, 0.3, 0.15, 0.2, 0.15
 
 OPENS, LASTS = (0.0, 90.0), (30.0, 300.0)
 """Seconds at which windows open, and for which they do besides the task itself."""
+
+
+ROTAS: tuple[tuple[Shift, ...], ...] = (
+    ((0, 100), (120, 220)),
+    ((80, 160), (180, 280)),
+    ((0, 280),),
+    (),
+)
+"""The shifts of a robot: early, late, without a break, always."""
+
+EVERY = 300.0
+"""After how many seconds shifts come again."""
+
+
+MUST, WEIGHTS, UNTIL = 2, (1.0, 1.0, 2.0, 3.0, 5.0), (80.0, 200.0)
+"""Of `optional`: how many tasks must be done, what others weigh, and when the mission is over."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +83,7 @@ def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
             for robot in _draw_robots(rng, starts)
         ]
         tasks = _draw_tasks(rng, robots, places)
+        tasks = [_with_load(rng, task, lambda: places[_below(rng, places)]) for task in tasks]
         tasks = _with_windows(rng, _in_order(rng, tasks))
         return _mission(name, world, robots, tasks)
 
@@ -77,7 +98,7 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
         starts = [_spot(rng) for _ in range(2)]
         robots = _draw_robots(rng, starts)
         tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
-        tasks = [_with_load(rng, task) for task in tasks]
+        tasks = [_with_load(rng, task, lambda: _spot(rng)) for task in tasks]
         tasks = _linked(rng, tasks, total(robot.can for robot in robots))
         tasks = _with_windows(rng, _in_order(rng, tasks))
         late = [replace(t, appears=int(rng.integers(1, 90))) for t in tasks]
@@ -93,20 +114,77 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
     return _first_sound(draw)
 
 
+def draw_in_shifts(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission of robots that work in shifts."""
+
+    def draw() -> Mission:
+        starts = [_spot(rng) for _ in range(2)]
+        robots = [_in_a_shift(rng, robot) for robot in _draw_robots(rng, starts)]
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        tasks = _with_windows(rng, _in_order(rng, tasks))
+        ends = "home" if rng.random() < 0.5 else None
+        mission = _mission(name, Plane(WIDTH, HEIGHT), robots, tasks)
+        return replace(mission, forming=float(rng.integers(0, 5)), ends=ends)
+
+    return _first_sound(draw)
+
+
+def _in_a_shift(rng: np.random.Generator, robot: Robot) -> Robot:
+    shifts = ROTAS[int(rng.integers(len(ROTAS)))]
+    return replace(robot, shifts=shifts, every=EVERY if shifts else 0.0)
+
+
+def draw_optional(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission that is over before everything can be done; the first tasks must be."""
+
+    def draw() -> Mission:
+        starts = [_spot(rng) for _ in range(2)]
+        robots = _draw_robots(rng, starts)
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        weights = rng.choice(WEIGHTS, len(tasks)).tolist()
+        tasks = [
+            replace(task, optional=number >= MUST, weight=weights[number] if number >= MUST else 1)
+            for number, task in enumerate(tasks)
+        ]
+        tasks = _with_windows(rng, _in_order(rng, tasks))
+        more = {
+            "until": round(float(rng.uniform(*UNTIL)), 1),
+            "ends": "home" if rng.random() < 0.5 else None,
+            "cost": {"makespan": 1.0, "missed": 20.0} if rng.random() < 0.5 else None,
+        }
+        return replace(_mission(name, Plane(WIDTH, HEIGHT), robots, tasks), **more)  # type: ignore[arg-type]
+
+    return _first_sound(draw)
+
+
 CONTINUOUS_FAMILIES = {
     "roads": ContinuousFamily(draw_on_roads),
     "clock": ContinuousFamily(draw_by_the_clock),
+    "shifts": ContinuousFamily(draw_in_shifts),
+    "optional": ContinuousFamily(draw_optional),
 }
 
 
+def split_continuous(setting: str) -> tuple[str, str | None] | None:
+    """Return the family and the incident that a setting such as `roads-lost` names, if it does."""
+    name, _, incident = setting.partition("-")
+    if name not in CONTINUOUS_FAMILIES:
+        return None
+    if incident and incident not in INCIDENTS:
+        known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
+        raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")
+    return name, incident or None
+
+
 def _first_sound(draw: Callable[[], Mission]) -> Mission:
-    """Return the first mission that can be done, and whose windows can be kept."""
+    """Return the first mission that can be done, without some robot too, with windows to keep."""
     for _ in count():
         try:
             mission = draw()
         except MissionError:  # as where linked tasks want more robots than there are
             continue
-        if not any(find_hopeless_windows(mission)):
+        hopeless = (*find_hopeless_windows(mission), *find_hopeless_until(mission))
+        if not hopeless and robots_to_spare(mission):
             return mission
     raise AssertionError
 
@@ -169,10 +247,14 @@ def _with_windows(rng: np.random.Generator, tasks: Sequence[Task]) -> list[Task]
     return changed
 
 
-def _with_load(rng: np.random.Generator, task: Task) -> Task:
+def _with_load(rng: np.random.Generator, task: Task, draw_place: Callable[[], Place]) -> Task:
     if "carry" not in task.needs or rng.random() >= LOADED / TWO_NEEDS:
         return task
-    return replace(task, to=_spot(rng), unload=round(float(rng.uniform(0, 10)), 1))
+    return replace(task, to=draw_place(), unload=round(float(rng.uniform(0, 10)), 1))
+
+
+def _below(rng: np.random.Generator, choices: Sequence[object]) -> int:
+    return int(rng.integers(len(choices)))
 
 
 def _linked(

@@ -9,7 +9,8 @@
 missions that people have. `real-half` and `real-double` have half and twice the robots and tasks;
 in `real-sense5` robots sense 5 cells, in `real-senseall` everybody. `real-lost` loses one robot
 that can be spared, in `real-arrivals` a fifth of the tasks appears later.
-`roads` and `clock` are families in continuous time, without incidents.
+`roads`, `clock`, `shifts` and `optional` are families in continuous time; they have `-lost`,
+`-arrivals` and `-cancelled`.
 `-durations`, `-needs` (with a probability of 50%; `-needs10`, `-needs30`, `-needs70`), `-places`,
 `-delays`, `-calls`, `-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name
 says, in any setting: `4N20T-C4-needs`, `real-mixed`.
@@ -23,7 +24,8 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.base.errors import TeamformerError
-from teamformer.files.drawn.continuous_missions import CONTINUOUS_FAMILIES
+from teamformer.files.drawn.continuous_incidents import let_happen
+from teamformer.files.drawn.continuous_missions import CONTINUOUS_FAMILIES, split_continuous
 from teamformer.files.drawn.families import FAMILIES, family_in, split_name
 from teamformer.files.drawn.family_missions import draw_mission
 from teamformer.files.drawn.generate import Spec, generate
@@ -53,14 +55,19 @@ class Size(NamedTuple):
 
 def size_of(setting: str) -> Size:
     """Return how large worlds of a setting are; an unknown name raises `TeamformerError`."""
-    if setting in CONTINUOUS_FAMILIES:
-        family = CONTINUOUS_FAMILIES[setting]
-        return Size(family.robots, family.capabilities)
+    if (timed := split_continuous(setting)) is not None:
+        drawn = CONTINUOUS_FAMILIES[timed[0]]
+        return Size(drawn.robots, drawn.capabilities)
     found = split_name(setting)
     if found is not None:
         return Size(found[0].robots[1], len(found[0].capabilities))
     spec = spec_of(setting)
     return Size(spec.robots, spec.capabilities)
+
+
+def is_in_time(setting: str) -> bool:
+    """Say whether worlds of a setting are in continuous time."""
+    return split_continuous(setting) is not None
 
 
 def spec_of(setting: str) -> Spec:
@@ -94,9 +101,11 @@ def world_of(setting: str, world_seed: int) -> Mission:
     Settings that differ only in how late tasks are inserted or in what is uncertain have the same
     worlds, and so have those of a family but for what happens in them.
     """
-    if setting in CONTINUOUS_FAMILIES:
-        rng = np.random.default_rng([TEST, world_seed, *setting.encode()])
-        return CONTINUOUS_FAMILIES[setting].draw(rng, f"{setting}, world {world_seed}")
+    if (timed := split_continuous(setting)) is not None:
+        name, what = timed
+        rng = np.random.default_rng([TEST, world_seed, *name.encode()])
+        mission = CONTINUOUS_FAMILIES[name].draw(rng, f"{setting}, world {world_seed}")
+        return mission if what is None else let_happen(mission, what, rng)
     found = split_name(setting)
     if found is not None:
         family, incident = found

@@ -9,6 +9,7 @@ import numpy as np
 
 from teamformer.mission.model import Arrivals, Breakdown, Delays, Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.roads import Roads
 
 Kind = Callable[[Mission, np.random.Generator], Mission]
 """Makes a mission uncertain."""
@@ -19,6 +20,8 @@ CHANCE = 0.5
 """With what probability a task needs a capability that it may need."""
 WITHIN = 3
 """How far a task may be from where it is believed to be, in cells or units."""
+NEIGHBOUR = 12.0
+"""How long the way there takes at most on roads: a lane of a drawn site."""
 DELAYS = Delays(0.1)
 """How often robots stand still."""
 CALLS = Arrivals(0.1, 100)
@@ -49,6 +52,7 @@ def _needs(chance: float) -> Kind:
 
 def _places(mission: Mission, rng: np.random.Generator) -> Mission:
     within = WITHIN * (mission.world.unit if isinstance(mission.world, Plane) else 1.0)
+    within = NEIGHBOUR if isinstance(mission.world, Roads) else within
     return replace(mission, tasks=tuple(replace(task, within=within) for task in mission.tasks))
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from teamformer.files.imports.curves import length_of
 from teamformer.files.imports.site import CARRY, Lane, Site, mover_of, roads_of, seconds_of
@@ -46,6 +47,29 @@ def read(path: Path) -> list[Mission | Site]:
     tasks = tuple(_tasks(layouts, nodes, numbers))
     name = tree["metaInformation"]["projectIdentification"].text()
     return [Site(name, world, robots, tasks).complete()]
+
+
+class Layout(NamedTuple):
+    """What the vehicles of a site call its nodes and edges, and where nodes are, in metres."""
+
+    positions: Mapping[str, Place]
+    edges: Mapping[tuple[str, str], Mapping[str, str]]  # by both ends, then by how vehicles move
+
+
+def read_layout(path: Path) -> Layout:
+    """Return the nodes and edges of a LIF file, by the names that a mission made of it has."""
+    tree = read_json(path)
+    layouts = [part for _, part in tree["layouts"].parts()]
+    nodes = [node for part in layouts for _, node in part["nodes"].parts()]
+    numbers = _numbers(nodes)
+    edges: dict[tuple[str, str], dict[str, str]] = {}
+    found = [e for part in layouts if part["edges"].value for _, e in part["edges"].parts()]
+    rows = [(edge, vehicle) for edge in found for vehicle, _ in _lanes(edge, nodes, numbers)]
+    types = {vehicle for _, vehicle in rows}
+    for edge, vehicle in rows:
+        ends = edge["startNodeId"].text(), edge["endNodeId"].text()
+        edges.setdefault(ends, {})[mover_of(vehicle, types)] = edge["edgeId"].text()
+    return Layout({name: _position(node) for name, node in zip(numbers, nodes, strict=True)}, edges)
 
 
 def _numbers(nodes: list[TreePart]) -> Numbers:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, singledispatch
 from typing import Any
@@ -14,9 +14,13 @@ from teamformer.files.yaml.words import describe, shorten
 from teamformer.mission.keys import kinds
 from teamformer.mission.keys.key import Key
 from teamformer.mission.model import Arrivals, Breakdown, Delays, World
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.zones import Zone
 
-MADE = {made.__name__: made for made in (Arrivals, Breakdown, Delays)}
+MADE: Mapping[str, Callable[..., Any]] = {
+    made.__name__: made for made in (Arrivals, Battery, Breakdown, Charger, Delays, Zone)
+}
 """What parts become, by name."""
 
 
@@ -131,6 +135,17 @@ def _(
 
 @read.register
 def _(
+    kind: kinds.Shifts, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[tuple[float, float], ...]:
+    windows = enumerate(reader.sequence(where, value))
+    if value == []:
+        reader.refuse(where, "shifts names no time; write [[begin, end]], or drop it")
+    read_one = (read(kinds.Window(), reader, (*where, n), window, given) for n, window in windows)
+    return tuple(window for window in read_one if window is not None)
+
+
+@read.register
+def _(
     kind: kinds.StartLinks, reader: Reader, where: Where, value: Any, given: Given
 ) -> dict[str, tuple[float, float]]:
     gap, form = kinds.Window("[least, most]"), "{TASK: [least, most]}"
@@ -205,8 +220,23 @@ def _(kind: kinds.Place, reader: Reader, where: Where, value: Any, given: Given)
 
 
 @read.register
+def _(
+    kind: kinds.Places, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[Any, ...]:
+    if value == []:
+        reader.refuse(where, f"{name_of(where)} is an empty list; name a place, or drop it")
+    places = enumerate(reader.sequence(where, value))
+    return tuple(read_at(reader, (*where, entry), place, given.world) for entry, place in places)
+
+
+@read.register
 def _(kind: kinds.OneOf, reader: Reader, where: Where, value: Any, given: Given) -> str:
     return reader.word(value)
+
+
+@read.register
+def _(kind: kinds.Truth, reader: Reader, where: Where, value: Any, given: Given) -> bool:
+    return reader.truth(where, value)
 
 
 @read.register
@@ -233,3 +263,31 @@ def _(kind: kinds.KeyedPart, reader: Reader, where: Where, value: Any, given: Gi
     else:
         said = read_part(reader, where, value, kind.keys, given)
     return MADE[kind.makes](**said) if kind.makes else said
+
+
+@read.register
+def _(
+    kind: kinds.KeyedParts, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[Any, ...]:
+    one = kinds.KeyedPart(kind.keys, kind.makes)
+    if value == []:
+        reader.refuse(where, f"{name_of(where)} is an empty list; write one, or drop it")
+    parts = enumerate(reader.sequence(where, value))
+    return tuple(read(one, reader, (*where, number), part, given) for number, part in parts)
+
+
+@read.register
+def _(
+    kind: kinds.NamedParts, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[Any, ...]:
+    if not isinstance(value, dict) or not value:
+        message = f"{name_of(where)} is {describe(value)}; write {{name: {{...}}}}, or drop it"
+        reader.refuse(where, message)
+        return ()
+    return tuple(
+        MADE[kind.makes](
+            name=reader.text((*where, name), name),
+            **read_part(reader, (*where, name), part, kind.keys, given),
+        )
+        for name, part in value.items()
+    )

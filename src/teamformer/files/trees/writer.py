@@ -14,9 +14,13 @@ from teamformer.mission.keys.kinds import (
     Counts,
     Either,
     KeyedPart,
+    KeyedParts,
     Kind,
+    NamedParts,
     Number,
     Place,
+    Places,
+    Shifts,
     StartLinks,
 )
 from teamformer.mission.keys.mission_keys import MISSION_KEYS, VERSION
@@ -65,8 +69,16 @@ def to_tree(kind: Kind, value: Any, world: World) -> Any:
             return at_to_tree(value, world)
         case Either():
             return to_tree(kind.listed if isinstance(value, tuple) else kind.plain, value, world)
+        case Shifts():
+            return [list(window) for window in value]
         case StartLinks():
             return {name: list(gap) for name, gap in value.items()}
+        case KeyedParts() if kind.makes:
+            return [part_to_tree(kind.keys, vars(part), world) for part in value]
+        case Places():
+            return [at_to_tree(place, world) for place in value]
+        case NamedParts():
+            return {part.name: part_to_tree(kind.keys, vars(part), world) for part in value}
         case KeyedPart(makes=""):
             return dict(value)
         case KeyedPart():

@@ -14,6 +14,8 @@ from teamformer.mission.keys.kinds import INFINITE, LARGEST_COUNT, LARGEST_NUMBE
 from teamformer.mission.parts.capabilities import PLACES, exact, is_exact
 from teamformer.mission.parts.grid import Place
 
+TRUTHS = {"true": True, "false": False}
+
 
 class Reader:
     """Checks values one by one and notes problems; a wrong value is replaced by a harmless one.
@@ -96,6 +98,14 @@ class Reader:
         else:
             return float(value)
         return 1.0
+
+    def truth(self, where: Where, value: Any) -> bool:
+        """Return true or false."""
+        said = TRUTHS.get(value.text if isinstance(value, Misread) else str(value).lower())
+        if said is None or isinstance(value, str):
+            what = f"{name_of(where)} is {describe(value)}"
+            self.refuse(where, f"{what}; write true or false")
+        return bool(said)
 
     def whole(
         self, where: Where, value: Any, least: int | None = None, most: int = LARGEST_NUMBER

@@ -234,6 +234,8 @@ class Agent:
         elif self._has_load(task):
             is_held = report.is_busy or self.service.is_in_hands(task, now)
             is_news |= note_load(knowledge, task, report, not is_held and self._is_at(task))
+        if not is_done and not report.is_gone and self._is_at(task):
+            self.keeper.note_look(task)
         if is_news:
             notices.append(Notice(EVERYBODY, knowledge.note()))
 
@@ -364,7 +366,8 @@ class Agent:
         if self.membership.is_stuck and (goal == NOBODY or self._has_load(goal)):
             place = self._wanted  # it goes on trying
         elif goal == NOBODY:
-            place = self.mission.base_of(self.me) if self._misses_somebody(now) else None
+            is_to_meet = self._misses_somebody(now) and not (self.is_over and self.mission.ends)
+            place = self.mission.place_to_wait(self.me, self._place, is_to_meet)
         elif now >= service.formed:
             is_here = command.task == goal and command.place is None and self._is_at(goal)
             place = None if is_here else self.knowledge.place_of(goal)

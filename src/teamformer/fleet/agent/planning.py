@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -72,7 +71,8 @@ def make_plan(
     come after may have been done by robots that are lost: somebody looks, after all else.
     """
     robots = tuple(sorted(situation.places))
-    able = [task for task in situation.tasks if mission.can_do(robots, task)]
+    places = situation.places
+    able = [task for task in situation.tasks if mission.can_do(robots, task, places)]
     able = _without_waiting(mission, able, situation.over)
     left_out = tuple(task.key for task in situation.tasks if task not in able)
     stops: Sequence[tuple[int, tuple[int, ...]]] = ()
@@ -91,9 +91,9 @@ def _looks(
     known = {task.key for task in situation.tasks}
     awaited = frozenset[int]().union(*(mission.before.get(key, ()) for key in known))
     for task in situation.tasks:
-        if task.key in awaited and not mission.can_do(places, task):
-            able = [robot for robot in sorted(places) if mission.reach(robot, task)]
-            away = {robot: math.dist(places[robot], (task.x, task.y)) for robot in able}
+        if task.key in awaited and not mission.can_do(places, task, places):
+            able = [robot for robot in sorted(places) if mission.reach(robot, task, places[robot])]
+            away = {robot: mission.apart(places[robot], (task.x, task.y)) for robot in able}
             if able:
                 yield task.key, (min(able, key=away.__getitem__),)
 
@@ -121,6 +121,7 @@ class PlanKeeper:
         self.changes = 0  # grows with every plan that is followed
         self._looked_at = -1  # the changes after which it last looked for a reason
         self._next = 0
+        self._looked = set[int]()  # tasks at which it has looked whether they are done
 
     def take(self, note: PlanNote, now: float) -> None:
         """Take a plan if it is larger than the own."""
@@ -132,10 +133,20 @@ class PlanKeeper:
 
     def _follow(self, plan: FleetPlan, now: float) -> None:
         self.plan, self.since, self._next = plan, now, 0
+        self._looked.clear()
         self.changes += 1
 
+    def note_look(self, key: int) -> None:
+        """Note that this robot sees that a task is not done to which it only went to look."""
+        if key in self.plan.note.left_out and key not in self._looked:
+            self._looked.add(key)
+            self.changes += 1
+
     def next_task(self, robot: int) -> int:
-        """Return a robot's first task that is known here and not over, or NOBODY."""
+        """Return a robot's first task that is known here and not over, or NOBODY.
+
+        Nor is it one at which this robot has looked in vain: then it is free to meet others.
+        """
         over, tasks = self._knowledge.over, self._knowledge.tasks
         route = self.plan.routes.get(robot, ())
         if robot == self._knowledge.me:
@@ -143,8 +154,10 @@ class PlanKeeper:
                 self._next += 1
         begin = self._next if robot == self._knowledge.me else 0
         for place in range(begin, len(route)):
-            if route[place] not in over and route[place] in tasks:
-                return route[place]
+            key = route[place]
+            has_looked = robot == self._knowledge.me and key in self._looked
+            if key in tasks and key not in over and not has_looked:
+                return key
         return NOBODY
 
     def plan_at(self, now: float, membership: Membership) -> float:
@@ -212,7 +225,8 @@ class PlanKeeper:
         mission, known = self._knowledge.mission, self._knowledge
         before = mission.before.get(key)
         is_free = before is not None and before <= known.over
-        return is_free and mission.can_do(live, known.tasks[key])
+        places = {robot: (known.words[robot].x, known.words[robot].y) for robot in live}
+        return is_free and mission.can_do(live, known.tasks[key], places)
 
     def _needs_more(self, key: int) -> bool:
         """Say whether a task has turned out to need more than its coalition brings."""

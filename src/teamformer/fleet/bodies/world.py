@@ -1,84 +1,50 @@
 """The world that simulated bodies share: robots walk, stand at tasks, do them, and carry loads.
 
-Nothing happens between events, so places are worked out when they are asked for. Robots walk round
-walls on a grid and straight on in a plane, at their own speed, through one another. Who carries a
-load goes at the pace of the slowest who do, and stands still if one of them is stuck.
+Nothing happens between events, so places are worked out when they are asked for. Robots go the ways
+of the mission's world, at their own speed, through one another; who is delayed stands still now and
+then. Who carries a load goes at the pace of the slowest who do, and stands still if one of them is
+stuck. On roads nobody turns round between two places.
 """
 
 from __future__ import annotations
 
 import heapq
-import math
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.bodies.journey import Journey
+from teamformer.fleet.bodies.simulated import (
+    CARRIED,
+    SERVICE,
+    UNLOADING,
+    SimulatedRobot,
+    WorkUnderWay,
+)
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.roads import Roads
+from teamformer.world.continuous.delays import StandingStill
+from teamformer.world.continuous.events import Event, Passed
+from teamformer.world.continuous.ways import Stage, way_together
 from teamformer.world.rules.constants import NOBODY
 
 NEVER = float("inf")
 
 OPENS, OFF = -1.0, -2.0
-"""Stand at the end of events that are the begin of a task's window, and that it is called off."""
-
-SERVICE, CARRIED, UNLOADING = range(3)
-"""The parts of a service: the service itself, which for a load is taking it up, and what follows
-where there is one."""
-
-
-@dataclass(slots=True)
-class Leg:
-    """A way through points, each `time` seconds after the one before."""
-
-    points: list[Place]
-    begin: float
-    time: float
-
-    def reached(self, now: float) -> int:
-        """Return which point was reached last."""
-        if self.time == NEVER:
-            return 0
-        passed = math.floor((now - self.begin) / self.time + 1e-9)
-        return min(max(0, passed), len(self.points) - 1)
-
-    def place(self, now: float, is_grid: bool) -> Place:
-        """Return where a robot is on its way: in a cell of a grid, anywhere in a plane."""
-        at = self.reached(now)
-        here = self.points[at]
-        if is_grid or at == len(self.points) - 1:
-            return here
-        there, part = self.points[at + 1], (now - self.begin) / self.time - at
-        return here[0] + part * (there[0] - here[0]), here[1] + part * (there[1] - here[1])
-
-    @property
-    def end(self) -> float:
-        """Return when the last point is reached."""
-        return self.begin + (len(self.points) - 1) * self.time
-
-
-@dataclass(slots=True)
-class SimulatedRobot:
-    """A robot as it really is."""
-
-    leg: Leg
-    command: Command = field(default_factory=Command)
-    is_dead: bool = False
-    is_stuck: bool = False
-    carries: int = NOBODY  # the task whose load it carries or unloads
+"""Stand at the end of events for the begin of a task's window, and that it is called off."""
 
 
 class Walked(NamedTuple):
-    """A robot set out through places, each `time` seconds after the one before."""
+    """A robot set out on a way, or stays where it is: at a place, or stopped between two."""
 
     at: float
     robot: int
-    points: tuple[Place, ...]
-    begin: float
-    time: float
+    journey: Journey
+    carries: int = NOBODY  # the task whose load it carries
 
 
 class Lifted(NamedTuple):
@@ -88,14 +54,6 @@ class Lifted(NamedTuple):
     task: int
     robots: tuple[int, ...]
     place: Place
-
-
-class WorkUnderWay(NamedTuple):
-    """A team is at work on a task; the part at hand ends at a time."""
-
-    team: int
-    end: float
-    part: int = SERVICE
 
 
 @dataclass(frozen=True)
@@ -117,17 +75,18 @@ class FleetWorld:
     def __init__(self, mission: FleetMission, truth: Mission | None = None) -> None:
         self.mission = mission
         self.now = 0.0
-        self._is_grid = isinstance(mission.source.world, Grid)
-        facts = mission.tasks if truth is None else mission.facts_of(truth)
+        self._map = mission.source.world
+        facts = mission.tasks if truth is None else mission.facts_of(truth)[: len(mission.tasks)]
+        self._still = StandingStill((truth or mission.source).robots)
         self.tasks: dict[int, TaskFact] = {task.key: task for task in facts}
         self.done: dict[int, Done] = {}
         self.over: set[int] = set()  # what is done or called off
         self.robots = [
-            SimulatedRobot(Leg([robot.at], 0.0, NEVER)) for robot in mission.source.robots
+            SimulatedRobot(Journey((Passed(0.0, robot.at),))) for robot in mission.source.robots
         ]
-        self.moves: list[Walked | Lifted] = []
+        self.moves: list[Walked | Lifted | Event] = []  # events are those of services
         self._lies: dict[int, Place] = {}  # loads that were moved, by task
-        self._ways_of_loads: dict[int, Leg] = {}  # of those that are carried
+        self._ways_of_loads: dict[int, Journey] = {}  # of those that are carried
         self._services: dict[int, WorkUnderWay] = {}  # by task
         # When, robot or -1, task, stamp.
         self._events = [(at, NOBODY, key, OPENS) for key, at in mission.opens.items()]
@@ -164,7 +123,7 @@ class FleetWorld:
         while self._events and self._events[0][0] <= now:
             self.now, robot, task, stamp = heapq.heappop(self._events)
             if robot != NOBODY:
-                if self.robots[robot].leg.end == stamp:
+                if self.robots[robot].journey.end == stamp:
                     touched.add(robot)
                     self._look_at_services(self.robots[robot].command.task)
             elif stamp == OPENS:
@@ -208,7 +167,7 @@ class FleetWorld:
         if is_here and task.key in self.mission.unsure:
             report = report._replace(needs=task.needs)
         if task.key in self.mission.hidden:
-            is_seen = math.dist((x, y), at) <= self.mission.source.finding_radius
+            is_seen = self.mission.apart((x, y), at) <= self.mission.source.finding_radius
             return report._replace(load=at if is_seen else None, is_gone=not is_here)
         if task.to is None:
             return report
@@ -216,17 +175,23 @@ class FleetWorld:
             return report._replace(carries=True)
         if task.key in self._ways_of_loads:  # others have it
             return report._replace(is_gone=True)
-        is_seen = is_here or math.dist((x, y), at) <= self.mission.sight
+        is_seen = is_here or self._sees(robot, at)
         return report._replace(load=at if is_seen else None, is_gone=not is_here)
 
     def place(self, robot: int) -> Place:
         """Return where a robot is now."""
-        return self.robots[robot].leg.place(self.now, self._is_grid)
+        return self.robots[robot].journey.place(self.now, self._map)
+
+    def _sees(self, robot: int, load: Place) -> bool:
+        """Say whether a robot sees a load; on roads also where it has just set out."""
+        journey = self.robots[robot].journey
+        has_left = journey.way[journey.passed(self.now)].place == load
+        return has_left or self.mission.apart(self.place(robot), load) <= self.mission.sight
 
     def place_of(self, key: int) -> Place:
         """Return where a task is, or where its load is now."""
         if key in self._ways_of_loads:
-            return self._ways_of_loads[key].place(self.now, self._is_grid)
+            return self._ways_of_loads[key].place(self.now, self._map)
         task = self.tasks[key]
         return self._lies.get(key, (task.x, task.y))
 
@@ -268,9 +233,9 @@ class FleetWorld:
 
     def _set_still(self, robot: int, is_dead: bool, is_stuck: bool = False) -> set[int]:
         body = self.robots[robot]
-        place, touched = self.place(robot), set[int]()
+        touched = set[int]()
         body.is_dead, body.is_stuck = is_dead, body.is_stuck or is_stuck
-        self._set_leg(robot, [place], NEVER)
+        self._stop(robot)
         if body.carries != NOBODY and is_dead:
             self._let_go(robot, touched)
         elif body.carries != NOBODY:
@@ -282,35 +247,43 @@ class FleetWorld:
         """Have those who carry a load go on with it from where it is."""
         who, here, to = list(self.at_work(key)), self.place_of(key), self.tasks[key].to
         assert to is not None
-        team, pace = self.robots[who[0]].command.team, min(self.mission.paces[r] for r in who)
         if here == to or self._services[key].part == UNLOADING:
             return
-        points = [here, *(self.mission.ways.cells(here, to) if self._is_grid else [to])]
-        time = 1.0 / pace if self._is_grid else math.dist(here, to) / pace
-        if any(self.robots[robot].is_stuck for robot in who):
-            points, time = [here], NEVER
-        self._ways_of_loads[key] = way = Leg(points, self.now, time)
-        for robot in who:
-            at = self.place(robot)
-            self._set_leg(robot, [at, *points[1:]], time)
-        self._begin(key, WorkUnderWay(team, NEVER if time == NEVER else way.end, CARRIED))
+        way = self._ways_of_loads[key].stop(self.now, self._map)
+        if not any(self.robots[robot].is_stuck for robot in who):
+            begin = way.beginning(self.now, self._map)
+            movers = [(self.mission.source.robots[r].moves, self.mission.paces[r]) for r in who]
+            stages = way_together(self.mission.ways, movers, begin[-1].place, to)
+            way = Journey((*begin, *self._passing(who, begin[-1].at, stages)))
+        self._ways_of_loads[key] = way
+        for robot in who:  # in a plane each a little way from the load
+            at = Passed(way.way[0].at, self.place(robot))
+            is_road = isinstance(self._map, Roads)
+            self._set_out(robot, way if is_road else Journey((at, *way.way[1:])))
+        team = self.robots[who[0]].command.team
+        self._begin(key, WorkUnderWay(team, way.end, CARRIED))
+        if way.end < NEVER:
+            self._tell("lift", key, who, until=way.end, way=way.way)
 
     def _let_go(self, robot: int, touched: set[int]) -> None:
         """Let a robot carry no more: the others go on if they can, or set the load down."""
         key, body = self.robots[robot].carries, self.robots[robot]
         body.carries = NOBODY
-        self._set_leg(robot, [self.place(robot)], NEVER)
+        self._stop(robot)
         who = [other for other, each in enumerate(self.robots) if each.carries == key]
         touched.update((robot, *who))
         if self.mission.covers(who, self.tasks[key].needs):
             self._carry(key)
             return
-        self._lies[key] = self.place_of(key)
-        del self._ways_of_loads[key], self._services[key]
+        way = self._ways_of_loads.pop(key)
+        is_road, passed = isinstance(self._map, Roads), way.way[way.passed(self.now)].place
+        self._lies[key] = passed if is_road else way.place(self.now, self._map)
+        del self._services[key]
         for other in who:
             self.robots[other].carries = NOBODY
-            self._set_leg(other, [self.place(other)], NEVER)
+            self._stop(other)
         self.moves.append(Lifted(self.now, key, (), self._lies[key]))
+        self._tell("broken", key, (robot, *who))
 
     def _begin(self, key: int, service: WorkUnderWay) -> None:
         """Begin a part of a service."""
@@ -319,29 +292,47 @@ class FleetWorld:
             heapq.heappush(self._events, (service.end, NOBODY, key, service.end))
 
     def _walk(self, robot: int) -> None:
-        """Begin the way to where the command says; half a cell is lost where it turns."""
-        body, goal = self.robots[robot], self.robots[robot].command.place
-        here, pace = self.place(robot), self.mission.paces[robot]
-        if body.is_stuck:
-            self._set_leg(robot, [here], NEVER)
-        elif not self._is_grid:
-            points = [here] if goal is None or goal == here else [here, goal]
-            self._set_leg(robot, points, math.dist(here, goal or here) / pace)
-        else:
-            way = [] if goal is None else self.mission.ways_of(robot).cells(here, goal)
-            leg, at, begin = body.leg, body.leg.reached(self.now), self.now
-            if way and at + 1 < len(leg.points) and way[0] == leg.points[at + 1]:
-                begin = leg.begin + at * leg.time  # on the way there already
-            self._set_leg(robot, [here, *way], 1.0 / pace, begin)
+        """Begin the way to where the command says; half a cell is lost where it turns.
 
-    def _set_leg(
-        self, robot: int, points: list[Place], time: float, begin: float | None = None
-    ) -> None:
-        leg = Leg(points, self.now if begin is None else begin, time if len(points) > 1 else NEVER)
-        self.robots[robot].leg = leg
-        self.moves.append(Walked(self.now, robot, tuple(points), leg.begin, leg.time))
-        if leg.time != NEVER:
-            heapq.heappush(self._events, (leg.end, robot, NOBODY, leg.end))
+        On roads it goes on to the next place first, even if it is to stay.
+        """
+        body, goal = self.robots[robot], self.robots[robot].command.place
+        if body.is_stuck:
+            self._stop(robot)
+            return
+        begin = body.journey.beginning(self.now, self._map)
+        here, mover = begin[-1].place, self.mission.source.robots[robot]
+        stages: list[Stage] = []
+        if goal is not None and self.mission.leads(robot, here, goal):
+            stages = self.mission.ways.stages(here, goal, mover.moves)
+        way, at = body.journey.way, body.journey.passed(self.now)
+        is_grid = isinstance(self._map, Grid)
+        if is_grid and stages and at + 1 < len(way) and stages[0][0] == way[at + 1].place:
+            begin = (way[at],)  # on the way there already
+        pace = self.mission.paces[robot]
+        rest = self._passing((robot,), begin[-1].at, [(p, d / pace) for p, d in stages])
+        self._set_out(robot, Journey((*begin, *rest)))
+
+    def _passing(
+        self, who: Sequence[int], begin: float, stages: Iterable[Stage]
+    ) -> Iterator[Passed]:
+        """Yield when robots that go together pass places; delays come in whole steps."""
+        step = self.mission.step
+        for place, spent in stages:
+            at = begin + spent
+            if any(self.mission.source.robots[robot].delays for robot in who):
+                at = step * self._still.after(who, begin / step, spent / step)
+            yield Passed(at, place)
+
+    def _stop(self, robot: int) -> None:
+        """Let a robot stay where it is."""
+        self._set_out(robot, self.robots[robot].journey.stop(self.now, self._map))
+
+    def _set_out(self, robot: int, journey: Journey) -> None:
+        self.robots[robot].journey = journey
+        self.moves.append(Walked(self.now, robot, journey, self.robots[robot].carries))
+        if journey.end < NEVER:
+            heapq.heappush(self._events, (journey.end, robot, NOBODY, journey.end))
 
     def _look_at_services(self, key: int) -> None:
         """Begin or break off the service of a task, by who is at work on it now."""
@@ -355,9 +346,12 @@ class FleetWorld:
         going = self._services.get(key)
         if going is not None and going.team not in able:
             del self._services[key]
+            self._tell("broken", key, ())
             going = None
         if going is None and able and self.mission.may_begin(key, self.over, self.now):
-            self._begin(key, WorkUnderWay(able[0], self.now + self.tasks[key].duration))
+            service = WorkUnderWay(able[0], self.now + self.tasks[key].duration)
+            self._begin(key, service)
+            self._tell("serve", key, teams[able[0]], until=service.end)
 
     def _go_on(self, key: int, touched: set[int]) -> None:
         """Go on with what follows a part of a service."""
@@ -367,14 +361,16 @@ class FleetWorld:
         if task.to is None or part == UNLOADING:
             self._finish(key, touched)
         elif self.place_of(key) == task.to:
-            self._begin(key, WorkUnderWay(team, self.now + task.unload, UNLOADING))
+            end = self.now + task.unload
+            self._begin(key, WorkUnderWay(team, end, UNLOADING))
+            self._tell("unload", key, list(self.at_work(key)), until=end)
 
     def _take_up(self, key: int, touched: set[int]) -> None:
         """Let those who have taken up a load set out with it; all who are there sense it."""
         team, here = self._services[key].team, self.place_of(key)
         who = tuple(r for r in self.at_work(key) if self.robots[r].command.team == team)
         self._touch(here, touched)
-        self._ways_of_loads[key] = Leg([here], self.now, NEVER)
+        self._ways_of_loads[key] = Journey((Passed(self.now, here),))
         for robot in who:
             self.robots[robot].carries = key
         self.moves.append(Lifted(self.now, key, who, here))
@@ -384,12 +380,18 @@ class FleetWorld:
         team, place = self._services.pop(key).team, self.place_of(key)
         who = tuple(r for r in self.at_work(key) if self.robots[r].command.team == team)
         self.done[key] = Done(self.now, key, team, who)
+        self._tell("done", key, who)
         self._end(key)
         if self._ways_of_loads.pop(key, None) is not None:
             self._lies[key] = place
             for robot in who:
                 self.robots[robot].carries = NOBODY
         self._touch(place, touched)
+
+    def _tell(self, kind: str, key: int, robots: Sequence[int], **said: Any) -> None:
+        """Write down an event of the service of a task."""
+        event = Event(self.now, kind, tuple(sorted(robots)), key, place=self.place_of(key))
+        self.moves.append(event._replace(**said))
 
     def _touch(self, place: Place, touched: set[int]) -> None:
         """Let all sense something new who are at a place."""

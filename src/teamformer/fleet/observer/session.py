@@ -11,6 +11,7 @@ import asyncio
 import secrets
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from teamformer.base.errors import TeamformerError
@@ -29,10 +30,13 @@ from teamformer.live.running.messages import read_incident, read_message
 from teamformer.live.running.page_trees import Tree, record_so_far
 from teamformer.live.serving.refusals import or_refuse
 from teamformer.live.serving.watchers import Watcher, Watchers
+from teamformer.mission.model import Task
+from teamformer.record.files.events import event_to_tree
 from teamformer.record.files.writing import save_record, step_to_tree
 from teamformer.record.record import Record
 from teamformer.record.telling.latest import LatestTold
-from teamformer.record.told.trees import news_to_tree
+from teamformer.record.telling.whole import told_of
+from teamformer.record.told.trees import added_to_tree, news_to_tree
 
 LISTENS = 3.0
 """Seconds that agents have to tell what was done before."""
@@ -73,7 +77,7 @@ class ObserverSession:
         self.on_step: Callable[[Record], None] | None = None  # given what was seen so far
         names = tuple(robot.name for robot in watch.mission.source.robots)
         self._silence, self._alerts = Silence(names, time.monotonic()), Alerts(names)
-        self._told = LatestTold()
+        self._told, self._known = LatestTold(), 0  # the events that pages know
         self._step, self._clock = watch.mission.step, MissionClock(MOST_PAST * watch.mission.step)
         self._has_begun = False  # to write down steps
         transport.listen_to(range(watch.mission.robots))
@@ -91,7 +95,7 @@ class ObserverSession:
                 self._ask_for_facts()
             if self._clock.is_set and not self._has_begun:
                 self._begin(now)
-            while self._has_begun and len(self.watch.steps) < self._clock.age(now) // self._step:
+            while self._has_begun and self.watch.made < self._clock.age(now) // self._step:
                 self._make_step()
 
     def join(self) -> Watcher:
@@ -131,7 +135,7 @@ class ObserverSession:
         if command == "happen":
             incident = read_incident(message, self.watch.source)
             if isinstance(incident, NewTask):
-                await self._add(incident)
+                await self._add(incident.task)
             elif isinstance(incident, CancelledTask):
                 await self._call_off(incident.task)
             else:
@@ -148,8 +152,12 @@ class ObserverSession:
                 f"the fleet goes its own way; nobody can '{command}' it from here"
             )
 
-    async def _add(self, new: NewTask) -> None:
+    async def _add(self, new: Task) -> None:
         """Offer a task until enough robots hold it, and tell who does."""
+        if new != Task(new.name, new.at, new.needs, new.duration, note=new.note):
+            raise TeamformerError(
+                "a new task of a fleet has a place, needs and a duration; leave its other keys out"
+            )
         mission = self.watch.mission
         caps, name = mission.source.capabilities, new.name
         key = (1 + secrets.randbits(36)) << 24
@@ -249,17 +257,31 @@ class ObserverSession:
     def _make_step(self) -> None:
         step = self.watch.step()
         record = self.watch.record()
-        told = news_to_tree(self._told.of(record))
-        news = {"at": len(self.watch.steps), "step": step_to_tree(step), "told": told}
-        self._tell_all("step", news)
+        if record.is_continuous:
+            self._tell_moment(record)
+        else:
+            told = news_to_tree(self._told.of(record))
+            news = {"at": self.watch.made, "step": step_to_tree(step), "told": told}
+            self._tell_all("step", news)
         if self.on_step is not None:
             self.on_step(record)
 
+    def _tell_moment(self, record: Record) -> None:
+        """Tell what has happened since the latest moment, and how late it is."""
+        known, self._known = self._known, len(record.events) - 1  # the last is that it is over
+        events = [event_to_tree(event) for event in record.events[known : self._known]]
+        news: Tree = {"now": self.watch.made, "events": events, "from": known}
+        if events:
+            before = replace(record, events=record.events[:known])
+            news["told"] = added_to_tree(told_of(before), told_of(record))
+        self._tell_all("moment", news)
+
     def _tell_of_task(self, text: str) -> None:
-        self._incidents.append((len(self.watch.steps), text))
-        record = self._record()
-        record["steps"] = record["steps"][-1:]
-        text = f"step {len(self.watch.steps)}: {text}"
+        self._incidents.append((self.watch.made, text))
+        record, is_in_steps = self._record(), self.watch.source.time == "steps"
+        if is_in_steps:
+            record["steps"] = record["steps"][-1:]
+        text = f"{'step' if is_in_steps else 'time'} {self.watch.made}: {text}"
         self._tell_all("incident", {"text": text, "record": record} | self._state())
 
     def _record(self) -> Tree:
@@ -270,6 +292,7 @@ class ObserverSession:
         is_heard = self._silence.was_any_heard
         watched = {"is_playing": is_heard, "speed": speed, "watchers": len(self._watchers)}
         told = {"is_heard": is_heard, "is_over": is_over, "alerts": self._alerts_told()}
+        told["now"] = self.watch.made
         return watched | {"incidents": self._incidents, "is_fleet": True} | told
 
     def _alerts_told(self) -> list[Tree]:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from msgspec import structs
 
-from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.fleet_mission import FleetMission, place_in
 from teamformer.fleet.messages import (
     SERVE,
     Beat,
@@ -81,6 +81,11 @@ class Watch:
         return self._writer.steps
 
     @property
+    def made(self) -> int:
+        """Return how many steps, or units of time, have been written down."""
+        return len(self.steps)
+
+    @property
     def is_over(self) -> bool:
         """Say whether all tasks that it knows are done, and told, or called off."""
         return self.tasks.keys() <= self._done.keys() | self._off and not self._news
@@ -112,7 +117,7 @@ class Watch:
             for load in body.loads:
                 self._note_load(load)
             for key in body.called_off:
-                self._note_off(key, len(self.steps) + 1)
+                self._note_off(key, self.made + 1)
             for seen in body.needs:
                 if seen.key in self.mission.unsure:
                     self.tasks[seen.key] = structs.replace(self.tasks[seen.key], needs=seen.needs)
@@ -123,11 +128,11 @@ class Watch:
         """Take in an operator's task; say whether it was not known."""
         if task.key in self.tasks or len(task.needs) != len(self.source.capabilities):
             return False
-        if not self.source.world.is_free((task.x, task.y)):
+        if not self.mission.is_site(task.x, task.y):
             return False
         self._number[task.key] = len(self.tasks)
         self.tasks[task.key] = task
-        added = self._as_task(task, len(self.steps))
+        added = self._as_task(task, self.made)
         self.source = replace(self.source, tasks=(*self.source.tasks, added))
         return True
 
@@ -174,8 +179,7 @@ class Watch:
         Losses come first in a step: who has done something in it is lost in the next. What was done
         is told once there is anybody who may have done it.
         """
-        ripe = [key for key in self._news if self._is_ripe(key)]
-        deeds = [self._deed(key) for key in ripe]
+        ripe, deeds = self._ripe_deeds()
         busy = {robot for deed in deeds for robot in deed.robots} - self._lost
         gone = {robot for robot, word in self.words.items() if word.is_lost} - busy
         if len(gone) == self.mission.robots:
@@ -201,10 +205,19 @@ class Watch:
             back=back,
         )
         told = self._writer.add(self.source, seen)
-        for number, task in enumerate(self.mission.source.tasks):
-            if task.cancelled is not None and task.cancelled <= len(self.steps):
-                self._note_off(number, task.cancelled)
+        self._note_called_off()
         return told
+
+    def _note_called_off(self) -> None:
+        """Note the tasks that are called off by now by the mission's file."""
+        for number, task in enumerate(self.mission.source.tasks):
+            if task.cancelled is not None and task.cancelled <= self.made:
+                self._note_off(number, task.cancelled)
+
+    def _ripe_deeds(self) -> tuple[list[int], list[Deed]]:
+        """Return the tasks of which it is to be told now that they are done, and who did them."""
+        ripe = [key for key in self._news if self._is_ripe(key)]
+        return ripe, [self._deed(key) for key in ripe]
 
     def record(self) -> Record:
         """Return what has been seen so far; it ends with the step in which all tasks are done."""
@@ -217,7 +230,7 @@ class Watch:
         if known is None or word.version > known.version:
             self.words[word.robot] = word
             if word.phase == SERVE:
-                now = since = len(self.steps)
+                now = since = self.made
                 if known is not None and (known.phase, known.goal) == (SERVE, word.goal):
                     since = self._served[word.robot].since
                 self._served[word.robot] = _Service(word.goal, word.team, since, now)
@@ -270,7 +283,7 @@ class Watch:
             if key in self._off:  # it was done all the same
                 self._off.discard(key)
                 self._set_cancelled(key, None)
-            self._done[key] = len(self.steps) + 1
+            self._done[key] = self.made + 1
             self._news.append(key)
 
     def _place(self, robot: int) -> Place:
@@ -282,7 +295,7 @@ class Watch:
     def _as_place(self, x: float, y: float) -> Place:
         if isinstance(self.source.world, Grid):
             return round(x), round(y)
-        return round(x, DECIMALS), round(y, DECIMALS)
+        return place_in(self.source.world, (round(x, DECIMALS), round(y, DECIMALS)))
 
     def _team_of(self, robot: int) -> int:
         word = self.words.get(robot)
@@ -299,7 +312,7 @@ class Watch:
         The words of some may come after those of another that it is done; not for ever, and nobody
         waits while those who did it leave.
         """
-        seen = len(self.steps) + 2 - self._done[key]
+        seen = self.made + 2 - self._done[key]
         is_late = seen >= max(STAYS, math.ceil(ANSWERS / self.mission.step))
         has_left = any(self.words[robot].is_lost for robot in self._heard_at_work(key))
         return is_late or has_left or bool(self._deed(key).robots)
@@ -322,7 +335,7 @@ class Watch:
 
         Who has not said so for a while, and says something else now, did not stay to the end.
         """
-        latest = len(self.steps) - STAYS
+        latest = self.made - STAYS
         at_work = {
             robot: service
             for robot, service in self._served.items()
@@ -339,9 +352,7 @@ class Watch:
     def _as_task(self, task: TaskFact, steps: int) -> Task:
         names = {other.name for other in self.source.tasks}
         name = task.name if task.name not in names else f"{task.name} ({len(names) + 1})"
-        at = (task.x, task.y)
-        if isinstance(self.source.world, Grid):
-            at = (int(task.x), int(task.y))
+        at = place_in(self.source.world, (task.x, task.y))
         caps = dict(zip(self.source.capabilities, task.needs, strict=True))
         needs = {cap: count for cap, count in caps.items() if count}
-        return Task(name, at, needs, round(task.duration / self.mission.step), steps)
+        return Task(name, at, needs, self.mission.in_time(task.duration), steps)

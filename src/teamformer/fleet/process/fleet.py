@@ -98,9 +98,9 @@ class LocalFleet:
 
     def _hold(self, server: WorldServer, seconds: float) -> FleetResult:
         mission, world = self._mission, server.world
-        absences = [(a, n) for n, at in enumerate(mission.source.robots) for a in at.absences]
-        losses = _moments(((away.lost, robot) for away, robot in absences), mission.step)
-        returns = _moments(((away.back, robot) for away, robot in absences), mission.step)
+        absences = [(a, n) for n, at in enumerate(server.truth.robots) for a in at.absences]
+        losses = _moments(mission, ((away.lost, robot) for away, robot in absences))
+        returns = _moments(mission, ((away.back, robot) for away, robot in absences))
         told: set[int] = set()
         self._wait_for_all(server, told)
         while server.now < seconds and not world.is_over:
@@ -163,10 +163,12 @@ class LocalFleet:
                 agent.wait()
 
 
-def _moments(steps: Iterable[tuple[float | None, int]], length: float) -> list[tuple[float, int]]:
-    """Return the seconds at which steps begin, with the robots that they are of, the last first."""
-    known = ((step, robot) for step, robot in steps if step is not None)
-    return sorted((((step - 1) * length, robot) for step, robot in known), reverse=True)
+def _moments(
+    mission: FleetMission, moments: Iterable[tuple[float | None, int]]
+) -> list[tuple[float, int]]:
+    """Return the seconds at which moments come, with the robots that they are of, last first."""
+    known = ((moment, robot) for moment, robot in moments if moment is not None)
+    return sorted(((mission.begin_of(moment), robot) for moment, robot in known), reverse=True)
 
 
 def free_ports(number: int) -> list[int]:

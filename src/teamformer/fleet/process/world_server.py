@@ -42,7 +42,8 @@ class WorldServer:
         signatures: Signatures | None = None,
         seed: int = 0,
     ) -> None:
-        self.world = FleetWorld(mission, mission.truth(seed))
+        self.truth = mission.truth(seed)
+        self.world = FleetWorld(mission, self.truth)
         self._transport = transport
         self._post = Post(mission.number, mission.robots, secret, signatures)
         self._opened = time.monotonic()

@@ -25,10 +25,11 @@ class EndingWatch:
         self._operators = operators
         self._stuck = {spell.robot for spell in faults.stuck if spell.end is None}
 
-    def left(self, now: float, held: Set[int]) -> list[TaskFact] | None:
+    def left(self, now: float, held: Set[int], knowing: Set[int]) -> list[TaskFact] | None:
         """Return what cannot be done any more if all else is done; None while it is not.
 
-        `held` are the operators' tasks, and those called off, that somebody knows still.
+        `held` are the operators' tasks, and those called off, that somebody knows still. Robots
+        `knowing` that all is over have to be home, if the mission ends there.
         """
         able = self._able()
         waiting = [operator for operator in self._operators if not operator.is_accepted]
@@ -38,7 +39,15 @@ class EndingWatch:
         impossible = self.impossible(now, held)
         excused = unheard | {task.key for task in impossible} | self.called_off(now)
         is_over = all(key in excused for key in self._world.tasks if key not in self._world.done)
-        return impossible if is_over else None
+        is_home = bool(impossible) or all(map(self._is_home, knowing & set(able)))
+        return impossible if is_over and is_home else None
+
+    def _is_home(self, robot: int) -> bool:
+        """Say whether a robot is where it has to be in the end, or cannot get there."""
+        home, here = self._mission.home_of(robot), self._world.place(robot)
+        if home is None or not self._mission.leads(robot, here, home):
+            return True
+        return self._mission.is_same_place(*here, *home)
 
     def impossible(self, now: float, held: Set[int]) -> list[TaskFact]:
         """Return the tasks that are not done, and that the robots left cannot do or know.
@@ -49,7 +58,8 @@ class EndingWatch:
         able, lost, left = self._able(), self._lost_orders(now, held), self._left(now)
         forgotten = self._withdrawn(now) - held - self._world.done.keys()
         tasks = left | {key: self._world.tasks[key] for key in forgotten}
-        cannot = {key for key, task in tasks.items() if not self._mission.can_do(able, task)} | lost
+        can_do, places = self._mission.can_do, {robot: self._world.place(robot) for robot in able}
+        cannot = {key for key, task in tasks.items() if not can_do(able, task, places)} | lost
         before = self._mission.before
         while more := {key for key in left if before.get(key, set()) & cannot} - cannot:
             cannot |= more

@@ -6,8 +6,17 @@ import random
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from msgspec import structs
+
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
+from teamformer.mission.model import Absence, Mission
+
+FIRST_ARRIVAL = 1 << 31
+"""The origin in the keys of tasks that appear at random: operators' draw lower ones."""
+
+BREAKS_FOR = 2.0
+"""For so many times as long as a mission takes undisturbed, robots break down by its file."""
 
 HARD = 0.35
 """How often each kind of fault is in a schedule."""
@@ -149,10 +158,14 @@ class Faults:
 
 
 def draw_faults(mission: FleetMission, seed: int, span: float) -> Faults:
-    """Draw a schedule; `span` is about how long the mission takes undisturbed, in seconds."""
+    """Draw a schedule; `span` is about how long the mission takes undisturbed, in seconds.
+
+    Breakdowns and tasks that appear at random, as the mission's file has them, are part of it.
+    """
     rng = random.Random(seed)
     network = _draw_network(rng, mission)
-    robots = range(mission.robots)
+    robots, truth = range(mission.robots), mission.truth(network.seed)
+    broken = _breakdowns_of(mission, truth, BREAKS_FOR * span)
     return replace(
         network,
         skew=tuple(rng.uniform(-1000, 1000) for _ in robots),
@@ -160,10 +173,13 @@ def draw_faults(mission: FleetMission, seed: int, span: float) -> Faults:
         lag=tuple(rng.uniform(0, 1.5) if rng.random() < 0.15 else 0.0 for _ in robots),
         stutter=rng.uniform(0.02, 0.3) if rng.random() < 0.2 else 0.0,
         cuts=tuple(_draw_cuts(rng, mission.robots, span)) if rng.random() < 0.5 else (),
-        crashes=tuple(_draw_crashes(rng, mission, span)),
+        crashes=(*_draw_crashes(rng, mission, span), *broken),
         pauses=tuple(_draw_spells(rng, mission.robots, span, (5, 30), 0.0, 0.35)),
         stuck=tuple(_draw_spells(rng, mission.robots, span, (5, 40), 0.3, 0.25)),
-        orders=tuple(_draw_orders(rng, mission, span)) if rng.random() < 0.3 else (),
+        orders=(
+            *(_draw_orders(rng, mission, span) if rng.random() < 0.3 else ()),
+            *_arrivals_of(mission, truth),
+        ),
         withdrawals=tuple(_draw_withdrawals(rng, mission, span)) if rng.random() < 0.15 else (),
     )
 
@@ -171,7 +187,7 @@ def draw_faults(mission: FleetMission, seed: int, span: float) -> Faults:
 def _draw_network(rng: random.Random, mission: FleetMission) -> Faults:
     loss = rng.choice((0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.9)) if rng.random() < 0.6 else 0.0
     delay = rng.choice((0.1, 0.3, 1.0, 3.0)) if rng.random() < 0.4 else 0.0
-    across = max(mission.source.world.width, mission.source.world.height)
+    across = mission.across
     return Faults(
         seed=rng.getrandbits(32),
         loss=loss,
@@ -203,20 +219,39 @@ def _draw_cuts(rng: random.Random, robots: int, span: float) -> Iterator[Cut]:
 def losses_of(mission: FleetMission) -> tuple[Crash, ...]:
     """Return what befalls robots by the mission's file, where they are lost and back."""
     return tuple(
-        Crash(
-            robot,
-            (away.lost - 1) * mission.step,
-            None if away.back is None else (away.back - 1) * mission.step,
-            keeps_facts=True,
-        )
+        _crash_of(mission, robot, away)
         for robot, at in enumerate(mission.source.robots)
         for away in at.absences
     )
 
 
+def _crash_of(mission: FleetMission, robot: int, away: Absence) -> Crash:
+    """Return that a robot is lost, and back with its facts file."""
+    back = None if away.back is None else mission.begin_of(away.back)
+    return Crash(robot, mission.begin_of(away.lost), back, keeps_facts=True)
+
+
+def _breakdowns_of(mission: FleetMission, truth: Mission, until: float) -> Iterator[Crash]:
+    """Yield the breakdowns of robots that have `breaks`, as the truth has them, until a time."""
+    for robot, (at, real) in enumerate(zip(mission.source.robots, truth.robots, strict=True)):
+        for away in real.absences if at.breaks else ():
+            crash = _crash_of(mission, robot, away)
+            if crash.at <= until:
+                yield crash
+
+
+def _arrivals_of(mission: FleetMission, truth: Mission) -> Iterator[Order]:
+    """Yield the tasks that appear at random by the truth, as what an operator adds then."""
+    facts = mission.facts_of(truth)[len(mission.tasks) :]
+    for number, task in enumerate(facts):
+        key = (FIRST_ARRIVAL + number) << 24
+        yield Order(task.appears, structs.replace(task, key=key, appears=0.0))
+
+
 def _draw_crashes(rng: random.Random, mission: FleetMission, span: float) -> Iterator[Crash]:
     yield from losses_of(mission)
-    robots = [r for r, at in enumerate(mission.source.robots) if not at.absences]
+    known = enumerate(mission.source.robots)
+    robots = [r for r, at in known if not (at.absences or at.breaks)]
     number = rng.randint(1, max(1, mission.robots // 2)) if rng.random() < 0.5 else 0
     for robot in rng.sample(robots, min(number, len(robots))):
         begin = rng.uniform(0, span)
@@ -254,6 +289,7 @@ def _draw_orders(rng: random.Random, mission: FleetMission, span: float) -> Iter
     for number in range(rng.randint(1, 3)):
         like, beside = rng.choice(mission.tasks), rng.choice(mission.tasks)
         key = (1 + rng.getrandbits(30)) << 24 | number
-        place = (beside.x, beside.y) if mission.can_do_at(like, beside) else (like.x, like.y)
+        place = (beside.x, beside.y)
+        place = place if mission.can_do_at(like, place) else (like.x, like.y)
         task = TaskFact(key, f"order-{number + 1}", *place, like.needs, like.duration)
         yield Order(rng.uniform(0, span), task)

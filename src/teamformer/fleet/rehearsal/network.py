@@ -12,6 +12,9 @@ from teamformer.mission.parts.grid import Place
 FASTEST, SLOWEST = 0.002, 0.02
 """Seconds that a message takes on a good network."""
 
+Apart = Callable[[Place, Place], float]
+"""Says how far two places are from one another."""
+
 Deliver = Callable[[float, int, int, Message], None]
 """Hands a message over: when, from whom, to whom."""
 
@@ -19,13 +22,13 @@ Deliver = Callable[[float, int, int, Message], None]
 class RehearsedNetwork:
     """Takes messages as bytes, and opens them once for all that receive them."""
 
-    def __init__(self, post: Post, faults: Faults, deliver: Deliver) -> None:
+    def __init__(self, post: Post, faults: Faults, deliver: Deliver, apart: Apart) -> None:
         self.messages = 0
         self.bytes = 0
         self.received_bytes = 0
         self._post = post
         self._faults = faults
-        self._deliver = deliver
+        self._deliver, self._apart = deliver, apart
         self._rng = random.Random(faults.seed)
         self._last = b""
 
@@ -85,15 +88,12 @@ class RehearsedNetwork:
         radio = self._faults.radio
         if radio is None or places is None or sender == OPERATOR:
             return receivers
-        x, y = places(sender)
-        near = []
-        for receiver in receivers:
-            if receiver != OPERATOR:
-                to_x, to_y = places(receiver)
-                if (x - to_x) ** 2 + (y - to_y) ** 2 > radio**2:
-                    continue
-            near.append(receiver)
-        return near
+        here = places(sender)
+        return [
+            receiver
+            for receiver in receivers
+            if receiver == OPERATOR or self._apart(here, places(receiver)) <= radio
+        ]
 
     def _hand_over(self, now: float, sender: int, receiver: int, message: Message) -> None:
         self._deliver(now + self._delay(), sender, receiver, message)

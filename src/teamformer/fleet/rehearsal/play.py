@@ -55,9 +55,10 @@ class Rehearsal:
         self.truth = mission.truth(faults.seed)
         self.world = FleetWorld(mission, self.truth)
         self.trace = trace or Trace()
-        self._planner, self._plan, self._make_policy = planner, plan, make_policy
+        self.plan = plan  # that all begin with
+        self._planner, self._make_policy = planner, make_policy
         self._post = Post(mission.number, robots)
-        self._network = RehearsedNetwork(self._post, faults, self._deliver)
+        self._network = RehearsedNetwork(self._post, faults, self._deliver, mission.apart)
         self._skew = faults.skew or (0.0,) * robots
         self._drift = faults.drift or (0.0,) * robots
         self._tick = 0
@@ -105,11 +106,17 @@ class Rehearsal:
             self._step()
             if self._is_to_look and self.now >= over:
                 self._is_to_look = False
-                left = self._ending.left(self.now, self._held())
+                knowing = {r for r, agent in enumerate(self.agents) if agent and agent.is_over}
+                left = self._ending.left(self.now, self._held(), knowing)
                 if left is not None:
                     status = "infeasible" if left else "ended"
                     break
         return self._outcome(status)
+
+    def is_promised(self, key: int) -> bool:
+        """Say whether an operator was told that its task is accepted, or the task is done."""
+        accepted = {it.task.key for it in self._operators if it.is_accepted and not it.calls_off}
+        return key in accepted or key in self.world.done
 
     def _step(self) -> None:
         tick, agenda = self._tick, self._agenda
@@ -142,6 +149,7 @@ class Rehearsal:
     def _advance(self) -> set[int]:
         """Let the world go on to now."""
         awake = self.world.advance(self.now)
+        self._is_to_look |= self.mission.ends and bool(awake)  # somebody may be home
         self._note_moves()
         if len(self.world.done) > self._finished:
             for done in list(self.world.done.values())[self._finished :]:
@@ -254,7 +262,7 @@ class Rehearsal:
             mission=self.mission,
             me=robot,
             planner=self._planner,
-            plan=self._plan,
+            plan=self.plan,
             now=self._clock(robot),
             remembered=remembered,
             nonce=nonce,
@@ -373,9 +381,13 @@ class Rehearsal:
         alive = [r for r, agent in enumerate(self.agents) if agent is not None]
         seconds = self._robot_seconds + sum(self.now - self._alive_since[r] for r in alive)
         undone, impossible = self._ending.undone(self.now, self._held())
+        times = [done.at for done in world.done.values()]
+        if self.mission.ends and times:
+            ways = (world.robots[robot].journey.way for robot in alive)
+            times += [way[-1].at for way in ways if len(way) > 1]  # when they were home
         return Outcome(
             status=status,
-            makespan=max((done.at for done in world.done.values()), default=None),
+            makespan=max(times, default=None),
             end=self.now,
             tasks_done=len(world.done),
             blocked_tasks=undone if status == "blocked" else impossible,

@@ -11,11 +11,12 @@ from teamformer.base.worker_processes import work_in_processes
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
-from teamformer.fleet.rehearsal.checker import Checker
+from teamformer.fleet.rehearsal.checking.checker import Checker
 from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.trace import Trace
+from teamformer.mission.parts.roads import Roads
 
 SLACK = 300.0
 """Seconds beyond the time that the slowest robot takes alone for every task, one by one."""
@@ -81,15 +82,24 @@ def deadline(mission: FleetMission, faults: Faults) -> float:
     The slack grows as the messages that arrive become fewer: of ten, one arrives where nine are
     lost, and waiting for one takes ten times as long.
     """
-    world, across = mission.source.world, mission.longest_walk
+    across = mission.longest_walk
     tasks = [*mission.tasks, *(order.task for order in faults.orders)]
     walks = sum(across + task.duration + mission.forming * 4 for task in tasks)
     carried = sum(task.to is not None for task in tasks)
-    walks += carried * (2 * across + LOOKING * (world.width + world.height))
+    walks += carried * (2 * across + LOOKING * _places_on_way(mission))
     walks += sum(task.unload for task in tasks)
     walks += across * sum(len(tour) for tour in mission.hidden.values())
+    walks += across * mission.ends
     begins = max([*mission.opens.values(), *(task.appears for task in tasks)])
     return faults.over + begins + SLACK / (1 - faults.loss) + 2 * walks
+
+
+def _places_on_way(mission: FleetMission) -> float:
+    """Return at how many places a load may have to be looked for."""
+    world = mission.source.world
+    if isinstance(world, Roads):
+        return len(world.places) * (1 + mission.longest_walk)
+    return world.width + world.height
 
 
 def faults_of(stage: Stage, seed: int, schedule: int) -> Faults:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.messages import MOST_MOVES, LoadFact
 from teamformer.mission.parts.grid import Place
+from teamformer.world.continuous.events import Event as ServiceEvent
 
 
 class Said(NamedTuple):
@@ -84,7 +85,19 @@ class Sent(NamedTuple):
     kind: str
 
 
-Event = Said | Worked | Walked | Finished | Lifted | Broke | Accepted | Noticed | Believed | Sent
+Event = (
+    Said
+    | Worked
+    | Walked
+    | Finished
+    | Lifted
+    | ServiceEvent
+    | Broke
+    | Accepted
+    | Noticed
+    | Believed
+    | Sent
+)
 
 
 class Trace:

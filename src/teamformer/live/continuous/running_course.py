@@ -34,6 +34,7 @@ from teamformer.mission.arrivals import once_appeared
 from teamformer.mission.coordination import Coordinator, Plan
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
+from teamformer.planning.continuous.mission_bound import bound_in_time
 from teamformer.record.files.events import event_to_tree
 from teamformer.record.record import Record
 from teamformer.trials.continuous_trial import INTERRUPTED, coordinator_of, record_of
@@ -93,6 +94,7 @@ class RunningCourse:
         self._last = course  # before the moment at which the mission ended, if it has
         self._seen, self._planned = 0, 0  # events and plans before the latest move
         self._before: list[_Before] = []  # by incident
+        self._bound: float | None = None
 
     def anew(self) -> RunningCourse:
         """Return the same mission at its start, to which nothing has happened."""
@@ -192,7 +194,7 @@ class RunningCourse:
         incident, course, mission = self._changed(incident)
         self.incidents.append((course.world.now, incident))
         self._before.append(_Before(self._course, self._last, self.source))
-        self.source = mission
+        self.source, self._bound = mission, None
         self._put(course)
 
     def undo(self) -> Happening:
@@ -204,6 +206,7 @@ class RunningCourse:
             raise TeamformerError("nothing has happened that could be undone")
         _, incident = self.incidents.pop()
         self._course, self._last, self.source = self._before.pop()
+        self._bound = None
         self._seen, self._planned = len(self._course.world.events), len(self._course.plans)
         return incident
 
@@ -215,14 +218,20 @@ class RunningCourse:
         return self._mission_at(self._moment(), happening)
 
     def work_out_bound(self) -> float | None:
-        """Return what no plan can beat; in continuous time only `central` knows, from the start."""
-        return None
+        """Return what no plan can beat, as `run` tells it; the record has it then."""
+        mission = self.source
+        if self._bound is None:
+            bound = bound_in_time(draw_truth(mission, self.seed))
+            if self.source is not mission:  # an incident has happened meanwhile
+                return None
+            self._bound = bound or None
+        return self._bound
 
     def record(self) -> Record:
         """Return the record so far; that of a mission that still runs is of an interrupted one."""
         course = self._course.fork()
         course.break_off(INTERRUPTED)
-        return record_of(course, self.source, self.method_name, self.seed)
+        return record_of(course, self.source, self.method_name, self.seed, self._bound)
 
     def as_it_stands(self) -> RunningCourse:
         """Return the mission as it is now, to be asked about while it goes on itself."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from teamformer.files.trees.writer import task_to_tree
 from teamformer.live.running.forecasts import Forecast, Unfinished
 from teamformer.live.running.incidents import (
     CancelledTask,
@@ -17,16 +18,13 @@ from teamformer.live.running.messages import read_incident
 from teamformer.live.running.page_trees import Tree
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.roads import Roads
 
 
 def happening_to_tree(happening: Happening, mission: Mission) -> Tree:
     """Return what happens as the message of a page has it, with the plan that it brings."""
     match happening:
         case NewTask():
-            place, world = happening.at, mission.world
-            at = world.places[int(place[0])] if isinstance(world, Roads) else place
-            return {"task": vars(happening) | {"at": at, "needs": dict(happening.needs)}}
+            return {"task": task_to_tree(happening.task, mission.world)}
         case LostRobot():
             return {"lost": happening.robot}
         case CancelledTask():

@@ -10,7 +10,7 @@ from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.live.running.forecasts import Forecast, IsOver, Past, forecast, never
 from teamformer.mission.coordination import Coordinator, Known, Plan
 from teamformer.mission.model import Absence, Mission, Robot, Task, World
-from teamformer.mission.parts.capabilities import Counts, describe
+from teamformer.mission.parts.capabilities import describe
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 
@@ -56,20 +56,16 @@ class NewTask(_Told):
 
     can_only_delay: ClassVar[bool] = True
 
-    at: Place
-    needs: Counts
-    name: str
-    duration: float = 0
+    task: Task
 
     def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission in which this has happened."""
-        task = Task(self.name, self.at, dict(self.needs), self.duration, now.now)
-        return _checked(mission, tasks=(*mission.tasks, task))
+        return _checked(mission, tasks=(*mission.tasks, replace(self.task, appears=now.now)))
 
     def text(self, mission: Mission) -> str:
         """Return the incident as words."""
-        place = place_text(mission.world, self.at)
-        return f"task {self.name} at {place} that needs {describe(self.needs)}"
+        place = place_text(mission.world, self.task.at)
+        return f"task {self.task.name} at {place} that needs {describe(self.task.needs)}"
 
 
 @dataclass(frozen=True)

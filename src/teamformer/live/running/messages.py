@@ -96,7 +96,8 @@ def read_incident(message: Message, mission: Mission) -> Incident:
     """Return the incident of a message: `{"lost": NAME}`, `{"back": NAME}`, `{"cancelled": NAME}`,
     `{"weighs": NAME, "weight": NUMBER}` or `{"task": TREE}`.
 
-    A task is written as in a file; without a name it gets one that is free.
+    A task is written as in a file, with any of its keys but `appears`, as it appears now; without a
+    name it gets one that is free.
     """
     for key, incident in WITH_A_NAME.items():
         if isinstance(message.get(key), str):
@@ -107,6 +108,8 @@ def read_incident(message: Message, mission: Mission) -> Incident:
     if not isinstance(message.get("task"), dict):
         names = ", ".join(f"'{key}'" for key in (*WITH_A_NAME, "weighs"))
         raise TeamformerError(f"an incident needs {names}: a name, or 'task': a mapping")
+    if "appears" in message["task"]:
+        raise TaskRefusedError("a new task appears now; leave 'appears' out", ("appears",))
     task_tree = {"name": free_name(mission)} | message["task"]
     tree = mission_to_tree(mission)
     try:
@@ -115,4 +118,4 @@ def read_incident(message: Message, mission: Mission) -> Incident:
         text = "; ".join(problem.message for problem in error.problems)
         keys = dict.fromkeys(str(key) for it in error.problems for key in it.where[2:3])
         raise TaskRefusedError(text, tuple(keys)) from None
-    return NewTask(task.at, task.needs, task.name, task.duration)
+    return NewTask(task)

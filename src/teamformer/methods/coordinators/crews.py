@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
+import numpy as np
+
 from teamformer.mission.coordination import Known, Plan
-from teamformer.planning.steps.shared_plan import by_due, kept_plan, shared_plan_of
-from teamformer.planning.steps.situation import situation_of
+from teamformer.planning.steps.shared_plan import kept_plan, shared_plan_of
+from teamformer.planning.steps.situation import Situation, situation_of
 from teamformer.planning.steps.starts import plan_from_crews
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
@@ -43,7 +45,7 @@ class Crews:
         crews = time_team_plan(situation, dealt)
         timed = [("crews", crews)]
         if crews.has_prices:
-            timed.append(("crews", by_due(situation, crews)))
+            timed.append(("crews", _by_due(situation, crews)))
         if plan is not None and plan.order:
             kept = time_team_plan(situation, kept_plan(situation, plan))
             timed.insert(0, ("kept", kept))
@@ -56,3 +58,10 @@ class Crews:
 
 def _what_counts(named: tuple[str, TimedPlan]) -> int:
     return named[1].cost
+
+
+def _by_due(situation: Situation, plan: TimedPlan) -> TimedPlan:
+    """Return a plan with its tasks in the order in which they are due; the mission has prices."""
+    due = situation.problem.prices.due
+    order = plan.plan.order[np.argsort(due[plan.plan.order], kind="stable")]
+    return time_team_plan(situation, plan.plan._replace(order=order))

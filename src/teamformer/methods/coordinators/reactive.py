@@ -7,6 +7,7 @@ something is done. What was decided before stays unless a future is better.
 from __future__ import annotations
 
 from teamformer.mission.coordination import NEWS, Known, Plan
+from teamformer.planning.continuous.present import reactive_present
 from teamformer.planning.steps.reactive import reactive_plan
 
 
@@ -14,8 +15,9 @@ class Reactive:
     """Nothing is searched: some hundred futures by the rule `soonest`, and the best is followed."""
 
     heeds = NEWS
-    times = ("steps",)
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return the best future, or what is left of the plan if none is better."""
+        if known.mission.time == "continuous":
+            return reactive_present(known, plan)
         return reactive_plan(known, plan)

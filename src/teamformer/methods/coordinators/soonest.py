@@ -7,18 +7,21 @@ and no search, so it is a bar for both.
 from __future__ import annotations
 
 from teamformer.mission.coordination import NEWS, Known, Plan
+from teamformer.planning.continuous.present import soonest_present
 from teamformer.planning.steps.reactive import soonest_plan
 
 
 class Soonest:
     """Next comes the task that can begin soonest, by whoever is there first; nothing is searched.
 
-    It is asked whenever something is done, too, as it does not foresee how long forming takes.
+    It is asked whenever something is done, too, as in steps it does not foresee how long forming
+    takes.
     """
 
     heeds = NEWS
-    times = ("steps",)
 
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return who does each task that is possible now, in the order in which they can begin."""
+        if known.mission.time == "continuous":
+            return soonest_present(known, plan)
         return soonest_plan(known)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
+from teamformer.mission.checks.batteries import find_battery_problems
 from teamformer.mission.checks.loads import find_load_problems
 from teamformer.mission.checks.rules import counted_from, find_rule_problems
+from teamformer.mission.checks.shift_checks import find_shift_problems
 from teamformer.mission.checks.surprise_checks import find_surprise_problems
+from teamformer.mission.checks.zone_checks import find_zone_problems
 from teamformer.mission.keys.kinds import LARGEST_NUMBER, LATEST_RETURN
 from teamformer.mission.keys.robot_keys import FASTEST, SLOWEST
 from teamformer.mission.parts.capabilities import (
@@ -26,7 +29,12 @@ from teamformer.mission.parts.capabilities import (
     written,
 )
 from teamformer.mission.parts.grid import LARGEST_MAP, Grid, Place
-from teamformer.mission.parts.places import believed_place, busiest_part, find_region_problems
+from teamformer.mission.parts.places import (
+    believed_place,
+    busiest_part,
+    find_region_problems,
+    possible_places,
+)
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.reach import totals_by_region, totals_there, way_for
 from teamformer.mission.parts.roads import Roads
@@ -54,8 +62,11 @@ def find_problems(mission: Mission) -> Iterator[Problem]:
     yield from _problems_of_tasks(mission, places_are_good=not spatial)
     if mission.arrivals is not None and mission.robots and not spatial:
         yield from _problems_of_what_appears(mission)
+    yield from find_battery_problems(mission, places_are_good=not spatial)
     yield from find_rule_problems(mission)
     yield from find_surprise_problems(mission)
+    yield from find_shift_problems(mission)
+    yield from find_zone_problems(mission)
 
 
 def _problems_of_world(world: World) -> Iterator[Problem]:
@@ -123,9 +134,6 @@ def _problems_of_places(mission: Mission) -> Iterator[Problem]:
             fault = _fault_of_place(world, thing.at, bool(within))
             if fault:
                 yield Problem(where, f"{what} is at {fault}")
-            elif within and isinstance(world, Roads):
-                message = f"{what} has within, and on roads no place lies around another; drop it"
-                yield Problem((key, number, "within"), message)
             elif within:
                 yield from find_region_problems(
                     world, what, thing.at, within, (key, number, "within")
@@ -136,6 +144,14 @@ def _problems_of_places(mission: Mission) -> Iterator[Problem]:
         if fault := _fault_of_place(world, task.to):
             message = f"the load of task '{task.name}' is brought to {fault}"
             yield Problem(("tasks", number, "to"), message)
+    for number, charger in enumerate(mission.chargers):
+        if fault := _fault_of_place(world, charger.at):
+            yield Problem(("chargers", number, "at"), f"charger {number + 1} is at {fault}")
+    for zone in mission.zones:
+        for entry, place in enumerate(zone.places):
+            if fault := _fault_of_place(world, place):
+                message = f"zone '{zone.name}' has a place at {fault}"
+                yield Problem(("zones", zone.name, "places", entry), message)
 
 
 def _fault_of_place(world: World, place: Place, may_be_blocked: bool = False) -> str:
@@ -322,9 +338,9 @@ def _problems_of_tasks(mission: Mission, places_are_good: bool) -> Iterator[Prob
         if not covers(everybody, known):
             yield Problem((*where, "needs"), _impossible(what, everybody, known))
         elif places_are_good:
-            have = near(believed_place(mission.world, task))
             worst = {name: n for name, n in task.worst_needs.items() if name in everybody}
             need = known if not covers(everybody, worst) else worst
+            have = _least_at(near, mission.world, task, need)
             if not covers(have, need):
                 yield Problem(
                     (*where, "at"),
@@ -332,6 +348,18 @@ def _problems_of_tasks(mission: Mission, places_are_good: bool) -> Iterator[Prob
                     f"{describe(missing(have, need))}; "
                     f"move it, {way_for(mission.world, 'such robots')}",
                 )
+
+
+def _least_at(near: Callable[[Place], Counts], world: World, task: Task, need: Counts) -> Counts:
+    """Return what robots bring to where a task is, or to a place that it may be at and they lack.
+
+    All cells that it may be at lie in one part of a map; from roads not all ways lead everywhere.
+    """
+    places: tuple[Place, ...] = (believed_place(world, task),)
+    if task.within and isinstance(world, Roads):
+        places = possible_places(world, task.at, task.within)
+    brought = [near(place) for place in places]
+    return next((have for have in brought if not covers(have, need)), brought[0])
 
 
 def _problems_of_moments(task: Task, where: tuple[str | int, ...]) -> Iterator[Problem]:

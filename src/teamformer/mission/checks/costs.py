@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
@@ -37,8 +37,13 @@ def judged_by(mission: Mission) -> Mapping[str, float] | None:
     return mission.cost
 
 
-def parts_of_ends(tasks: Sequence[Task], ends: Mapping[int, float]) -> dict[str, float]:
-    """Return what a cost weighs of when tasks end; `ends` has the end of each, by number."""
+def parts_of_ends(
+    tasks: Sequence[Task], ends: Mapping[int, float], called_off: Container[int] = ()
+) -> dict[str, float]:
+    """Return what a cost weighs of when tasks end; `ends` has the end of each, by number.
+
+    Optional tasks without one are missed, unless they are called off.
+    """
     late = {
         number: max(0.0, end - between[1])
         for number, end in ends.items()
@@ -48,6 +53,11 @@ def parts_of_ends(tasks: Sequence[Task], ends: Mapping[int, float]) -> dict[str,
         "tardiness": sum(tasks[number].weight * by for number, by in late.items()),
         "max_tardiness": max(late.values(), default=0.0),
         "completion": sum(tasks[number].weight * end for number, end in ends.items()),
+        "missed": sum(
+            task.weight
+            for number, task in enumerate(tasks)
+            if task.optional and number not in ends and number not in called_off
+        ),
     }
 
 

@@ -7,16 +7,10 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
-from teamformer.mission.checks.costs import judged_by
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
 
 if TYPE_CHECKING:
     from teamformer.mission.model import Mission, Task
-
-
-def is_linked(mission: Mission) -> bool:
-    """Say whether starts are linked or plans are judged by more than the makespan."""
-    return judged_by(mission) is not None or any(task.starts for task in mission.tasks)
 
 
 def groups_of(tasks: Sequence[Task]) -> list[list[int]]:

@@ -7,10 +7,13 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
+from teamformer.mission.checks.batteries import rules_not_run_with_batteries
 from teamformer.mission.checks.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
+from teamformer.mission.checks.optional import find_optional_problems, has_optional
 from teamformer.mission.checks.windows import find_endless_play
+from teamformer.mission.checks.zone_checks import zones_not_served
 from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, FLEETS, ROBOTARIUM, STEPS
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.mission_keys import HOME, TIMES
@@ -27,7 +30,7 @@ LEAST_CHANCE = {"needed": 0.0, "absent": math.inf, "scouting": LIKELY}
 """By foresight, from which probability on needs that nobody knows are expected."""
 FORESIGHTS = tuple(LEAST_CHANCE)
 
-MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until"})
+MOMENTS = frozenset({"between", "appears", "cancelled", "lost", "back", "until", "shifts"})
 """Keys of a file whose values are moments of a mission."""
 
 
@@ -54,6 +57,8 @@ def find_rule_problems(mission: Mission) -> Iterator[Problem]:
     yield from _problems_of_precedence(mission)
     yield from find_cost_problems(mission)
     yield from find_link_problems(mission)
+    yield from _problems_of_until(mission)
+    yield from find_optional_problems(mission)
 
 
 def rules_not_played(mission: Mission) -> Iterator[Problem]:
@@ -76,10 +81,35 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
 
 
+def _problems_of_until(mission: Mission) -> Iterator[Problem]:
+    until = mission.until
+    if until is None:
+        return
+    if not 0 < until <= LARGEST_NUMBER:  # NaN too
+        message = f"the mission is over at {until:g}; use a time after 0"
+        yield Problem(("until",), f"{message}, up to 1e9{counted_from(('until',))}")
+    elif mission.time == "steps" and until != int(until):
+        yield Problem(("until",), f"the mission is over at {until:g}; in steps use a whole number")
+
+
 def rules_not_run(mission: Mission) -> Iterator[Problem]:
     """Return why a mission cannot be run, be it in steps or in continuous time."""
     if mission.time == "steps":
         yield from rules_not_played(mission)
+        return
+    yield from rules_not_run_with_batteries(mission)
+    yield from zones_not_served(mission)
+
+
+def rules_not_advised(mission: Mission) -> Iterator[Problem]:
+    """Return why nobody can say what would help a mission most."""
+    yield from rules_not_run(mission)
+    if has_optional(mission) and mission.cost is None:
+        message = (
+            "advise asks what lets a mission be over sooner, and with tasks that may be missed"
+        )
+        remedy = "add a cost with missed, such as {makespan: 1, missed: 20}"
+        yield Problem(("until",), f"{message} that says nothing; {remedy}")
 
 
 def rules_not_known_beforehand(mission: Mission) -> Iterator[Problem]:
@@ -95,6 +125,7 @@ def rules_not_planned(mission: Mission) -> Iterator[Problem]:
     In steps that are rules that these do not know; in continuous time what a plan cannot foresee.
     """
     if mission.time == "continuous":
+        yield from rules_not_run(mission)
         rest = "which a plan made in advance does not count with; drop {}, or use `teamformer run`"
         yield from told_once(mission, find_unknown(mission, CONTINUOUS), rest.format)
         return
@@ -106,7 +137,7 @@ VERBS = {
     "run": rules_not_run,
     "compare": rules_not_run,
     "plan": rules_not_planned,
-    "live": rules_not_played,
+    "live": rules_not_run,
 }
 """What refuses a mission, by verb."""
 
@@ -117,37 +148,44 @@ def _verbs_for(mission: Mission) -> str:
     return " or ".join(filter(None, (", ".join(verbs[:-1]), *verbs[-1:])))
 
 
-def rules_of_fleets(mission: Mission) -> Iterator[Problem]:
-    """Return why robots that are processes of their own cannot do a mission; nothing if they can.
-
-    What may happen to robots is theirs: rehearsals draw it.
-    """
-    yield from _rules_of_real_robots(mission, FLEETS)
+def rules_of_rehearsals(mission: Mission) -> Iterator[Problem]:
+    """Return why a fleet of processes cannot rehearse a mission; nothing if it can."""
+    yield from rules_not_run(mission)
+    if mission.time == "continuous":
+        yield from find_flown_loads(mission)
+    remedy = _remedy(mission, FLEETS)
+    yield from told_once(mission, find_unknown(mission, FLEETS), remedy)
     both = [
         (("tasks", number, "within"), f"task '{task.name}' has a load within a region")
         for number, task in enumerate(mission.tasks)
         if task.within and task.to is not None
     ]
-    yield from told_once(mission, both, _remedy(mission, FLEETS))
+    yield from told_once(mission, both, remedy)
+
+
+def rules_of_fleets(mission: Mission) -> Iterator[Problem]:
+    """Return why robots that are processes of their own cannot do a mission; nothing if they can.
+
+    Their tasks come from operators, so none appears at random.
+    """
+    yield from rules_of_rehearsals(mission)
+    yield from told_once(
+        mission, find_unknown(mission, FLEETS, is_surprise=True), _remedy(mission, FLEETS)
+    )
 
 
 def rules_of_robotarium(mission: Mission) -> Iterator[Problem]:
     """Return why robots in the Robotarium's arena cannot do a mission, whatever its size."""
-    yield from _rules_of_real_robots(mission, ROBOTARIUM)
+    yield from rules_not_played(mission)
+    remedy = _remedy(mission, ROBOTARIUM)
+    yield from told_once(mission, find_unknown(mission, ROBOTARIUM, is_surprise=True), remedy)
+    yield from told_once(mission, find_unknown(mission, ROBOTARIUM), remedy)
     flying = [
         (("robots", number, "moves"), f"robot '{robot.name}' flies over obstacles")
         for number, robot in enumerate(mission.robots)
         if robot.flies and mission.world.rows
     ]
-    yield from told_once(mission, flying, _remedy(mission, ROBOTARIUM))
-
-
-def _rules_of_real_robots(mission: Mission, who: str) -> Iterator[Problem]:
-    """Return which keys of a mission in steps `who` does not know."""
-    yield from rules_not_played(mission)
-    remedy = _remedy(mission, who)
-    yield from told_once(mission, find_unknown(mission, who, is_surprise=True), remedy)
-    yield from told_once(mission, find_unknown(mission, who), remedy)
+    yield from told_once(mission, flying, remedy)
 
 
 def _remedy(mission: Mission, who: str) -> Callable[[str], str]:

@@ -44,7 +44,7 @@ def find_endless_play(mission: Mission) -> Iterator[Problem]:
         return
     allowed = f"more than the {LONGEST_PLAY:,} steps that are played"
     remedy = "let a step stand for more time, set a lower step_limit"
-    ends = _earliest_ends(mission)
+    ends = earliest_ends(mission)
     for number, task in enumerate(mission.tasks):
         begins = max([0.0, *(ends[name] for name in task.after)])
         if ends[task.name] > LONGEST_PLAY >= begins:
@@ -66,7 +66,7 @@ def find_hopeless_windows(mission: Mission) -> Iterator[Problem]:
     Whoever builds a `Mission` may have such windows, and so may the truth of a mission: there a
     task may turn out to take long.
     """
-    ends = _earliest_ends(mission)
+    ends = earliest_ends(mission)
     for number, task in enumerate(mission.tasks):
         last = max(task.after, key=ends.__getitem__, default=None)
         if last is None or ends[last] <= _release(mission, task):
@@ -81,7 +81,7 @@ def find_hopeless_windows(mission: Mission) -> Iterator[Problem]:
             yield Problem(("tasks", number, "between"), f"{message}; {remedy}")
 
 
-def _earliest_ends(mission: Mission) -> dict[str, float]:
+def earliest_ends(mission: Mission) -> dict[str, float]:
     """Return when each task is over at the earliest, by name, without ways, teams and links."""
     ends: dict[str, float] = {}
     left = list(mission.tasks)

@@ -82,6 +82,11 @@ class Window:
 
 
 @dataclass(frozen=True)
+class Shifts:
+    """A list of at least one window, in the order of time."""
+
+
+@dataclass(frozen=True)
 class StartLinks:
     """How long after others something starts: the least and the most, by the others' names."""
 
@@ -117,10 +122,20 @@ class Place:
 
 
 @dataclass(frozen=True)
+class Places:
+    """A list of at least one place."""
+
+
+@dataclass(frozen=True)
 class OneOf:
     """One of a few words."""
 
     choices: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """`true` or `false`."""
 
 
 @dataclass(frozen=True)
@@ -145,9 +160,24 @@ class KeyedPart:
 
 @dataclass(frozen=True)
 class KeyedParts:
-    """A list of at least one mapping, all with the same keys."""
+    """A list of at least one mapping, all with the same keys.
+
+    `makes` is the class of the model that each becomes, if they are read like other keys.
+    """
 
     keys: tuple[Key, ...]
+    makes: str = ""
+
+
+@dataclass(frozen=True)
+class NamedParts:
+    """A mapping from names to mappings, all with the same keys.
+
+    `makes` is the class of the model that each becomes, with its name.
+    """
+
+    keys: tuple[Key, ...]
+    makes: str
 
 
 @dataclass(frozen=True)
@@ -195,6 +225,7 @@ Kind = (
     | Moments
     | Range
     | Window
+    | Shifts
     | StartLinks
     | Counts
     | Chances
@@ -202,10 +233,13 @@ Kind = (
     | RobotNames
     | TeamLists
     | Place
+    | Places
     | OneOf
+    | Truth
     | Moves
     | KeyedPart
     | KeyedParts
+    | NamedParts
     | Either
     | Sides
     | Rows

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import STEPS, Key, Unknown
+from teamformer.mission.keys.charging_keys import CHARGER_KEYS, NEW
+from teamformer.mission.keys.key import FLEETS, ROBOTARIUM, STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     Either,
     Forms,
     KeyedPart,
     KeyedParts,
+    NamedParts,
     Names,
     Number,
     OneOf,
     Place,
     TeamLists,
     Text,
+    Time,
     Whole,
 )
-from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS, SURPRISES
+from teamformer.mission.keys.robot_keys import NOT_KNOWN, ROBOT_KEYS
 from teamformer.mission.keys.task_keys import (
     CONTINUOUS_TIME,
     LARGEST_WEIGHT,
@@ -25,6 +28,7 @@ from teamformer.mission.keys.task_keys import (
     TASK_KEYS,
 )
 from teamformer.mission.keys.world_keys import FORMS
+from teamformer.mission.keys.zone_keys import ZONE_KEYS
 
 VERSION = 1
 
@@ -47,6 +51,13 @@ COST_KEYS = (
     Key("tardiness", WEIGHT, "how late tasks are, added up", None),
     Key("max_tardiness", WEIGHT, "how late the latest task is", None),
     Key("completion", WEIGHT, "when tasks end, added up", None),
+    Key(
+        "missed",
+        WEIGHT,
+        "optional tasks that were not done, added up by weight",
+        None,
+        since="0.2.0",
+    ),
 )
 
 ARRIVALS_KEYS = (
@@ -165,7 +176,7 @@ MISSION_KEYS = (
         "finding_radius",
         RADIUS,
         "a task with `within` is found by a team this near to it, Euclidean, in cells or metres; "
-        "`.inf` is everywhere",
+        "on roads by a team in its place; `.inf` is everywhere",
         default=1.0,
     ),
     Key(
@@ -174,6 +185,37 @@ MISSION_KEYS = (
         f"`{{rate: 0.05, until: 60}}`: tasks that appear at random {NOT_KNOWN}",
         default=None,
         without="none",
-        unknown=Unknown(SURPRISES, "tasks appear at random", is_surprise=True),
+        unknown=Unknown((FLEETS, ROBOTARIUM), "tasks appear at random", is_surprise=True),
+    ),
+    Key(
+        "until",
+        Time(is_above=True),
+        "the step, in continuous time the time, at which the mission is over, whatever is left "
+        "([optional tasks](mission/optional.md)); needed if a task is optional",
+        default=None,
+        without="with its last task",
+        since="0.2.0",
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "until is for continuous time"),
+    ),
+    Key(
+        "chargers",
+        KeyedParts(CHARGER_KEYS, makes="Charger"),
+        "`[{at: [1, 1], room: 2}]`: where robots with a battery charge "
+        "([batteries and chargers](mission/charging.md))",
+        default=(),
+        without="none",
+        example=[{"at": [1, 1]}],
+        since=NEW,
+    ),
+    Key(
+        "zones",
+        NamedParts(ZONE_KEYS, makes="Zone"),
+        "`{dock: {area: [[2, 3], [6, 8]], room: 2}}`: where only so many services go on at once "
+        "([zones](mission/zones.md))",
+        default=(),
+        without="none",
+        example={"dock": {"area": [[2, 3], [6, 8]], "room": 2}},
+        since=NEW,
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "zones are for continuous time"),
     ),
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import CONTINUOUS, FLEETS, ROBOTARIUM, Key, Unknown
+from teamformer.mission.keys.charging_keys import BATTERY_KEYS, NEW
+from teamformer.mission.keys.key import CONTINUOUS, FLEETS, ROBOTARIUM, STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     LATEST_RETURN,
@@ -13,7 +14,9 @@ from teamformer.mission.keys.kinds import (
     Number,
     Place,
     Range,
+    Shifts,
     Text,
+    Time,
     Whole,
 )
 from teamformer.mission.parts.roads import AIR, GROUND
@@ -25,7 +28,6 @@ MOST_ALIKE = 1000
 """Robots that one entry of a file stands for."""
 
 NOT_KNOWN = "([what is not known](mission/unknown.md))"
-SURPRISES = (FLEETS, ROBOTARIUM)
 
 BREAKS_KEYS = (
     Key(
@@ -110,7 +112,7 @@ ROBOT_KEYS = (
         f"`{{rate: 0.001, repair: [10, 40]}}`: random breakdowns {NOT_KNOWN}",
         default=None,
         without="it does not break down",
-        unknown=Unknown(SURPRISES, "may break down", is_surprise=True),
+        unknown=Unknown((ROBOTARIUM,), "may break down", is_surprise=True),
     ),
     Key(
         "delays",
@@ -119,7 +121,7 @@ ROBOT_KEYS = (
         default=None,
         without="0",
         label="Stands still (0 to 1)",
-        unknown=Unknown(SURPRISES, "may stand still", is_surprise=True),
+        unknown=Unknown((ROBOTARIUM,), "may stand still", is_surprise=True),
     ),
     Key(
         "moves",
@@ -129,6 +131,16 @@ ROBOT_KEYS = (
         "it says which of the tables the robot uses",
         default=GROUND,
         label="Flies",
+    ),
+    Key(
+        "battery",
+        KeyedPart(BATTERY_KEYS, makes="Battery"),
+        "`{lasts: 300, fills: 60}`: what it has to spend before it has to charge "
+        "([batteries and chargers](mission/charging.md))",
+        default=None,
+        without="it never has to charge",
+        since=NEW,
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "has a battery"),
     ),
     Key(
         "count",
@@ -146,6 +158,25 @@ ROBOT_KEYS = (
         without="none",
         label="Note",
         is_in_details=True,
+        since="0.2.0",
+    ),
+    Key(
+        "shifts",
+        Shifts(),
+        "in continuous time, when the robot works: `[[0, 480], [540, 960]]` "
+        "([shifts](mission/time.md#shifts))",
+        default=(),
+        without="always",
+        since="0.2.0",
+        example=[[0, 480], [540, 960]],
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "works in shifts"),
+    ),
+    Key(
+        "every",
+        Time(is_above=True),
+        "after how long its shifts come again, and again; 1440 is a day of minutes",
+        default=0.0,
+        without="they do not come again",
         since="0.2.0",
     ),
 )

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, ROBOTARIUM, Key, Unknown
+from teamformer.mission.keys.key import (
+    BEFOREHAND,
+    CONTINUOUS,
+    FLEETS,
+    ROBOTARIUM,
+    Key,
+    Unknown,
+)
 from teamformer.mission.keys.kinds import (
     Chances,
     Counts,
@@ -15,6 +22,7 @@ from teamformer.mission.keys.kinds import (
     StartLinks,
     Text,
     Time,
+    Truth,
     Window,
 )
 from teamformer.mission.keys.robot_keys import NOT_KNOWN
@@ -99,6 +107,7 @@ TASK_KEYS = (
         default={},
         without="whenever it can",
         example={"drip": [5, 10]},
+        unknown=Unknown((FLEETS,), "has starts"),
     ),
     Key(
         "to",
@@ -128,17 +137,18 @@ TASK_KEYS = (
         "within",
         Number(0),
         "the task is somewhere within this distance of `at`, in a straight line, in cells or "
-        f"metres; where exactly shows only when a team comes near {NOT_KNOWN}",
+        "metres; on roads in a place to which the way from `at` takes no longer, at speed 1, by "
+        f"whatever is quickest. Where exactly shows only when a team comes near {NOT_KNOWN}",
         default=0.0,
         without="0: it is at `at`",
-        label="Within (cells or m)",
+        label="Within (cells, m, time)",
         unknown=Unknown((ROBOTARIUM,), "has an uncertain place", is_surprise=True),
     ),
     Key(
         "weight",
         Number(SMALLEST_WEIGHT, LARGEST_WEIGHT),
-        "how much the task counts in `cost`, both when it ends and how late it is; 0.001 to "
-        "1,000,000",
+        "how much the task counts in `cost`: when it ends, how late it is, and if it is missed; "
+        "0.001 to 1,000,000",
         default=1.0,
     ),
     Key(
@@ -165,6 +175,16 @@ TASK_KEYS = (
         label="Note",
         is_in_details=True,
         since="0.2.0",
+    ),
+    Key(
+        "optional",
+        Truth(),
+        "`true`: the task may be left out, it is *missed* then "
+        "([optional tasks](mission/optional.md))",
+        default=False,
+        without="it must be done",
+        since="0.2.0",
+        unknown=Unknown((FLEETS, ROBOTARIUM), "is optional"),
     ),
 )
 

@@ -1,13 +1,15 @@
-"""Where a task may be whose place is not known: some cells of a map, some points of a plane."""
+"""Where a task may be whose place is not known: in some cells, points or places of roads."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import product
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
 from teamformer.mission.parts.plane import DECIMALS, Plane
+from teamformer.mission.parts.roads import LONGEST_WAY, Roads
 
 if TYPE_CHECKING:
     from teamformer.mission.model import Mission, Task, World
@@ -25,8 +27,11 @@ def possible_places(world: World, at: Place, within: float) -> tuple[Place, ...]
 
     On a grid these are the free cells of one connected part of the map: the part of the nearest
     one. On a plane they are the points at whole numbers of the plane's unit from the place. Of
-    equally near ones the lowest comes first, then the one farthest left. There may be none.
+    equally near ones the lowest comes first, then the one farthest left. There may be none. On
+    roads they are the places to which the way takes no longer, at speed 1, by whatever is quickest.
     """
+    if isinstance(world, Roads):
+        return _places_on_roads(world, at, within)
     is_plane = isinstance(world, Plane)
     unit = world.unit if isinstance(world, Plane) else 1
     reach = int(within / unit + ROUNDING)
@@ -42,6 +47,24 @@ def possible_places(world: World, at: Place, within: float) -> tuple[Place, ...]
     return tuple(p for p in places if world.region(p) == world.region(places[0]))
 
 
+def _places_on_roads(world: Roads, at: Place, within: float) -> tuple[Place, ...]:
+    here = int(at[0])
+    rows = [ways[here] for ways in world.ways.values()]
+    away = {n: min(row[n] for row in rows) for n in range(len(world.places))} | {here: 0.0}
+    near = (n for n, far in away.items() if far <= within + ROUNDING)
+    return tuple((n, 0) for n in sorted(near, key=lambda n: (away[n], n)))
+
+
+def sight_of(world: World, one: Place, other: Place) -> float:
+    """Return how far apart two places are for one who looks: straight on, or not at all on roads.
+
+    There who stands in one place sees nothing of another, which is infinitely far away.
+    """
+    if isinstance(world, Roads):
+        return 0.0 if one == other else math.inf
+    return math.dist(one, other)
+
+
 def believed_place(world: World, task: Task) -> Place:
     """Return where a task is believed to be before anybody has looked for it."""
     return possible_places(world, task.at, task.within)[0] if task.within else task.at
@@ -51,8 +74,10 @@ def find_region_problems(
     world: World, what: str, at: Place, within: float, where: tuple[str | int, ...]
 ) -> Iterator[Problem]:
     """Return what is wrong with how far from its place something may be."""
-    what = f"{what} is within {within:g} of [{at[0]}, {at[1]}]"
-    widest = WIDEST * (world.unit if isinstance(world, Plane) else 1)
+    is_road = isinstance(world, Roads)
+    place = f"'{world.name_of(at)}'" if isinstance(world, Roads) else f"[{at[0]}, {at[1]}]"
+    what = f"{what} is within {within:g} of {place}"
+    widest = LONGEST_WAY if is_road else WIDEST * (world.unit if isinstance(world, Plane) else 1)
     if not 0 <= within <= widest:  # NaN too
         yield Problem(where, f"{what}; use 0 to {widest:g}")
     elif not possible_places(world, at, within):

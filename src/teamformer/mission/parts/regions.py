@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
@@ -83,6 +84,34 @@ def _root(parent: list[int], run: int) -> int:
     return run
 
 
+def walks(
+    rows: Sequence[str], free: str, begin: tuple[int, int], ends: Sequence[tuple[int, int]]
+) -> list[float]:
+    """Return how many steps it is from a free cell to some others; infinite if no way leads."""
+    width = len(rows[0]) + 1
+    dry, front = _free_bits(rows, free), 1 << (begin[1] * width + begin[0])
+    bits = [1 << (y * width + x) for x, y in ends]
+    wanted, steps = 0, 0
+    for bit in bits:
+        wanted |= bit
+    found: dict[int, float] = {}
+    while front and wanted:
+        if front & wanted:
+            found |= {bit: float(steps) for bit in bits if front & bit}
+            wanted &= ~front
+        dry ^= front
+        front = (front << 1 | front >> 1 | front << width | front >> width) & dry
+        steps += 1
+    return [found.get(bit, math.inf) for bit in bits]
+
+
+def _free_bits(rows: Sequence[str], free: str) -> int:
+    """Return a bit for each cell, 1 where it is free; after each row comes a blocked one."""
+    is_free = bytes(ord("1" if code == ord(free) else "0") for code in range(256))
+    text = "@".join(rows).encode("ascii", errors="replace").translate(is_free)
+    return int(text[::-1], 2)
+
+
 MOST_FLOODING = 4 * 10**9  # cells times steps: half a second
 
 
@@ -92,10 +121,7 @@ def flood(rows: Sequence[str], free: str, begins: Iterable[tuple[int, int]]) -> 
     A cell counts from the nearest begin. On a map that is too large to try, it is an upper bound.
     """
     width = len(rows[0]) + 1  # a blocked column keeps the end of a row from the next one's begin
-    is_free = bytes(ord("1" if code == ord(free) else "0") for code in range(256))
-    text = "@".join(rows).encode("ascii", errors="replace").translate(is_free)
-    dry = int(text[::-1], 2)  # a bit for each cell
-    front = 0
+    dry, cells, front = _free_bits(rows, free), width * len(rows), 0
     for x, y in begins:
         front |= 1 << (y * width + x)
     steps = 0
@@ -104,6 +130,6 @@ def flood(rows: Sequence[str], free: str, begins: Iterable[tuple[int, int]]) -> 
         front = (front << 1 | front >> 1 | front << width | front >> width) & dry
         if not front:
             return steps
-        if steps * len(text) > MOST_FLOODING:
+        if steps * cells > MOST_FLOODING:
             return steps + dry.bit_count()
         steps += 1

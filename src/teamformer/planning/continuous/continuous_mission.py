@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,11 +12,13 @@ import numpy.typing as npt
 from teamformer.base.array_types import Floats, Ints
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.checks.costs import judged_by, weighed
+from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.coordination import Known, Plan, known_at_start
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.shifts import rotas_of
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.tables import (
     distances,
@@ -26,7 +28,12 @@ from teamformer.planning.continuous.tables import (
     ways_of_loads,
 )
 from teamformer.planning.continuous.times import TaskClock
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan, without_spares
+from teamformer.planning.problem.coalition_plan import (
+    CoalitionPlan,
+    empty_plan,
+    without_spares,
+    without_tasks,
+)
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     SPARES,
@@ -34,7 +41,9 @@ from teamformer.planning.problem.coalition_problem import (
     pose_problem,
 )
 from teamformer.planning.problem.links import PART_OF, Link, Links, have_weights, link_tasks
+from teamformer.planning.problem.misses import Misses, can_miss, misses_of
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
+from teamformer.planning.problem.rotas import longest_pauses, rotas_in_ticks
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.ways import ends_of
 from teamformer.world.rules.starts import Gap
@@ -64,12 +73,15 @@ class ContinuousMission:
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         """
-        timed = self.time(solution.plan)
+        timed = self.time(self.in_time(solution.plan))
         rounding = rounding_of(len(self.tasks))
         bound = self.now + max(0.0, (solution.bound - rounding) / self.scale)
+        if timed.missed:
+            bound = self.now
         return replace(
             timed,
             bound=min(timed.makespan, bound),
+            least_cost=self._least_cost_of(solution, timed.cost),
             is_proven=solution.is_proven,
             curve=self._curve_of(solution),
         )
@@ -80,7 +92,8 @@ class ContinuousMission:
         Nobody is in it who can be spared, unless that may pay, or it is wanted `with_spares`.
         """
         made = empty_plan(self.problem)
-        made.order[:] = plan.order
+        left_out = sorted(set(range(len(self.tasks))).difference(plan.order))
+        made.order[:] = [*plan.order, *left_out]
         is_kept = with_spares or self.problem.spares > 0
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
             needs = self.problem.needs[task]
@@ -90,6 +103,17 @@ class ContinuousMission:
             made.coalition[task, : len(robots)] = robots
         return made
 
+    def rank_of(self, plan: MissionPlan) -> tuple[float, float, float]:
+        """Return what plans are compared by: what must be done and is missed, what else is, worth.
+
+        If the mission has a cost, that has what else is missed.
+        """
+        left_out = [self.tasks[task] for task in plan.missed]
+        tasks = self.source.tasks
+        must = sum(not tasks[task].optional for task in left_out)
+        may = sum(tasks[task].weight for task in left_out if tasks[task].optional)
+        return must, 0.0 if self.source.cost else may, self.worth_of(plan)
+
     def worth_of(self, plan: MissionPlan) -> float:
         """Return what a plan is judged by: what it costs, or its makespan if that alone counts."""
         weights = judged_by(self.source)
@@ -97,6 +121,15 @@ class ContinuousMission:
             return plan.makespan if plan.cost is None else plan.cost
         ends = {stop.task: stop.end for route in plan.routes for stop in route.stops}
         return weighed(self.source, weights, ends, plan.makespan)
+
+    def _least_cost_of(self, solution: Solution, cost: float | None) -> float | None:
+        """Return what no plan costs less than; every part of it may be rounded by some ticks."""
+        if cost is None:
+            return None
+        links, parts = self.problem.links, len(self.robots) * (1 + len(self.tasks))
+        rounding = rounding_of(len(self.tasks)) * (parts + float(links.task_weight.sum()))
+        least = solution.least_cost - rounding * float(links.weight.sum())
+        return min(cost, max(0.0, least / self.scale))
 
     def _curve_of(self, solution: Solution) -> tuple[tuple[float, float], ...]:
         """Return a curve in units; that of a linked problem without a cost is none of times."""
@@ -108,11 +141,26 @@ class ContinuousMission:
         """Return a plan with its times by the mission's rules, in the numbers of the problem."""
         return self.clock.time(plan)
 
+    def in_time(self, plan: CoalitionPlan) -> CoalitionPlan:
+        """Return a plan without optional tasks that would be missed, be it by a rounding."""
+        misses, until = self.problem.misses, self.source.until
+        if not can_miss(misses):
+            return plan
+        ends = {stop.task: stop.end for route in self.time(plan).routes for stop in route.stops}
+        late = [k for k, end in ends.items() if misses.optional[k] and not is_in_time(end, until)]
+        return self.in_time(without_tasks(self.problem, plan, late)) if late else plan
+
     def as_plan(self, found: CoalitionPlan, made_from: str = "") -> Plan:
-        """Return a plan in the numbers of the mission, with the time at which each task ends."""
-        order = found.order.tolist()
+        """Return a plan in the numbers of the mission, with the time at which each task ends.
+
+        Tasks that are left out are not in it, nor those that end at no time as shifts are over.
+        """
+        found = self.in_time(found)
         routes = self.time(found).routes
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
+        has_shifts = len(self.clock.rotas) > 0
+        kept = [task for task in found.order.tolist() if found.size[task] > 0]
+        order = [task for task in kept if not has_shifts or math.isfinite(ends[task])]
         return Plan(
             order=tuple(self.tasks[task] for task in order),
             coalitions=tuple(
@@ -157,13 +205,17 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     number_of = {task: number for number, task in enumerate(chosen)}
     before, gaps = _renumbered(waits, number_of)
     busy = longest_of(tasks, mission.forming, ways, home, carry) + max(ready, default=0.0)
+    different = list(dict.fromkeys(robot.rota for robot in robots))
+    later = [rota.counted_from(now) for rota in different]
     longest_wait = max((begin - now for begin in release), default=0.0)
+    longest_wait += longest_pauses(later, busy, len(tasks))
     scale = ticks_in_a_unit(busy, longest_wait, sum(task.weight for task in tasks))
 
     def ticks(times: npt.ArrayLike) -> Ints:
         finite = np.where(np.isfinite(times), times, NO_WAY * (busy + longest_wait))
         return np.rint(finite * scale).astype(np.int64)
 
+    late = round(NO_WAY * (busy + longest_wait) * scale)
     counts = count_table([robot.can for robot in robots], mission)
     needs = count_table([task.needs for task in tasks], mission)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
@@ -188,7 +240,13 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         spares=SPARES if _may_spare_pay(mission, tasks, ways, home, pace, takes) else 0,
         site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
         ready=ticks(ready),
+        apart=[different.index(robot.rota) for robot in robots],
+        rotas=rotas_in_ticks(
+            later, lambda when: round(when * scale), late, rounding_of(len(tasks))
+        ),
     )
+    if mission.until is not None:
+        problem = problem._replace(misses=_misses(mission, now, tasks, ticks, problem))
     if judged_by(mission) is not None or gaps:
         problem = problem._replace(links=_links(mission, tasks, len(robots), gaps, scale))
     clock = TaskClock(
@@ -204,6 +262,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         before=before,
         gaps=gaps,
         forming=mission.forming,
+        rotas=rotas_of(robots),
         cost=mission.cost,
     )
     return ContinuousMission(
@@ -299,8 +358,25 @@ def _links(
     ]
     weights = judged_by(mission) or {"makespan": 1}
     total = sum(weights.values())
-    weight = {PART_OF[name]: value / total for name, value in weights.items()}
+    weight = {PART_OF[name]: w / total for name, w in weights.items() if name in PART_OF}
     return link_tasks(len(tasks), robots, links, weight, [task.weight for task in tasks])
+
+
+def _misses(
+    mission: Mission,
+    now: float,
+    tasks: Sequence[Task],
+    ticks: Callable[[npt.ArrayLike], Ints],
+    problem: CoalitionProblem,
+) -> Misses:
+    """Return what is missed of tasks when the mission is over; ends are rounded, so it is later."""
+    assert mission.until is not None, "the mission is over at a time"
+    weights = judged_by(mission) or {}
+    until = int(ticks(max(0.0, mission.until - now))) + rounding_of(len(tasks))
+    most = until + int(problem.home.max()) + 1
+    leg = int(problem.duration.mean() + problem.ways[0].mean())
+    price = weights.get("missed", 0.0) / max(1.0, sum(weights.values())) * float(ticks(1.0))
+    return misses_of(mission, tasks, until, most, leg, price)
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
@@ -310,7 +386,10 @@ def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:
     need the same ones.
     """
     if math.isinf(plan.makespan):
+        within, more = "", ""
+        if any(robot.shifts for robot in mission.source.robots):
+            within, more = " within their shifts", "lengthen shifts, have them come again (every), "
         raise TeamformerError(
-            f"{mission.source.name}: no plan was found in which all can get to their tasks",
-            "open the map, give ways a time under roads, move robots or tasks, or drop a link",
+            f"{mission.source.name}: no plan was found in which all can get to their tasks{within}",
+            f"{more}open the map, give ways a time under roads, move robots or tasks, drop a link",
         )

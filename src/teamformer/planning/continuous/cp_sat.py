@@ -32,10 +32,10 @@ class Proof:
 
 
 def is_small(problem: CoalitionProblem) -> bool:
-    """Say whether it is worth trying to prove a plan; late tasks and forming are not in it."""
+    """Say whether it is worth trying to prove a plan; late tasks, forming, shifts are not in it."""
     arcs = len(problem.counts) * len(problem.needs) ** 2
     is_plain = (problem.due >= NEVER).all() and problem.forming[0] == 0
-    return arcs <= MOST_ARCS and bool(is_plain)
+    return arcs <= MOST_ARCS and bool(is_plain) and not len(problem.rotas.every)
 
 
 def solve_exactly(

@@ -17,12 +17,14 @@ from teamformer.planning.problem.coalition_plan import (
 )
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.links import FREE, have_weights
+from teamformer.planning.problem.misses import can_miss
 
 
 def repaired(posed: ContinuousMission, old: Plan) -> CoalitionPlan | None:
     """Return a plan of all tasks of a problem, as an old one has it as far as can be.
 
-    None if tasks that are linked, which different robots do, find nobody.
+    Optional tasks that it leaves out are left out. None if tasks that are linked, which different
+    robots do, find nobody.
     """
     number_of = {task: number for number, task in enumerate(posed.tasks)}
     robot_of = {robot: number for number, robot in enumerate(posed.robots)}
@@ -48,6 +50,8 @@ def _mend(
     plan.order[:] = order
     doers = dict(crews)  # of linked tasks that are not planned yet, the old ones count
     for task in order:
+        if can_miss(problem.misses) and problem.misses.optional[task] and not crews.get(task):
+            continue
         comes = np.maximum(free + problem.ways[problem.pace, place, task], problem.release[task])
         linked = [] if gap is None else np.flatnonzero(gap[task] > FREE).tolist()
         taken = {robot for other in linked for robot in doers.get(other, ())}

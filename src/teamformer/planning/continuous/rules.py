@@ -14,7 +14,6 @@ from teamformer.planning.continuous.continuous_mission import ContinuousMission,
 from teamformer.planning.continuous.reactive import dispatch, react
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
 from teamformer.planning.continuous_bounds.makespan import improving_bounds
-from teamformer.planning.dispatch.first_plan import draw_plan
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.links import have_weights
@@ -33,10 +32,7 @@ PLANNERS: dict[str, Planner] = {
 """`central` uses all the time, and may begin with a plan; `plan` is what every robot computes;
 `reactive` and `soonest` search nothing."""
 
-KNOW_COSTS = ("central", "plan")
-"""Those that know starts that are linked and costs."""
-
-__all__ = ["KNOW_COSTS", "PLANNERS", "plan_continuous", "warm_up"]
+__all__ = ["PLANNERS", "plan_continuous", "warm_up"]
 
 
 def plan_continuous(
@@ -48,7 +44,7 @@ def plan_continuous(
     What it returns is never worse: if nothing better is found, it is that plan as it is.
     """
     first = None if start is None else mission.as_arrays(start)
-    solution = _solve(mission, method, seconds, first)
+    solution = PLANNERS[method](mission.problem, seconds, first)
     made = None if solution is None else mission.tell(solution)
     if start is not None:
         given = mission.time(mission.as_arrays(start, with_spares=True))
@@ -63,27 +59,13 @@ def plan_continuous(
     return made
 
 
-def _solve(
-    mission: ContinuousMission, method: str, seconds: float, start: CoalitionPlan | None
-) -> Solution | None:
-    """Return what a method finds; refuse one that does not know what the mission is judged by."""
-    source = mission.source
-    has_own = source.cost is not None or any(task.starts for task in source.tasks)
-    if has_own and method not in KNOW_COSTS:
-        raise TeamformerError(
-            f"--method {method} knows neither linked starts nor costs",
-            f"use {', '.join(KNOW_COSTS)}",
-        )
-    return PLANNERS[method](mission.problem, seconds, start)
-
-
 def _better_one(
     mission: ContinuousMission, made: MissionPlan | None, given: MissionPlan
 ) -> MissionPlan | None:
     """Return the better one of what was found and what was given, with what is known of both."""
     if made is None:
         return None if math.isinf(given.makespan) else given
-    if mission.worth_of(made) <= mission.worth_of(given):
+    if mission.rank_of(made) <= mission.rank_of(given):
         return made
     bound = min(made.bound, given.makespan)
     return replace(given, bound=bound, curve=made.curve)
@@ -105,6 +87,5 @@ def warm_up() -> None:
     search.begin_anew()
     search.anneal(1, 1, 0, 10, 10)
     schedule_of(problem, search.best)
-    draw_plan(problem, 0)
     react(problem)
     list(islice(improving_bounds(problem, lambda: 10), 2))

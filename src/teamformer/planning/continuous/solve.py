@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
+from teamformer.planning.continuous_bounds.cost import least_cost
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.links import have_weights, is_bounded
-from teamformer.planning.problem.schedule import COST, LATE, MAKESPAN, schedule_of
+from teamformer.planning.problem.misses import can_miss
+from teamformer.planning.problem.schedule import COST, LATE, MAKESPAN, MISSED, schedule_of
 from teamformer.planning.race import Judgement, Race
 from teamformer.planning.search.arc_search import ArcSearch, has_few_tasks
 
@@ -34,12 +36,14 @@ class Solution:
     """A plan, and what it is compared by; `curve` holds (seconds, worth).
 
     That is what it is judged by, its makespan or what it costs, then what leads a search. No plan
-    is over before tick `bound`, and none is better than one that is proven.
+    is over before tick `bound`, none costs less than `least_cost`, and none is better than one that
+    is proven.
     """
 
     plan: CoalitionPlan
     rank: tuple[float, float]
     bound: int = 0
+    least_cost: float = 0.0
     is_proven: bool = False
     curve: tuple[tuple[float, float], ...] = ()
 
@@ -102,8 +106,12 @@ def solve(
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
     best = _without_riders(problem, race.plan)
-    is_proven = judge(problem, best).bounded <= race.bound
-    return replace(best, bound=race.bound, is_proven=is_proven, curve=(first, *race.curve))
+    has_least = have_weights(problem.links) and not can_miss(problem.misses)
+    least = least_cost(problem) if has_least else 0.0
+    is_proven = judge(problem, best).bounded <= race.bound or best.worth <= least
+    return replace(
+        best, bound=race.bound, least_cost=least, is_proven=is_proven, curve=(first, *race.curve)
+    )
 
 
 def measuring(problem: CoalitionProblem) -> Callable[[CoalitionPlan], Solution]:
@@ -128,7 +136,7 @@ NEVER_DONE = (math.inf, math.inf)
 
 def _timed(problem: CoalitionProblem, plan: CoalitionPlan) -> Solution:
     total = schedule_of(problem, plan).total
-    return Solution(plan, (int(total[MAKESPAN]), int(total[COST])))
+    return Solution(plan, (int(total[MAKESPAN] + total[MISSED]), int(total[COST])))
 
 
 def _found(search: ArcSearch) -> Solution:
@@ -158,6 +166,8 @@ def judge(problem: CoalitionProblem, solution: Solution) -> Judgement:
         total, bounded = schedule_of(problem, solution.plan).total, math.inf
         if is_bounded(problem.links) and total[LATE] == 0:
             bounded = int(total[MAKESPAN])
+    if can_miss(problem.misses):
+        bounded = math.inf
     return Judgement(solution.rank, solution.worth, bounded)
 
 
@@ -203,11 +213,16 @@ def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[Solution]
     CP-SAT gets as large a share of what is left as bounds get.
     """
     tasks, is_weighed = len(problem.needs), have_weights(problem.links)
-    if is_bounded(problem.links):
+    if is_bounded(problem.links) and not can_miss(problem.misses):
         raise_bound(
             problem, race, lambda: int(schedule_of(problem, race.plan.plan).total[MAKESPAN])
         )
-    is_provable = not is_weighed and has_few_tasks(tasks) and is_small(problem)
+    is_provable = (
+        not is_weighed
+        and not can_miss(problem.misses)
+        and has_few_tasks(tasks)
+        and is_small(problem)
+    )
     if is_provable and not race.is_over:
         seconds = proof_share(tasks) * race.seconds_left
         proof = solve_exactly(problem, race.plan.plan, race.bound, seconds)

@@ -11,6 +11,7 @@ from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.model import Task
+from teamformer.mission.parts.shifts import Rota
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
 from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, time_tasks
@@ -35,11 +36,13 @@ class TaskClock:
     before: Mapping[int, Sequence[int]]
     gaps: Sequence[Gap]
     forming: float
+    rotas: Sequence[Rota]  # (robots,) when each works; empty where all always do
     cost: Mapping[str, float] | None
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times; one in which robots wait for one another has no end."""
-        order = plan.order.tolist()
+        order = [task for task in plan.order.tolist() if plan.size[task] > 0]
+        done = set(order)
         robots_of = {task: plan.coalition[task, : plan.size[task]].tolist() for task in order}
         rules = StartRules(
             way=self._way,
@@ -47,11 +50,12 @@ class TaskClock:
             takes=self._time_taken,
             free=self.free,
             release=dict(enumerate(self.release)),
-            before=self.before,
-            gaps=self.gaps,
+            before={task: [k for k in others if k in done] for task, others in self.before.items()},
+            gaps=[gap for gap in self.gaps if gap.task in done and gap.other in done],
             forming=self.forming,
+            rotas=self.rotas,
         )
-        return self._tell(order, time_tasks(rules, order, robots_of))
+        return self._tell(order, time_tasks(rules, order, robots_of), rules)
 
     def _place(self, robot: int, before: int) -> int:
         return int(self.origin[robot]) if before == FIRST else before
@@ -65,7 +69,7 @@ class TaskClock:
         carried = max((float(self.carry[self.pace[robot], task]) for robot in robots), default=0.0)
         return wanted.duration + carried + wanted.unload
 
-    def _tell(self, order: Sequence[int], timed: Timed) -> MissionPlan:
+    def _tell(self, order: Sequence[int], timed: Timed, rules: StartRules) -> MissionPlan:
         """Return the plan that starts tasks at these times."""
         travel = 0.0
         stops: list[list[Stop]] = [[] for _ in self.free]
@@ -81,7 +85,10 @@ class TaskClock:
         rows = zip(stops, self.origin.tolist(), self.free, strict=True)
         last = [(made[-1].task, made[-1].end) if made else (at, free) for made, at, free in rows]
         home = self.home[np.arange(len(last)), [place for place, _ in last]]
-        back = [left + float(way) for (_, left), way in zip(last, home, strict=True)]
+        back = [
+            rules.arrival(robot, left, float(way))
+            for robot, ((_, left), way) in enumerate(zip(last, home, strict=True))
+        ]
         parts = {
             "makespan": max(back),
             "travel": travel + float(home.sum()),
@@ -95,5 +102,6 @@ class TaskClock:
                 Route(robot, tuple(stops[robot]), back[robot]) for robot in range(len(back))
             ),
             late=dict(sorted(late.items())),
+            missed=tuple(task for task in range(len(self.tasks)) if task not in ends),
             cost=None if self.cost is None else cost_of(self.cost, parts),
         )

@@ -6,6 +6,7 @@ its own handicap, so that futures differ. Robots that are there first do a task,
 
 from __future__ import annotations
 
+from random import Random
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,10 +14,17 @@ import numpy.typing as npt
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.dispatch.coalition_choice import arrival
-from teamformer.planning.dispatch.first_plan import is_ready
+from teamformer.planning.dispatch.groups import (
+    are_linked,
+    begun_group,
+    is_taken,
+    may_begin,
+    opens,
+    time_next,
+)
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import released, time_one
+from teamformer.planning.problem.rotas import walked
+from teamformer.planning.problem.schedule import empty_schedule
 from teamformer.world.rules.chance import draw
 
 if TYPE_CHECKING:
@@ -32,6 +40,11 @@ SCARCE = 2
 
 SHY = 1
 """A robot counts as coming later by up to so many times what a task takes it."""
+
+
+FEW = 4
+"""Where the rule finds no plan, it is tried again with everything put back by up to so many tasks
+at random."""
 
 
 class Calls(NamedTuple):
@@ -65,6 +78,20 @@ def empty_calls(problem: CoalitionProblem, seed: int) -> Calls:
         short=np.zeros(caps, np.int32),
         random=np.array([seed * 2654435761 + 88172645463325252], np.uint64),
     )
+
+
+def first_plan(problem: CoalitionProblem, draws: Random | None = None) -> CoalitionPlan | None:
+    """Return the plan of the rule alone; None if nobody is left for some task.
+
+    With `draws` tasks and robots are put back by what a few tasks take at most.
+    """
+    schedule, calls = empty_schedule(problem), empty_calls(problem, 0)
+    if draws is not None:
+        most = FEW * leg_of(problem)
+        calls.handicap[:] = [int(draws.random() * most) for _ in calls.handicap]
+        calls.reserve[:] = [int(draws.random() * most) for _ in calls.reserve]
+    begin_dispatch(problem, schedule)
+    return schedule.plan if play_out(problem, schedule, calls, 0) else None
 
 
 def leg_of(problem: CoalitionProblem) -> int:
@@ -118,14 +145,44 @@ def put_back(calls: Calls, leg: int) -> None:
 def soonest(problem: CoalitionProblem, schedule: Schedule, calls: Calls, position: int) -> int:
     """Return the task that comes next at a position of the order; NOBODY if none can be done."""
     best, least = NOBODY, NEVER
+    linked = are_linked(problem)
+    group = begun_group(problem, schedule) if linked else NOBODY
     for task in range(len(schedule.rank)):
         if not is_ready(problem, schedule, task):
+            continue
+        if linked and group != NOBODY and problem.links.group[task] != group:
+            continue
+        if linked and group == NOBODY and not may_begin(problem, schedule, task):
             continue
         if calls.is_stale[task]:
             call(problem, schedule, calls, task, position)
         if calls.begin[task] < NEVER and calls.begin[task] + calls.handicap[task] < least:
             best, least = task, calls.begin[task] + calls.handicap[task]
     return best
+
+
+@kernel
+def is_ready(problem: CoalitionProblem, schedule: Schedule, task: int) -> bool:
+    """Say whether a task is not planned while all that come before it are; others have no rank."""
+    tasks = len(schedule.rank)
+    if schedule.rank[task] < tasks:
+        return False
+    for other in problem.before[task]:
+        if other == NOBODY:
+            break
+        if schedule.rank[other] == tasks:
+            return False
+    return True
+
+
+@kernel
+def arrival(
+    problem: CoalitionProblem, schedule: Schedule, robot: int, task: int, position: int
+) -> int:
+    """Return when a robot can be at a task that is done at a position of the order."""
+    place = schedule.last[position, robot]
+    way = problem.ways[problem.pace[robot], place, task]
+    return walked(problem.rotas, problem.kind[robot], schedule.end[place], way)
 
 
 @kernel
@@ -137,7 +194,7 @@ def call(
     Who carries a load more slowly counts as coming so much later, and so does who is held back.
     """
     calls.is_stale[task], calls.size[task], calls.begin[task] = False, 0, NEVER
-    begin = released(problem, schedule.end, task)
+    begin = opens(problem, schedule, task)
     for cap in range(problem.needs.shape[1]):
         calls.short[cap] = problem.needs[task, cap]
     while True:
@@ -151,7 +208,9 @@ def call(
                 comes = arrival(problem, schedule, robot, task, position)
                 comes += problem.slower[problem.pace[robot], task] + calls.reserve[robot]
                 is_first = comes < earliest or (comes == earliest and robot < best)
-                if is_first and not _is_called(calls, task, robot):
+                if not is_first or _is_called(calls, task, robot):
+                    continue
+                if not is_taken(problem, schedule, task, robot):
                     best, earliest = robot, comes
         if best == NOBODY:
             break
@@ -201,10 +260,12 @@ def have_done(
     plan.order[position], plan.size[task] = task, calls.size[task]
     for seat in range(calls.size[task]):
         plan.coalition[task, seat] = calls.team[task, seat]
-    time_one(problem, schedule, position)
+    time_next(problem, schedule, position)
     for other in range(tasks):
         if schedule.rank[other] < tasks or calls.is_stale[other]:
             continue
+        if are_linked(problem):  # other robots do it, and it may be held
+            calls.is_stale[other] |= problem.links.group[other] == problem.links.group[task]
         for seat in range(calls.size[task]):
             calls.is_stale[other] |= _is_called(calls, other, calls.team[task, seat])
         for before in problem.before[other]:
@@ -222,7 +283,7 @@ def have_done_as_in(
     plan.order[position], plan.size[task] = task, best.size[task]
     for seat in range(best.size[task]):
         plan.coalition[task, seat] = best.coalition[task, seat]
-    time_one(problem, schedule, position)
+    time_next(problem, schedule, position)
 
 
 @kernel

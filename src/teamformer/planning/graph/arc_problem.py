@@ -19,6 +19,7 @@ from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.links import Links, have_weights
 from teamformer.planning.problem.prices import SHARES, Prices
 from teamformer.planning.problem.prices import SMOOTH as SMOOTH_IF_PRICED
+from teamformer.planning.problem.rotas import Rotas
 
 Records = np.recarray[Any, np.dtype[np.void]]
 
@@ -67,8 +68,10 @@ class ArcProblem(NamedTuple):
     passed: Int32s  # (ways + 1,) of in steps: where the tasks of each way begin in `passes`
     passes: Int32s  # tasks that take time and lie on a way, from the place on
     together: Int32s  # (paces, paces) the pace of those who go together
-    weights: Ints  # (4,) in steps: of makespan and ends, the divisor, and if there are prices
+    weights: Ints  # (5,) in steps: of makespan and ends, the divisor, and if there are prices;
+    # last by how much a search may be led on that a task is missed no more, 0 if none can be
     links: Links  # as in the coalition problem
+    rotas: Rotas  # the same
 
 
 def near_of(problem: CoalitionProblem) -> int:
@@ -134,8 +137,9 @@ def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcP
         passed=np.zeros(1, np.int32) if steps is None else steps.passed,
         passes=np.zeros(0, np.int32) if steps is None else steps.passes,
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
-        weights=_weights(len(problem.needs), steps),
+        weights=_weights(problem, steps),
         links=problem.links,
+        rotas=problem.rotas,
     )
 
 
@@ -159,16 +163,23 @@ def least_durations(problem: CoalitionProblem, steps: StepRules | None = None) -
     return np.maximum(problem.duration, 1 if steps is None else 0)
 
 
-def _weights(tasks: int, steps: StepRules | None) -> Ints:
+def _weights(problem: CoalitionProblem, steps: StepRules | None) -> Ints:
     """Return the weights of makespan and ends in what a search in steps goes by, and the divisor.
 
     The ends of tasks only lead the search: so plans of one makespan differ.
     """
+    tasks, gains = len(problem.needs), int(problem.misses.leads.max(initial=0))
     if steps is None:
-        return np.array([1, 0, 1, 0])
+        return np.array([1, 0, 1, 0, 2 * gains])
     if len(steps.prices.due) > 0:
-        return np.array([steps.prices.whole[0], SMOOTH_IF_PRICED, SHARES * tasks, 1])
-    return np.array([100 * tasks, _habits(steps)[SMOOTH], 100 * tasks, 0])
+        return np.array([steps.prices.whole[0], SMOOTH_IF_PRICED, SHARES * tasks, 1, 2 * gains])
+    return np.array([100 * tasks, _habits(steps)[SMOOTH], 100 * tasks, 0, 2 * gains])
+
+
+@kernel
+def may_miss(problem: ArcProblem) -> bool:
+    """Say whether tasks can be missed."""
+    return problem.weights[4] > 0
 
 
 def _habits(steps: StepRules | None) -> tuple[int, ...]:

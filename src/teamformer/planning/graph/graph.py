@@ -13,12 +13,13 @@ leave it are at their next one: `approximate_steps` has that for the latter.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
+from teamformer.mission.parts.shifts import MOST_TRIED
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways, start_in_steps
 from teamformer.planning.graph.arc_problem import (
     ArcProblem,
@@ -29,9 +30,12 @@ from teamformer.planning.graph.arc_problem import (
     most_seats,
     takes_with,
 )
+from teamformer.planning.graph.worth import WORTH, missed, missed_leads, priced
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.problem.constants import SPREAD, TICKS
+from teamformer.planning.problem.misses import LEFT_OUT, can_miss
+from teamformer.planning.problem.rotas import fits, have_shifts, walked
 from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -55,14 +59,6 @@ NODE = np.dtype(
 )
 """64 bytes; what is asked less often is in `WORTH`."""
 
-WORTH = np.dtype(
-    [
-        ("due", np.int64),
-        ("price", np.int64),  # in steps: of each tick until its end
-        ("late_price", np.int64),  # in steps: of each tick that it is late
-    ]
-)
-
 SEAT = np.dtype([("prev", np.int32), ("next", np.int32), ("node", np.int32), ("kind", np.int32)])
 
 WAY = np.dtype([("to", np.int64), ("key", np.int64), ("pace", np.int64), ("comes", np.int64)])
@@ -70,9 +66,10 @@ WAY = np.dtype([("to", np.int64), ("key", np.int64), ("pace", np.int64), ("comes
 FIRST, LAST = -1, NEVER
 """The keys of depots and homes."""
 
-MAKESPAN, COST, BACK_SUM, PRICE, LATEST, END_SUM, AIM = range(7)
+MAKESPAN, COST, BACK_SUM, PRICE, LATEST, END_SUM, AIM, MISSED, LEADS = range(9)
 """What is known of a graph as a whole; LATEST is the home that is reached last, PRICE what it costs
-when tasks end. Plans are judged by AIM; COST also has what leads a search."""
+when tasks end, MISSED and LEADS what it costs that they end too late, in AIM and in COST. Plans are
+judged by AIM; COST also has what leads a search."""
 
 
 class Graph(NamedTuple):
@@ -81,7 +78,7 @@ class Graph(NamedTuple):
     nodes: Records  # (places + 1,) NODE: tasks, depots by place, and one for all homes
     seats: Records  # (tasks * most + 2 * robots,) SEAT
     back: Ints  # (robots,) when each home is reached
-    total: Ints  # (7,)
+    total: Ints  # (9,)
     comes: Ints  # (seats,) in steps: when who leaves a seat is at the next; empty in other time
     order: Int32s  # (tasks,) in steps: the tasks by their keys, when all was timed
     ways: Records  # (seats of a node,) WAY, room for the ways that lead from a node
@@ -97,6 +94,11 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     nodes.end[tasks:places] = problem.ready
     nodes.key[places:] = LAST
     worth = np.zeros(tasks, WORTH).view(np.recarray)
+    worth.until[:] = NEVER
+    if can_miss(problem.misses):
+        worth.until[:] = problem.misses.until
+        worth.miss[:], worth.leads[:] = problem.misses.judged, problem.misses.leads
+        worth.is_optional[:] = problem.misses.optional
     nodes.duration[:tasks] = least_durations(problem, steps)
     nodes.is_load[:tasks] = problem.slower.any(axis=0)
     nodes.release[:tasks], worth.due[:] = problem.release, problem.due
@@ -124,7 +126,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
         nodes,
         seats,
         back=np.zeros(robots, np.int64),
-        total=np.zeros(7, np.int64),
+        total=np.zeros(9, np.int64),
         comes=np.zeros(0 if steps is None else len(seats), np.int64),
         order=np.arange(tasks, dtype=np.int32),
         ways=np.zeros(widest, WAY).view(np.recarray),
@@ -142,29 +144,55 @@ def is_in_steps(graph: Graph) -> bool:
 @kernel
 def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> int:
     """Return when a task can start, by when those are free that come to it."""
+    node = graph.nodes[task]
+    if node.taken == 0:
+        return LEFT_OUT
     if is_in_steps(graph):
         return start_in_steps(problem, graph, task, first_seat)
-    node = graph.nodes[task]
     there, comes_apart = 0, False
     first_site = problem.site[graph.seats[graph.seats[first_seat].prev].node]
     for seat in range(first_seat, first_seat + node.taken):
         place = graph.seats[graph.seats[seat].prev].node
         pace = problem.kinds[graph.seats[seat].kind].pace
-        there = max(there, graph.nodes[place].end + problem.ways_to[pace, task, place])
+        way = problem.ways_to[pace, task, place]
+        kind = graph.seats[seat].kind
+        there = max(there, walked(problem.rotas, kind, graph.nodes[place].end, way))
         comes_apart |= problem.site[place] != first_site
-    start = max(node.release, there + problem.forming[0] * comes_apart)
+    if comes_apart and problem.forming[0] > 0:
+        there = fitted(problem, graph, task, first_seat, there, problem.forming[0])
+        there += problem.forming[0]
+    start = max(node.release, there)
     if node.has_links:
         for other in problem.before[task]:
             if other == NOBODY:
                 break
             start = max(start, graph.nodes[other].end)
-    return start
+    return fitted(problem, graph, task, first_seat, start, node.duration)
+
+
+@kernel
+def fitted(
+    problem: ArcProblem, graph: Graph, task: int, first_seat: int, earliest: int, takes: int
+) -> int:
+    """Return the first moment from which something fits into a shift of each robot of a task."""
+    if not have_shifts(problem.rotas):
+        return earliest
+    start = earliest
+    for _ in range(MOST_TRIED):
+        before = start
+        for seat in range(first_seat, first_seat + graph.nodes[task].taken):
+            start = fits(problem.rotas, graph.seats[seat].kind, start, takes)
+        if start == before:
+            return start
+    return max(earliest, problem.rotas.late[0])
 
 
 @kernel
 def takes(problem: ArcProblem, graph: Graph, task: int) -> int:
     """Return how long a load takes with its coalition: it goes as fast as the slowest."""
     node = graph.nodes[task]
+    if node.taken == 0:
+        return node.duration
     pace, longest = problem.kinds[graph.seats[node.first].kind].pace, 0
     for seat in range(node.first, node.first + node.taken):
         own = problem.kinds[graph.seats[seat].kind].pace
@@ -204,8 +232,8 @@ def tail_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> in
 def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
     """Return when a home is reached."""
     home = len(graph.seats) - len(graph.back) + robot
-    last = graph.seats[graph.seats[home].prev].node
-    return graph.nodes[last].end + problem.home[graph.seats[home].kind, last]
+    last, kind = graph.seats[graph.seats[home].prev].node, graph.seats[home].kind
+    return walked(problem.rotas, kind, graph.nodes[last].end, problem.home[kind, last])
 
 
 @kernel
@@ -228,12 +256,6 @@ def cost_of(
         weights = problem.weights
         return (weights[0] * makespan + weights[1] * end_sum + price) // weights[2]
     return makespan + back_sum // (SPREAD * len(graph.back))
-
-
-@kernel
-def priced(worth: Any, end: int) -> int:
-    """Return what it costs that a task ends then, by its row of WORTH."""
-    return worth.price * end + worth.late_price * max(0, end - worth.due)
 
 
 @entry
@@ -303,13 +325,17 @@ def sum_up(problem: ArcProblem, graph: Graph) -> None:
         back_sum += back[robot]
         if back[robot] > back[latest]:
             latest = robot
+    total[MISSED] = total[LEADS] = 0
     for task in range(len(problem.near)):
-        end_sum += graph.nodes[task].end
-        price += priced(graph.worth[task], graph.nodes[task].end)
+        worth, end = graph.worth[task], graph.nodes[task].end
+        end_sum += min(end, worth.until)
+        price += priced(worth, end)
+        total[MISSED] += missed(worth, end)
+        total[LEADS] += missed_leads(worth, end)
     total[LATEST], total[MAKESPAN] = latest, back[latest]
     total[BACK_SUM], total[END_SUM], total[PRICE] = back_sum, end_sum, price
-    total[AIM] = aim_of(problem, graph, back[latest], price)
-    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, price)
+    total[AIM] = aim_of(problem, graph, back[latest], price) + total[MISSED]
+    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, price) + total[LEADS]
 
 
 def plan_of(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> CoalitionPlan:

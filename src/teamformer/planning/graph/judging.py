@@ -15,25 +15,27 @@ import numpy as np
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways
-from teamformer.planning.graph.arc_problem import ArcProblem, Records
+from teamformer.planning.graph.arc_problem import ArcProblem, Records, may_miss
 from teamformer.planning.graph.graph import (
     AIM,
     BACK_SUM,
     COST,
     END_SUM,
     LATEST,
+    LEADS,
     MAKESPAN,
+    MISSED,
     PRICE,
     Graph,
     aim_of,
     back_of,
     cost_of,
     is_in_steps,
-    priced,
     start_of,
     tail_of,
     takes,
 )
+from teamformer.planning.graph.worth import missed, missed_leads, priced
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 
@@ -162,7 +164,7 @@ def propagate(problem: ArcProblem, graph: Graph, trial: ArcChange, limit: int) -
             end = start + node.duration
         if end == node.end and is_fit and not is_parting:
             continue
-        if node.key > number[PAST] and start + node.tail > limit:
+        if node.key > number[PAST] and start + node.tail > limit and node.taken > 0:
             return False
         if end != node.end:
             record(trial, END, task, node.end)
@@ -234,6 +236,7 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
     """Time the homes, and return what the plan costs now; `total` stays until it is accepted."""
     number, back, total = trial.number, graph.back, graph.total
     makespan, back_sum, price, end_sum = 0, total[BACK_SUM], total[PRICE], total[END_SUM]
+    misses, leads = total[MISSED], total[LEADS]
     is_latest_changed = False
     for index in range(number[HOMES]):
         robot = trial.homes[index]
@@ -256,10 +259,13 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
         if trial.log[entry].what == END:
             task, old_end = trial.log[entry].index, trial.log[entry].old
             end, worth = graph.nodes[task].end, graph.worth[task]
-            end_sum += end - old_end
+            end_sum += min(end, worth.until) - min(old_end, worth.until)
             price += priced(worth, end) - priced(worth, old_end)
-    number[AIMED] = aim_of(problem, graph, makespan, price)
-    return cost_of(problem, graph, makespan, back_sum, end_sum, price)
+            if may_miss(problem):
+                misses += missed(worth, end) - missed(worth, old_end)
+                leads += missed_leads(worth, end) - missed_leads(worth, old_end)
+    number[AIMED] = aim_of(problem, graph, makespan, price) + misses
+    return cost_of(problem, graph, makespan, back_sum, end_sum, price) + leads
 
 
 @kernel
@@ -305,8 +311,11 @@ def accept(problem: ArcProblem, graph: Graph, trial: ArcChange, cost: int) -> No
         if trial.log[place].what == END:
             node, worth = nodes[index], graph.worth[index]
             node.key = 2 * (node.end - node.duration) + 1
-            total[END_SUM] += node.end - old
+            total[END_SUM] += min(node.end, worth.until) - min(old, worth.until)
             total[PRICE] += priced(worth, node.end) - priced(worth, old)
+            if may_miss(problem):
+                total[MISSED] += missed(worth, node.end) - missed(worth, old)
+                total[LEADS] += missed_leads(worth, node.end) - missed_leads(worth, old)
         elif trial.log[place].what == BACK:
             total[BACK_SUM] += back[index] - old
             is_latest_changed |= index == total[LATEST]

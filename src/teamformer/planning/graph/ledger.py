@@ -11,13 +11,13 @@ change is refused where too much is timed.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed
+from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, may_miss
 from teamformer.planning.graph.graph import (
     AIM,
     COST,
@@ -50,13 +50,16 @@ from teamformer.planning.graph.judging import (
     undo,
     wait,
 )
+from teamformer.planning.graph.worth import late_by, missed, missed_leads
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import (
     COMPLETION,
     FREE,
     HOME,
+    LEADS,
     MAKESPAN,
     MAX_TARDINESS,
+    MISSED,
     TARDINESS,
     TRAVEL,
 )
@@ -209,17 +212,25 @@ def _start(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, 
     """Let a task start when the ledger says, and have all that follows it timed."""
     node, then = graph.nodes[task], ledger.then
     end = ledger.start[task] + node.duration
-    due = graph.worth[task].due
-    was_late, is_late = max(0, node.end - due), max(0, end - due)
+    worth = graph.worth[task]
+    was_late, is_late = late_by(worth, node.end), late_by(worth, end)
     weight = problem.links.task_weight[task]
     then[TARDINESS] += np.int64(weight * is_late) - np.int64(weight * was_late)
-    then[COMPLETION] += np.int64(weight * end) - np.int64(weight * node.end)
+    then[COMPLETION] += _completion(weight, worth, end) - _completion(weight, worth, node.end)
+    then[MISSED] += missed(worth, end) - missed(worth, node.end)
+    then[LEADS] += missed_leads(worth, end) - missed_leads(worth, node.end)
     then[MAX_TARDINESS] = max(then[MAX_TARDINESS], is_late)
     if is_late < was_late and was_late == then[MAX_TARDINESS]:
         ledger.is_less_late[0] = 1
     record(trial, END, task, node.end)
     node.end = end
     follow_on(problem, graph, trial, task)
+
+
+@kernel
+def _completion(weight: float, worth: Any, end: int) -> int:
+    """Return what counts of the end of a task, unless it is missed."""
+    return 0 if end > worth.until else int(weight * end)
 
 
 @kernel
@@ -256,13 +267,16 @@ def _add_up(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger)
     if ledger.is_less_late[0]:
         then[MAX_TARDINESS] = 0
         for task in range(len(problem.near)):
-            late = graph.nodes[task].end - graph.worth[task].due
+            late = late_by(graph.worth[task], graph.nodes[task].end)
             then[MAX_TARDINESS] = max(then[MAX_TARDINESS], late)
     ledger.cost[THEN] = 0.0
     for part in range(len(then)):
         if part != HOME:
             ledger.cost[THEN] += problem.links.weight[part] * then[part]
     ledger.lead[THEN] = ledger.cost[THEN] + problem.links.weight[HOME] * then[HOME]
+    if may_miss(problem):
+        ledger.lead[THEN] += then[LEADS]
+        ledger.cost[THEN] += then[MISSED]
 
 
 @kernel
@@ -309,9 +323,11 @@ def open_ledger(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Led
         ledger.part[part] = 0
     for task in range(tasks):
         node = graph.nodes[task]
-        late = max(0, node.end - graph.worth[task].due)
-        ledger.part[TARDINESS] += np.int64(problem.links.task_weight[task] * late)
-        ledger.part[COMPLETION] += np.int64(problem.links.task_weight[task] * node.end)
+        worth, weight = graph.worth[task], problem.links.task_weight[task]
+        ledger.part[TARDINESS] += np.int64(weight * late_by(worth, node.end))
+        ledger.part[COMPLETION] += _completion(weight, worth, node.end)
+        ledger.part[MISSED] += missed(worth, node.end)
+        ledger.part[LEADS] += missed_leads(worth, node.end)
     ledger.part[TRAVEL] = travel_of(problem, graph)
     for robot in range(len(graph.back)):
         ledger.part[HOME] += graph.back[robot]

@@ -31,6 +31,8 @@ def draw_group(problem: ArcProblem, graph: Graph, choice: Choice, random: Array,
     """
     nodes, seats = graph.nodes, graph.seats
     near = draw_near(problem, random, task)
+    if nodes[near].taken == 0:  # it is left out
+        return NOBODY
     seat = nodes[near].first + draw_below(random, nodes[near].taken)
     tail = seat if draw_below(random, 2) == 0 else seats[seat].prev
     begin, end = seats[tail].node, seats[seats[tail].next].node

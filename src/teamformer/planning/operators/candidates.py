@@ -12,6 +12,7 @@ from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_wit
 from teamformer.planning.graph.graph import Graph
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import HOME, MAKESPAN, MAX_TARDINESS, TARDINESS, TRAVEL
+from teamformer.planning.problem.rotas import walked
 from teamformer.world.rules.chance import SLACKS, STEPS, draw_below
 from teamformer.world.rules.coverage import helps
 
@@ -134,7 +135,8 @@ def _cost_of(problem: ArcProblem, graph: Graph, task: int, place: int, kind: int
     """
     node, weight, pace = graph.nodes[task], problem.links.weight, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
-    end = max(graph.nodes[place].end + way, node.release) + takes_with(problem, pace, task)
+    comes = walked(problem.rotas, kind, graph.nodes[place].end, way)
+    end = max(comes, node.release) + takes_with(problem, pace, task)
     late, push = max(0, end - graph.worth[task].due), 0
     if to >= problem.ways.shape[1]:
         detour = way + problem.home[kind, task] - problem.home[kind, place]

@@ -16,6 +16,7 @@ from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_wit
 from teamformer.planning.graph.graph import Graph, leave
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.planning.problem.constants import TICKS
+from teamformer.planning.problem.rotas import walked
 from teamformer.world.rules.chance import draw_below
 from teamformer.world.rules.coverage import helps
 
@@ -105,7 +106,7 @@ def gather(
     own = comes_by
     if own == NOBODY or draw_below(random, 100) >= THIS_ONE:
         own = task * most + draw_below(random, nodes[task].taken)
-    choice.number[BANNED] = seats[own].prev
+    choice.number[BANNED] = seats[own].prev if nodes[task].taken > 0 else NOBODY
     for index in range(-1, problem.near.shape[1]):
         other = task if index < 0 else problem.near[task, index]
         is_before = nodes[other].key < cut
@@ -161,7 +162,7 @@ def _consider(
         return
     place, pace = seats[tail].node, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
-    comes = nodes[place].end + way
+    comes = walked(problem.rotas, kind, nodes[place].end, way)
     if place == choice.number[FELLOWS_FROM] and seats[head].node == choice.number[FELLOWS_TO]:
         comes -= TOGETHER
     found, best = choice.found[which], choice.candidates[which]
@@ -279,7 +280,8 @@ def pick_seat(
     pick = choice.pick[choice.number[PICKS]]
     pick.seat, pick.kind = tail, kind
     pace = problem.kinds[kind].pace
-    pick.comes = graph.nodes[place].end + problem.ways[pace, place, task]
+    way = problem.ways[pace, place, task]
+    pick.comes = walked(problem.rotas, kind, graph.nodes[place].end, way)
     pick.leaves = leave(problem, graph, kind, task, head)
     if graph.nodes[task].is_load:
         pick.leaves += takes_with(problem, pace, task)

@@ -8,9 +8,11 @@ from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, takes_
 from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.ledger import Ledger
+from teamformer.planning.graph.worth import late_by
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.links import MAX_TARDINESS, TARDINESS
+from teamformer.planning.problem.rotas import walked
 from teamformer.world.rules.chance import draw_below
 
 ON_CHAIN = 65  # percent
@@ -92,7 +94,8 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
         else:
             place = graph.seats[tail].node
             pace = problem.kinds[graph.seats[seat].kind].pace
-            comes = nodes[place].end + problem.ways_to[pace, task, place]
+            way = problem.ways_to[pace, task, place]
+            comes = walked(problem.rotas, graph.seats[seat].kind, nodes[place].end, way)
         if comes > there:
             latest, there = seat, comes
     return latest, NOBODY
@@ -108,10 +111,10 @@ def _draw_late(problem: ArcProblem, graph: Graph, ledger: Ledger, random: Array)
     if latest == 0 or not is_counted or draw_below(random, 100) >= LATE:
         return task
     for _ in range(tasks):
-        if nodes[task].end - graph.worth[task].due == latest:
+        if late_by(graph.worth[task], nodes[task].end) == latest:
             break
         task = task + 1 if task + 1 < tasks else 0
-    for _ in range(draw_below(random, BACKWARDS + 1)):
+    for _ in range(draw_below(random, BACKWARDS + 1) if nodes[task].taken > 0 else 0):
         before = seats[seats[nodes[task].first + draw_below(random, nodes[task].taken)].prev].node
         if before >= tasks:
             break
@@ -147,7 +150,8 @@ def cut_beside_near(
         if problem.useful[nodes[task].need, problem.kinds[kind].type] == 0:
             continue
         pace = problem.kinds[kind].pace
-        comes = nodes[place].end + problem.ways_to[pace, task, place]
+        way = problem.ways_to[pace, task, place]
+        comes = walked(problem.rotas, kind, nodes[place].end, way)
         takes = takes_with(problem, pace, task)
         latest = limit - takes - leave(problem, graph, kind, task, head)
         if comes <= latest:
@@ -160,6 +164,11 @@ def cut_beside_near(
 def _draw_arc(problem: ArcProblem, graph: Graph, random: Array, task: int) -> tuple[int, int]:
     """Draw an arc from or to a near task, as if the task at hand were nowhere: tail and head."""
     seats, other = graph.seats, draw_near(problem, random, task)
+    if graph.nodes[other].taken == 0:  # it is left out
+        robots = len(graph.back)
+        depot = len(seats) - 2 * robots + draw_below(random, robots)
+        head = seats[depot].next
+        return depot, seats[head].next if seats[head].node == task else head
     seat = graph.nodes[other].first + draw_below(random, graph.nodes[other].taken)
     tail, head = seat, seats[seat].next
     if draw_below(random, 2) == 0:

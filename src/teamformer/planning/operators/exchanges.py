@@ -37,7 +37,7 @@ def exchange_rests(
     """
     nodes, seats = graph.nodes, graph.seats
     other = draw_near(problem, random, task)
-    if nodes[other].key == nodes[task].key:
+    if nodes[other].key == nodes[task].key or nodes[other].taken == 0:
         return False
     mine = nodes[task].first + draw_below(random, nodes[task].taken)
     theirs = nodes[other].first + draw_below(random, nodes[other].taken)

@@ -44,13 +44,13 @@ def move_group(
     nodes, members = graph.nodes, problem.links.members[problem.links.group[task]]
     if members[1] == NOBODY:
         cut = _draw_cut(problem, graph, random, task, leg)
-        was = _take_out(problem, graph, trial, ledger, candidates, task, 0)
+        was = take_out(problem, graph, trial, ledger, candidates, task, 0)
         return _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was)
-    if draw_below(random, 100) < ALONE:
+    if nodes[task].taken > 0 and draw_below(random, 100) < ALONE:
         other = _draw_other(members, random, task)
         start = nodes[other].end - nodes[other].duration
         cut = _cut_beside(problem, graph, random, other, task, start)
-        was = _take_out(problem, graph, trial, ledger, candidates, task, 0)
+        was = take_out(problem, graph, trial, ledger, candidates, task, 0)
         if not _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was):
             return False
         return are_apart(problem, graph, members)
@@ -59,7 +59,7 @@ def move_group(
     for other in members:
         if other == NOBODY:
             break
-        was = _take_out(problem, graph, trial, ledger, candidates, other, was)
+        was = take_out(problem, graph, trial, ledger, candidates, other, was)
     if not _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was):
         return False
     for other in members:
@@ -104,9 +104,9 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
     """Draw a moment: in the task's window, near its own start, or beside a near task."""
     nodes = graph.nodes
     node, draw = nodes[task], draw_below(random, 100)
-    start = node.end - node.duration
+    start = min(node.end - node.duration, graph.worth[task].until)
     if draw < IN_WINDOW:
-        due = graph.worth[task].due
+        due = min(graph.worth[task].due, graph.worth[task].until)
         latest = due - takes_with(problem, 0, task) if due < NEVER else start + 4 * leg
         return 2 * (node.release + draw_below(random, max(1, latest - node.release)))
     if draw < IN_WINDOW + IN_PLACE:
@@ -115,7 +115,7 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
 
 
 @kernel
-def _take_out(
+def take_out(
     problem: ArcProblem,
     graph: Graph,
     trial: ArcChange,

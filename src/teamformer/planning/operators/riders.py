@@ -177,7 +177,7 @@ def _ride_along(
     nodes, seats, robots = graph.nodes, graph.seats, len(graph.back)
     tail = len(seats) - 2 * robots + draw_below(random, robots)
     other = draw_near(problem, random, task)
-    if draw_below(random, 2) == 0:
+    if draw_below(random, 2) == 0 and nodes[other].taken > 0:
         tail = nodes[other].first + draw_below(random, nodes[other].taken)
         if nodes[other].key >= nodes[task].key:
             tail = seats[tail].prev

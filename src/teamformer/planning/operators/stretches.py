@@ -42,6 +42,8 @@ def move_stretch(
     """
     moved, seats, nodes = room.moved, graph.seats, graph.nodes
     beside = draw_near(problem, random, task)
+    if nodes[beside].taken == 0:  # it is left out
+        return False
     seat = nodes[task].first + draw_below(random, nodes[task].taken)
     for _ in range(1 + draw_below(random, LONGEST) * draw_below(random, 2)):
         node = seats[seat].node

@@ -21,7 +21,8 @@ from teamformer.world.rules.chance import draw_below
 class OperatorShares(NamedTuple):
     """How many percent of the changes an operator makes of each kind of problem.
 
-    One that is `with_spares` only is for those in which more robots than are needed may pay.
+    One that is `with_spares` only is for those in which more robots than are needed may pay, one
+    `with_misses` for those in which tasks may be left out; the others have what these leave them.
     """
 
     name: str
@@ -30,13 +31,15 @@ class OperatorShares(NamedTuple):
     steps: int
     large_steps: int  # a hundred tasks and more
     with_spares: bool = False
+    with_misses: bool = False
 
 
-SWAP, REPLACE, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(7)
+DROP, EXCHANGE_TASKS, SWAP, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(8)
 
 OPERATORS = (
+    OperatorShares("drop a task", 10, 10, 10, 10, with_misses=True),
+    OperatorShares("exchange tasks", 20, 20, 20, 20, with_misses=True),
     OperatorShares("swap heads", 40, 0, 25, 30),
-    OperatorShares("replace a member", 0, 0, 20, 10),
     OperatorShares("ride", 15, 10, 20, 5, with_spares=True),
     OperatorShares("move a stretch", 0, 0, 15, 0),
     OperatorShares("exchange rests", 0, 30, 0, 0),
@@ -53,11 +56,17 @@ def shares_of(problem: CoalitionProblem, steps: StepRules | None) -> Int32s:
     else:
         is_weighed = have_weights(problem.links)
         shares = [one.weighed if is_weighed else one.plain for one in OPERATORS]
-    has_spares = problem.spares > 0
+    has_spares, has_misses = problem.spares > 0, bool(problem.misses.optional.any())
+    rest = 100 - has_misses * sum(
+        share for one, share in zip(OPERATORS, shares, strict=True) if one.with_misses
+    )
     kept = [
-        share * (has_spares or not one.with_spares)
+        share * has_misses
+        if one.with_misses
+        else share * rest // 100 * (has_spares or not one.with_spares)
         for one, share in zip(OPERATORS, shares, strict=True)
     ]
+    kept[max(place for place, share in enumerate(kept) if share)] = 100
     return np.array(kept, np.int32)
 
 

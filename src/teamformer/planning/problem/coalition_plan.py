@@ -99,6 +99,18 @@ def with_seats(problem: CoalitionProblem, plan: CoalitionPlan, most: int) -> Coa
     return seated
 
 
+def without_tasks(
+    problem: CoalitionProblem, plan: CoalitionPlan, tasks: Sequence[int]
+) -> CoalitionPlan:
+    """Return a plan without some tasks, and without all that come after them."""
+    left, out = list(tasks), plan.size.copy()
+    while left:
+        task = left.pop()
+        out[task] = 0
+        left += [other for other in problem.after[task] if other != NOBODY and out[other] > 0]
+    return CoalitionPlan(plan.order, plan.coalition, out)
+
+
 class Judged(Protocol):
     """A plan and what it is compared by, the least first."""
 

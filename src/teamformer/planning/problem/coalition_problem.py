@@ -18,6 +18,8 @@ import numpy.typing as npt
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.planning.problem.constants import NEVER
 from teamformer.planning.problem.links import Links, no_links
+from teamformer.planning.problem.misses import Misses, no_misses
+from teamformer.planning.problem.rotas import Rotas, no_rotas, of_kinds
 from teamformer.world.rules.constants import NOBODY
 
 __all__ = [
@@ -56,6 +58,8 @@ class CoalitionProblem(NamedTuple):
     spares: int  # how many robots more than it needs come to a task at most
     ready: Ints  # (places - tasks,) when who is at each place that is no task can leave it
     links: Links  # of starts, and what plans cost; empty where the makespan alone counts
+    misses: Misses  # what is missed if the mission is over before a task is done
+    rotas: Rotas  # when the robots of each kind work; empty where all always do
 
 
 def pose_problem(
@@ -76,20 +80,22 @@ def pose_problem(
     spares: int = 0,
     ready: npt.ArrayLike | None = None,
     links: Links | None = None,
+    misses: Misses | None = None,
+    rotas: Rotas | None = None,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
     `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
     `site` no two places lie at the same position; without `slower` all carry loads equally fast.
-    Robots with different numbers in `apart` (robots,) are of different kinds. Without `ready` all
-    robots can leave at once.
+    Robots with different numbers in `apart` (robots,) are of different kinds; `rotas` has the
+    shifts of those of each number. Without `ready` all robots can leave at once.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
     pace, tasks = np.asarray(pace, np.int32), len(needs)
     slower = np.zeros((len(ways), tasks)) if slower is None else slower
     slower = np.ascontiguousarray(slower, np.int64)
-    apart = np.zeros(len(counts)) if apart is None else apart
+    apart = np.asarray(np.zeros(len(counts)) if apart is None else apart, np.int64)
     traits = np.column_stack([counts, pace, home, apart])  # (robots, traits)
     first, kind = different_rows(traits)
     return CoalitionProblem(
@@ -115,6 +121,8 @@ def pose_problem(
         spares=spares,
         ready=np.asarray(np.zeros(ways.shape[1] - tasks) if ready is None else ready, np.int64),
         links=no_links() if links is None else links,
+        misses=no_misses() if misses is None else misses,
+        rotas=no_rotas() if rotas is None else of_kinds(rotas, apart[first]),
     )
 
 

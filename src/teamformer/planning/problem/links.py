@@ -20,12 +20,13 @@ from teamformer.world.rules.constants import NOBODY
 FREE = -NEVER
 """A gap that says nothing."""
 
-MAKESPAN, HOME, TRAVEL, TARDINESS, MAX_TARDINESS, COMPLETION = range(6)
+MAKESPAN, HOME, TRAVEL, TARDINESS, MAX_TARDINESS, COMPLETION, MISSED, LEADS = range(8)
 """What is known of a plan: when the last robot is home, when all are home, added up, their time
-on the way, by how much tasks are late, added up by weight, by how much the latest one is, and when
-tasks end, added up by weight. Plans are judged by all but HOME, which only leads a search."""
+on the way, by how much tasks are late, added up by weight, by how much the latest one is, when
+tasks end, added up by weight; and what tasks that are missed cost a plan, and cost a search.
+Plans are judged by all but HOME and LEADS, which only lead a search."""
 
-PARTS = 6
+PARTS = 8
 
 PART_OF = {
     "makespan": MAKESPAN,

@@ -28,8 +28,8 @@ class Route:
 class MissionPlan:
     """A plan of a mission with its times.
 
-    No plan is over before `bound`; `is_proven` says that none is better than this one. `late`
-    holds by how much tasks end too late.
+    No plan is over before `bound`, none costs less than `least_cost`; `is_proven` says that none
+    is better than this one. `late` holds by how much tasks end too late.
     """
 
     makespan: float
@@ -39,6 +39,8 @@ class MissionPlan:
     late: dict[int, float]
     curve: tuple[tuple[float, float], ...] = ()  # (seconds, makespan or cost) of each improvement
     cost: float | None = None  # of a mission that has one
+    missed: tuple[int, ...] = ()  # tasks that are left out
+    least_cost: float | None = None
 
     @property
     def order(self) -> tuple[int, ...]:

@@ -12,11 +12,13 @@ from teamformer.mission.checks.costs import LATENESS
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, copy_plan, empty_plan
 from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
 from teamformer.planning.problem.constants import SPREAD
+from teamformer.planning.problem.misses import LEFT_OUT
+from teamformer.planning.problem.rotas import fits_all, walked
 
 if TYPE_CHECKING:
     from teamformer.base.array_types import Array
 
-MAKESPAN, COST, BACK_SUM, LATE = range(4)
+MAKESPAN, COST, BACK_SUM, LATE, MISSED = range(5)
 
 
 class Schedule(NamedTuple):
@@ -27,7 +29,7 @@ class Schedule(NamedTuple):
     last: Int32s  # (tasks + 1, robots) where each robot is before a position of the order
     start: Ints  # (tasks,)
     end: Ints  # (places,) for the places where robots are: when they can leave
-    total: Ints  # (4,) makespan, cost, sum of the times at home, lateness
+    total: Ints  # (5,) makespan, cost, sum of the times at home, lateness, what is missed
 
 
 def empty_schedule(problem: CoalitionProblem) -> Schedule:
@@ -40,7 +42,7 @@ def empty_schedule(problem: CoalitionProblem) -> Schedule:
         last=np.zeros((tasks + 1, robots), np.int32),
         start=np.zeros(tasks, np.int64),
         end=end,
-        total=np.zeros(4, np.int64),
+        total=np.zeros(5, np.int64),
     )
 
 
@@ -72,15 +74,23 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
     for seat in range(schedule.plan.size[task]):
         robot = schedule.plan.coalition[task, seat]
         place = last[position, robot]
-        there = max(there, end[place] + problem.ways[problem.pace[robot], place, task])
+        way = problem.ways[problem.pace[robot], place, task]
+        there = max(there, walked(problem.rotas, problem.kind[robot], end[place], way))
         first = last[position, schedule.plan.coalition[task, 0]]
         comes_apart |= problem.site[place] != problem.site[first]
         slower = max(slower, problem.slower[problem.pace[robot], task])
         last[position + 1, robot] = task
-    start = max(start, there + problem.forming[0] * comes_apart)
+    crew, size = schedule.plan.coalition[task], schedule.plan.size[task]
+    takes = problem.duration[task] + slower
+    if comes_apart and problem.forming[0] > 0:
+        there = fits_all(problem.rotas, problem.kind, crew, size, there, problem.forming[0])
+        there += problem.forming[0]
+    start = fits_all(problem.rotas, problem.kind, crew, size, max(start, there), takes)
+    if size == 0:
+        start = LEFT_OUT
     schedule.rank[task] = position
     schedule.start[task] = start
-    end[task] = start + problem.duration[task] + slower
+    end[task] = start + takes
 
 
 @kernel
@@ -106,15 +116,21 @@ def released(problem: CoalitionProblem, end: Array, task: int) -> int:
 def sum_up(problem: CoalitionProblem, schedule: Schedule) -> None:
     """Work out the makespan and the cost of a plan that is timed."""
     total, tasks, robots = schedule.total, len(schedule.rank), len(problem.origin)
-    total[MAKESPAN] = total[BACK_SUM] = total[LATE] = 0
+    total[MAKESPAN] = total[BACK_SUM] = total[LATE] = total[MISSED] = 0
+    leads = 0
     for robot in range(robots):
         place = schedule.last[tasks, robot]
-        back = schedule.end[place] + problem.home[problem.kind[robot], place]
+        home = problem.home[problem.kind[robot], place]
+        back = walked(problem.rotas, problem.kind[robot], schedule.end[place], home)
         total[BACK_SUM] += back
         total[MAKESPAN] = max(total[MAKESPAN], back)
     for task in range(tasks):
-        total[LATE] += max(0, schedule.end[task] - problem.due[task])
-    total[COST] = cost_of(total[MAKESPAN], total[BACK_SUM], total[LATE], robots)
+        if len(problem.misses.until) > 0 and schedule.end[task] > problem.misses.until[0]:
+            total[MISSED] += problem.misses.judged[task]
+            leads += problem.misses.leads[task]
+        else:
+            total[LATE] += max(0, schedule.end[task] - problem.due[task])
+    total[COST] = cost_of(total[MAKESPAN], total[BACK_SUM], total[LATE], robots) + leads
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.graph.arc_problem import SLACK, ArcProblem, is_weighed
+from teamformer.planning.graph.arc_problem import SLACK, ArcProblem, is_weighed, may_miss
 from teamformer.planning.graph.graph import COST, MAKESPAN, Graph
 from teamformer.planning.graph.judging import CHAINED, ArcChange, undo
 from teamformer.planning.graph.ledger import (
@@ -29,16 +29,18 @@ from teamformer.planning.graph.ledger import (
 from teamformer.planning.operators.draws import draw_task
 from teamformer.planning.operators.exchanges import exchange_rests
 from teamformer.planning.operators.group_moves import move_group
-from teamformer.planning.operators.members import replace_member
 from teamformer.planning.operators.moved import take_back
+from teamformer.planning.operators.optional_tasks import drop_task, exchange_tasks
 from teamformer.planning.operators.riders import ride
 from teamformer.planning.operators.room import Room
 from teamformer.planning.operators.stretches import move_stretch
 from teamformer.planning.operators.swaps import swap_heads
 from teamformer.planning.operators.table import (
+    DROP,
     EXCHANGE,
+    EXCHANGE_TASKS,
     MOVE_GROUP,
-    REPLACE,
+    MOVE_TASK,
     RIDE,
     STRETCH,
     SWAP,
@@ -128,11 +130,20 @@ def _change(
     leg: int,
     limit: int,
 ) -> bool:
-    """Have an operator change the graph around a task; say whether it did."""
+    """Have an operator change the graph around a task; say whether it did.
+
+    A task that is left out can only be put in.
+    """
+    if may_miss(problem):
+        is_out, is_fixed = graph.nodes[task].taken == 0, not graph.worth[task].is_optional
+        if is_out or (is_fixed and number <= EXCHANGE_TASKS):
+            number = MOVE_GROUP if is_weighed(problem) else MOVE_TASK
+        elif number == DROP:
+            return drop_task(problem, graph, trial, ledger, room, random, task, leg, limit)
+        elif number == EXCHANGE_TASKS:
+            return exchange_tasks(problem, graph, trial, ledger, room, random, task, leg, limit)
     if number == SWAP:
         return swap_heads(problem, graph, trial, ledger, room, random, task, leg, limit)
-    if number == REPLACE:
-        return replace_member(problem, graph, trial, ledger, room, random, task, leg, limit)
     if number == RIDE:
         return ride(problem, graph, trial, ledger, room, random, task, leg, limit)
     if number == STRETCH:
@@ -155,7 +166,8 @@ def _allow(
     if problem.weights[3]:
         return allowed, NEVER
     spread = total[COST] - total[MAKESPAN]
-    return allowed, np.int64(allowed) - spread + np.int64(heat) // 8 + problem.habits[SLACK]
+    gains = problem.weights[4]
+    return allowed, np.int64(allowed) - spread + np.int64(heat) // 8 + problem.habits[SLACK] + gains
 
 
 @kernel

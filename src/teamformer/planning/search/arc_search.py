@@ -9,18 +9,18 @@ from typing import Any
 
 import numpy as np
 
+from teamformer.planning.dispatch.futures import first_plan
 from teamformer.planning.graph.arc_problem import StepRules, pose_arcs
-from teamformer.planning.graph.graph import COST, empty_graph, lay, plan_of
+from teamformer.planning.graph.graph import COST, LEADS, empty_graph, lay, plan_of
 from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledger, room_for_change
 from teamformer.planning.operators.room import empty_room
 from teamformer.planning.operators.table import shares_of
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats
-from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats, without_tasks
+from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 from teamformer.planning.problem.links import have_weights
+from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.planning.search.annealing import anneal, copy_graph
-from teamformer.planning.search.group_start import construct
-from teamformer.planning.search.start import first_plan
 from teamformer.world.rules.chance import SLACKS
 
 HOT, COLD = 20, 800
@@ -44,9 +44,12 @@ hot it begins."""
 WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task then, and so many at most: about a second."""
 
-SHORTER, LESS_HOT, LESS_HOT_IF_WEIGHED = 5, 3, 8
-"""After news the rounds are so many times fewer than those of the shared plan, and begin less hot,
-the last of these if plans have a cost."""
+SHORTER, SHORTER_IF_MANY = 5, 10
+"""After news the rounds are so many times fewer than those of the shared plan: the first of these
+if it has few tasks, or a cost, the other if it takes a second."""
+
+LESS_HOT, LESS_HOT_IF_WEIGHED = 3, 8
+"""They begin less hot, too, the last of these if plans have a cost."""
 
 TRIES = 100
 """How many first plans are begun before nobody is said to be able: linked tasks take robots from
@@ -60,7 +63,7 @@ def has_few_tasks(tasks: int) -> bool:
 
 def rounds_of_a_second(tasks: int) -> int:
     """Return how many rounds take a second of one core, about."""
-    return 440_000_000 // (350 + tasks)
+    return 880_000_000 // (350 + tasks)
 
 
 class ArcSearch:
@@ -80,15 +83,11 @@ class ArcSearch:
 
     def begin_anew(self) -> bool:
         """Make a first plan; say whether every task has an able coalition."""
-        if self._is_weighed:
-            for number in range(TRIES):
-                plan = construct(self.problem, self._draws if number else None)
-                if plan is not None and self.begin_at(plan):
-                    return True
-            return False
-        if (self.problem.counts.sum(axis=0) < self.problem.needs).any():
-            return False
-        return self.begin_at(first_plan(self.problem, self.arcs, self.graph))
+        for number in range(TRIES if self._is_weighed else 1):
+            plan = first_plan(self.problem, self._draws if number else None)
+            if plan is not None and self.begin_at(plan):
+                return True
+        return False
 
     def begin_at(self, plan: CoalitionPlan) -> bool:
         """Stand at a plan; say whether nobody waits in it for ever.
@@ -96,13 +95,30 @@ class ArcSearch:
         Who can be spared is left out where there are not enough seats.
         """
         seated = with_seats(self.problem, plan, int(self.arcs.most[0]))
-        lay(self.arcs, self.graph, seated, np.zeros(len(self.problem.counts), np.int64))
-        if not self._open():
+        if not self._lay(seated):
             return False
+        while late := self._late():
+            seated = without_tasks(self.problem, seated, late)
+            if not self._lay(seated):
+                return False
         copy_graph(self.graph, self._best)
         for costs in (self._ledger.cost, self._ledger.lead):
             costs[BEST] = costs[NOW]
         return True
+
+    def _lay(self, plan: CoalitionPlan) -> bool:
+        """Lay a plan out; say whether nobody waits in it for ever."""
+        lay(self.arcs, self.graph, plan, np.zeros(len(self.problem.counts), np.int64))
+        return self._open()
+
+    def _late(self) -> list[int]:
+        """Return the optional tasks that the plan has end too late."""
+        if not can_miss(self.problem.misses):
+            return []
+        tasks: Any = self.graph.nodes[: len(self.problem.needs)]
+        worth = self.graph.worth
+        late = (worth.is_optional > 0) & (tasks.taken > 0) & (tasks.end > worth.until)
+        return [int(task) for task in np.flatnonzero(late)]
 
     def begin_at_best(self) -> None:
         """Go back to the best plan."""
@@ -117,8 +133,9 @@ class ArcSearch:
     def heats(self) -> tuple[float, float]:
         """Return where an annealing begins and ends."""
         if self._is_weighed:
-            visits = int(self.graph.nodes.taken.sum())
-            hot = HOT_IF_WEIGHED * float(self._ledger.lead[NOW]) / visits
+            visits = max(1, int(self.graph.nodes.taken.sum()))
+            lead = float(self._ledger.lead[NOW])
+            hot = HOT_IF_WEIGHED * (self.leg if self._is_late(lead) else lead / visits)
             return hot, hot * COOLER**COOLINGS
         is_few = has_few_tasks(len(self.problem.needs))
         hottest, coldest = (HOT_IF_FEW, COLD_IF_FEW) if is_few else (HOT, COLD)
@@ -128,15 +145,20 @@ class ArcSearch:
     def leg(self) -> int:
         """Return the ticks that a task takes a robot on average, with the way there.
 
-        If plans have a cost, it is the ticks of a task, with half of the way to a near one.
+        If plans have a cost, or one cannot be carried out, it is the ticks of a task, with half of
+        the way to a near one.
         """
-        if self._is_weighed:
+        if self._is_weighed or self._is_late(int(self.graph.total[COST])):
             near = self.arcs.near
             ways = np.take_along_axis(self.arcs.ways[0][: len(near)], near, axis=1)
             way = float(ways.mean()) if ways.size else 0.0
             return max(1, int(self.problem.duration.mean() + way / 2))
-        visits = int(self.graph.nodes.taken.sum())
-        return max(1, int(self.graph.total[COST]) * len(self.problem.counts) // visits)
+        visits, total = max(1, int(self.graph.nodes.taken.sum())), self.graph.total
+        return max(1, int(total[COST] - total[LEADS]) * len(self.problem.counts) // visits)
+
+    def _is_late(self, cost: float) -> bool:
+        """Say whether a plan takes longer than any does that keeps to the shifts of its robots."""
+        return bool(cost >= self.problem.rotas.late.min(initial=NEVER))
 
     def anneal(self, hot: float, cold: float, begin: int, end: int, rounds: int) -> None:
         """Make the rounds from `begin` to `end` of so many, from `hot` to `cold`."""
@@ -156,7 +178,9 @@ class ArcSearch:
 
     def anneal_again(self) -> None:
         """Make the rounds of that plan after news, from what is left of the old one."""
-        (hot, cold), rounds = self.heats, sum(self._shared_rounds) // SHORTER
+        is_quick = self._is_weighed or has_few_tasks(len(self.problem.needs))
+        rounds = sum(self._shared_rounds) // (SHORTER if is_quick else SHORTER_IF_MANY)
+        hot, cold = self.heats
         if self._is_weighed:
             self._cool(hot / LESS_HOT_IF_WEIGHED, rounds)
         else:

@@ -11,8 +11,6 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
-import numpy as np
-
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Mission
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
@@ -35,7 +33,7 @@ GLANCE = 20
 OLD, KEPT = "old plan", "kept"
 """What is made from the old plan, and the old plan itself."""
 
-MORE = 3
+MORE, MORE_IF_PRICED = 3, 10
 """All starts together have the rounds of so many more."""
 
 MOST_AT_ONCE = 10_000_000
@@ -146,11 +144,10 @@ def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | Non
     plans = list(_starts(situation, rounds))
     if old is not None:
         plans.append((OLD, old))
-    if priced:
-        plans += [(name, by_due(situation, plan)) for name, plan in plans]
-    else:
+    if not priced:
         plans = _hopeful(plans, step)
-    name, best = _by_halving(arcs, plans, rounds.arcs * (len(plans) + MORE))
+    more = MORE_IF_PRICED if priced else MORE
+    name, best = _by_halving(arcs, plans, rounds.arcs * (len(plans) + more))
     problem = situation.problem
     timed = partial(time_team_plan, situation)
     return name, without_riders(problem.counts, problem.needs, best, timed, is_strict=True)
@@ -225,13 +222,6 @@ def _lead_of(named: Named) -> int:
 def kept_plan(situation: Situation, old: Plan) -> CoalitionPlan:
     """Return what is left of an old plan, with new tasks at its end."""
     return complete_plan(situation.problem, *plan_in_numbers(situation, old))
-
-
-def by_due(situation: Situation, plan: TimedPlan) -> TimedPlan:
-    """Return a plan with its tasks in the order in which they are due; the mission has prices."""
-    due = situation.problem.prices.due
-    order = plan.plan.order[np.argsort(due[plan.plan.order], kind="stable")]
-    return time_team_plan(situation, plan.plan._replace(order=order))
 
 
 def plan_in_numbers(situation: Situation, plan: Plan) -> tuple[list[int], list[list[int]]]:

@@ -5,16 +5,26 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Generator, Iterator
+from itertools import islice
 from typing import NamedTuple
 
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission, Task
+from teamformer.mission.parts.shifts import fits_all
 from teamformer.planning.problem.routes import MissionPlan, Stop
-from teamformer.record.critical_path.stretches import CLOSED, LINKED, UNKNOWN, Stretch, in_order
+from teamformer.record.critical_path.stretches import (
+    CLOSED,
+    LINKED,
+    UNKNOWN,
+    Stretch,
+    in_order,
+    in_shifts,
+)
 from teamformer.record.phases import (
     CARRYING,
     FORMING,
     LOADING,
+    OFF,
     SERVING,
     UNLOADING,
     WAITING,
@@ -43,7 +53,8 @@ def path_of_plan(mission: Mission, plan: MissionPlan) -> tuple[Stretch, ...]:
     """
     if not plan.makespan:
         return ()
-    return in_order(_PlanTracing(mission, plan).stretches())
+    path = in_order(_PlanTracing(mission, plan).stretches())
+    return tuple(in_shifts(mission, path))
 
 
 class _PlanTracing:
@@ -107,9 +118,38 @@ class _PlanTracing:
                 self._linked.add(other.stop.task)
                 yield self._back_to(other.stop.start, LINKED, task=other.stop.task)
                 return (yield from self._started(other.stop.task, other.robot))
-            doing = FORMING if self._mission.forming else WAITING
-            yield self._back_to(last.stop.arrive, doing, last.robot, task)
+            yield from self._waited_for_shift(task)
+            if last.stop.arrive < self._now - self._near:
+                doing = FORMING if self._mission.forming else WAITING
+                yield self._back_to(last.stop.arrive, doing, last.robot, task)
         return (yield from self._came(last))
+
+    def _waited_for_shift(self, task: int) -> Iterator[Stretch]:
+        """Go back from when a shift of a robot begins to when all were there, and had formed."""
+        robots = self._mission.robots
+        for robot, _, stop in self._visits[task]:
+            if any(
+                self._is_now(opens) for opens, _ in islice(robots[robot].rota.since(self._now), 2)
+            ):
+                yield self._back_to(self._all_there(task), OFF, robot, stop.task)
+                return
+
+    def _all_there(self, task: int) -> float:
+        """Return when all robots of a task are there and have formed."""
+        visits = self._visits[task]
+        arrive = max(visit.stop.arrive for visit in visits)
+        came_from = {
+            self._plan.routes[visit.robot].stops[visit.place - 1].task
+            if visit.place
+            else self._mission.robots[visit.robot].at
+            for visit in visits
+        }
+        if not self._mission.forming or len(came_from) == 1:
+            return arrive
+        rotas = [self._mission.robots[visit.robot].rota for visit in visits]
+        return min(
+            self._now, fits_all(rotas, arrive, self._mission.forming) + self._mission.forming
+        )
 
     def _came(self, visit: _Visit) -> Generator[Stretch, None, _Visit | None]:
         """Go back from a robot's arrival to the end of its stop before; None at its start."""

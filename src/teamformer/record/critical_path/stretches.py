@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from teamformer.mission.model import Mission
-from teamformer.record.phases import PHASES
+from teamformer.mission.parts.shifts import ALWAYS
+from teamformer.record.phases import IDLE, OFF, PHASES, WAITING, WALKING
 from teamformer.world.rules.constants import NOBODY
 
 NOT_TO_BE_DONE = ("unknown", "closed", "linked", "news")
@@ -58,6 +59,26 @@ def in_order(backwards: Iterable[Stretch]) -> tuple[Stretch, ...]:
 
 def _is_same(one: Stretch, other: Stretch) -> bool:
     return (one.doing, one.robot, one.task) == (other.doing, other.robot, other.task)
+
+
+def in_shifts(mission: Mission, path: Iterable[Stretch]) -> Iterator[Stretch]:
+    """Yield the stretches of a path, the walks of robots with shifts cut where they pause."""
+    for stretch in path:
+        rota = ALWAYS if stretch.robot == NOBODY else mission.robots[stretch.robot].rota
+        if not rota or stretch.doing not in (WALKING, WAITING, IDLE):
+            yield stretch
+            continue
+        now = stretch.begin
+        for opens, closes in rota.since(stretch.begin):
+            for until, doing in ((opens, OFF), (closes, stretch.doing)):
+                end = min(until, stretch.end)
+                if end > now:
+                    yield replace(stretch, begin=now, end=end, doing=doing)
+                    now = end
+            if now == stretch.end:
+                break
+        if now < stretch.end:
+            yield replace(stretch, begin=now, doing=OFF)
 
 
 def path_rows(mission: Mission, path: Sequence[Stretch]) -> list[dict[str, Any]]:

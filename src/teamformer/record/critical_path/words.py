@@ -13,6 +13,7 @@ from teamformer.record.phases import (
     IDLE,
     LOADING,
     LOST,
+    OFF,
     PHASES,
     SERVING,
     UNLOADING,
@@ -34,6 +35,7 @@ VERBS = {
     UNLOADING: "unloads",
     IDLE: "is idle",
     LOST: "is lost",
+    OFF: "waits for its shift",
     UNKNOWN: "is not known yet",
     CLOSED: "may not begin yet",
     LINKED: "its start is linked",
@@ -41,6 +43,7 @@ VERBS = {
 }
 SHARES = {
     **{phase: phase for phase in PHASES},
+    OFF: "waiting for shifts",
     UNKNOWN: "before tasks are known",
     CLOSED: "before tasks may begin",
     LINKED: "between linked starts",

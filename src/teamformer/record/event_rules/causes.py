@@ -9,7 +9,7 @@ from teamformer.record.event_rules.standing import Standing
 from teamformer.world.continuous.events import Event
 from teamformer.world.rules.constants import NOBODY
 
-FROM_OUTSIDE = ("lost", "back", "appear", "cancel")
+FROM_OUTSIDE = ("lost", "back", "rests", "works", "appear", "cancel", "missed")
 """Events without a cause."""
 
 AT_ONCE = ("plan", "walk", "form", "serve", "know", "broken")

@@ -20,6 +20,10 @@ def wrong_endings(now: Standing, status: str) -> Iterator[str]:
     if end.status != status:
         yield f"the record says status {end.status}; its last event says {status}"
     is_over = len(now.over) == len(truth.tasks) and all(map(now.is_home, range(len(now.robots))))
+    has_failed = any(not truth.tasks[task].optional for task in now.missed)
+    is_over &= not has_failed
+    if (status == "too late") != has_failed:
+        yield f"the record ends {status}, and {'a' if has_failed else 'no'} task is missed"
     if (status == "completed") != is_over:
         yield f"the record ends {status}, and {'all' if is_over else 'not all'} is over"
     if status == "infeasible" and not set(end.blocked_tasks) & set(_blocked(now)):
@@ -34,7 +38,12 @@ def wrong_endings(now: Standing, status: str) -> Iterator[str]:
     makespan = now.now if status == "completed" else None
     cost = None
     if truth.cost is not None and makespan is not None:
-        parts = {"makespan": makespan, "travel": now.travel, **parts_of_ends(truth.tasks, ends)}
+        off = now.over.keys() - now.done - now.missed
+        parts = {
+            "makespan": makespan,
+            "travel": now.travel,
+            **parts_of_ends(truth.tasks, ends, off),
+        }
         cost = cost_of(truth.cost, parts)
     late = {truth.tasks[k].name: at - latest_end(truth.tasks[k].between) for k, at in ends.items()}
     facts: dict[str, tuple[Any, Any]] = {
@@ -42,6 +51,7 @@ def wrong_endings(now: Standing, status: str) -> Iterator[str]:
         "tasks_done": (end.tasks_done, len(now.done)),
         "cost": (end.cost, cost),
         "late": (dict(end.late), {name: by for name, by in late.items() if by > 0}),
+        "missed": (end.missed, tuple(truth.tasks[task].name for task in sorted(now.missed))),
         "broken_links": (sorted(end.broken_links), sorted(_broken_links(now))),
     }
     if status != "infeasible":

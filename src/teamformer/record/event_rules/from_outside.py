@@ -40,7 +40,8 @@ def lost(now: Standing, event: Event) -> None:
     need(event.place == stub[-1].place, f"it is lost at {now.names.place(stub[-1].place)}")
     if it.work == NOBODY:
         stop_walking(now, robot)
-    it.way, it.rest, it.is_lost = stub, stub[-1].at - now.now, True
+    it.rest = now.truth.robots[robot].rota.worked(now.now, stub[-1].at)
+    it.way, it.is_lost = stub, True
     task, it.work, it.task = it.work, NOBODY, NOBODY
     if task == NOBODY:
         return
@@ -57,10 +58,34 @@ def back(now: Standing, event: Event) -> None:
     it = now.robots[robot]
     need(event.place == it.way[-1].place, f"it is back at {now.names.place(it.way[-1].place)}")
     it.is_lost = False
-    shift = now.now + it.rest - it.way[-1].at
+    later = now.truth.robots[robot].rota.walked(now.now, it.rest) - it.way[-1].at
     if it.is_walking:
-        it.way = tuple(Passed(at + shift, place) for at, place in it.way)
+        it.way = tuple(Passed(at + later, place) for at, place in it.way)
         it.walk = now.count
+
+
+def rests(now: Standing, event: Event) -> None:
+    """Take in that a shift ends: whatever the robot is at work on breaks off."""
+    robot = one(event)
+    _border(now, robot, begins=False)
+    task = now.robots[robot].work
+    if task != NOBODY and not is_near(now.all_done(task), now.now):
+        now.breaks[task] = now.count
+
+
+def works(now: Standing, event: Event) -> None:
+    """Take in that a shift begins."""
+    _border(now, one(event), begins=True)
+
+
+def _border(now: Standing, robot: int, begins: bool) -> None:
+    """Check that a shift of a robot begins or ends now."""
+    due, rota = now.borders[robot], now.truth.robots[robot].rota
+    word = "begins" if begins else "ends"
+    is_due = due is not None and is_near(due[0], now.now) and due[1] == begins
+    need(is_due, f"no shift of {now.names.robot(robot)} {word} now")
+    touches = not begins and rota.is_at_work(now.now)
+    now.borders[robot] = (now.now, True) if touches else rota.next_border(now.now)
 
 
 def appear(now: Standing, event: Event) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 from teamformer.mission.coordination import NEWS
-from teamformer.record.event_rules import from_outside, ways, work
+from teamformer.record.event_rules import from_outside, missing, ways, work
 from teamformer.record.event_rules.causes import judge_cause
 from teamformer.record.event_rules.ending import wrong_endings
 from teamformer.record.event_rules.names import BrokenRuleError
@@ -29,8 +29,11 @@ TAKE: Mapping[str, Callable[[Standing, Event], None]] = {
     "opens": from_outside.opens,
     "lost": from_outside.lost,
     "back": from_outside.back,
+    "rests": from_outside.rests,
+    "works": from_outside.works,
     "appear": from_outside.appear,
     "cancel": from_outside.cancel,
+    "missed": missing.missed,
     "know": from_outside.know,
     "found": from_outside.found,
     "moved": from_outside.moved,
@@ -68,7 +71,7 @@ def take(now: Standing, event: Event) -> None:
 
 def _note(now: Standing, event: Event) -> None:
     """Note on what later events may hang."""
-    if event.kind in ("done", "cancel"):
+    if event.kind in ("done", "cancel", "missed"):
         now.over_by[event.task] = now.count
     if event.kind in ("opens", "appear"):
         now.opened.setdefault(event.task, []).append(now.count)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.shifts import ALWAYS
 from teamformer.world.reference.ways import UNREACHABLE, PlainWays, apart
 
 NEAR = 1e-9
@@ -52,19 +53,22 @@ class Lengths:
     def when(self, robots: Sequence[int], begin: float, spent: float) -> float:
         """Return when robots that walk together have walked so long, from a time on.
 
-        They walk only in units of time in which none of them stands still.
+        They walk only in units of time in which none of them stands still, one alone in its shifts.
         """
+        rota = self._robots[robots[0]].rota if len(robots) == 1 else ALWAYS
         delayed = [robot for robot in robots if robot in self._stands]
         if not delayed:
-            return begin + spent
+            return rota.walked(begin, spent)
         now = begin
-        while True:
-            unit = math.floor(now)
+        while (now := rota.goes_on(now)) < math.inf:
+            unit, border = math.floor(now), rota.next_border(now)
+            until = min(unit + 1.0, math.inf if border is None else border[0])
             if not any(self._stands_still(robot, unit) for robot in delayed):
-                if spent <= unit + 1 - now:
+                if spent <= until - now:
                     return now + spent
-                spent -= unit + 1 - now
-            now = unit + 1.0
+                spent -= until - now
+            now = until
+        return math.inf
 
     def _stands_still(self, robot: int, unit: int) -> bool:
         drawn, delays = self._stands[robot], self._robots[robot].delays

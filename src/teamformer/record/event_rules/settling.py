@@ -6,7 +6,7 @@ import math
 
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import BrokenRuleError, need
-from teamformer.record.event_rules.standing import Standing, has_to_form, is_due
+from teamformer.record.event_rules.standing import Standing, has_to_form, is_due, is_too_late
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -20,6 +20,8 @@ def settle(now: Standing, later: float) -> None:
     _settle_robots(now)
     _settle_tasks(now)
     _settle_works(now, later)
+    _settle_end(now, later)
+    _settle_borders(now, later)
     for at, kind, which in now.to_come:
         if at >= later:
             break
@@ -27,6 +29,14 @@ def settle(now: Standing, later: float) -> None:
             raise BrokenRuleError(
                 f"by the mission {now.names.outside((at, kind, which))} at {at:g}"
             )
+
+
+def _settle_borders(now: Standing, later: float) -> None:
+    """Check that shifts have begun and ended that had to before a later moment."""
+    for robot, border in enumerate(now.borders):
+        if border is not None and border[0] < later and not is_near(border[0], later):
+            word = "begins" if border[1] else "ends"
+            raise BrokenRuleError(f"a shift of {now.names.robot(robot)} {word} at {border[0]:g}")
 
 
 def _no_plan(now: Standing) -> str:
@@ -77,12 +87,26 @@ def _settle_tasks(now: Standing) -> None:
             continue
         if math.isinf(now.carried(task, team)):
             continue
+        takes, is_late = now.believed_time(task, team), is_too_late(now, task, team)
         if has_to_form(now, team):
+            if is_late or not now.fits(team, now.mission.forming):
+                continue
             raise BrokenRuleError(f"the team of {now.names.task(task)} is there and does not form")
-        if now.is_released(task):
-            raise BrokenRuleError(
-                f"{now.names.task(task)} can begin, for all are there, and does not"
-            )
+        if now.is_released(task) and (is_late or now.fits(team, takes)):
+            what = "cannot end in time, and is not missed"
+            can = "can begin, for all are there, and does not"
+            raise BrokenRuleError(f"{now.names.task(task)} {what if is_late else can}")
+
+
+def _settle_end(now: Standing, later: float) -> None:
+    """Check that nothing is left to do after the time at which the mission is over."""
+    until = now.mission.until
+    if until is None or later <= until or is_near(later, until):
+        return
+    for task in range(len(now.truth.tasks)):
+        if task not in now.over:
+            name = now.names.task(task)
+            raise BrokenRuleError(f"the mission is over at {until:g}, and {name} is not")
 
 
 def _settle_works(now: Standing, later: float) -> None:

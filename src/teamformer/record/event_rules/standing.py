@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -10,15 +11,15 @@ from teamformer.mission.keys.mission_keys import HOME
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
-from teamformer.mission.parts.places import possible_places
+from teamformer.mission.parts.places import possible_places, sight_of
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.shifts import fits_all, rotas_of
 from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.record.event_rules.lengths import Lengths, is_near
 from teamformer.record.event_rules.names import BrokenRuleError, InWords, need
 from teamformer.record.event_rules.outside import what_is_to_come
 from teamformer.record.record import Record
 from teamformer.world.continuous.events import Event, Passed, PlanMade
-from teamformer.world.reference.ways import apart
 from teamformer.world.rules.constants import NOBODY
 
 SEEN = 1e-9
@@ -78,6 +79,7 @@ class Standing:
         self.appeared = {n for n, it in enumerate(self.truth.tasks) if it.appears == 0}
         self.over: dict[int, float] = {}
         self.done: set[int] = set()
+        self.missed: set[int] = set()
         self.started: dict[int, float] = {}
         self.lies: dict[int, Place] = {}
         self.unseen = {n for n, it in enumerate(self.mission.tasks) if it.may_need}
@@ -96,6 +98,8 @@ class Standing:
         self.events, self.count = self.record.events, 0  # how many of them have been taken in
         self.names = InWords(self.truth)
         self.to_come = what_is_to_come(self.truth)
+        self.rotas = rotas_of(self.truth.robots)  # by robot; empty where all always work
+        self.borders = [rota.next_border(0.0) for rota in self.rotas]  # of shifts, by robot
         self.news: dict[str, None] = {"start": None}  # of this moment, since the latest plan
         self.plans = 0  # made at this moment
         self.planned = NOBODY  # the latest event of a plan
@@ -153,8 +157,9 @@ class Standing:
 
     def sees(self, robot: int, place: Place) -> bool:
         """Say whether a robot is near enough to a place to see what is there."""
-        away = apart(self.turns_at(robot)[0].place, place)
-        return away <= self.mission.finding_radius + SEEN * max(1.0, away)
+        away = sight_of(self.mission.world, self.turns_at(robot)[0].place, place)
+        radius = self.mission.finding_radius
+        return away <= radius or (away < math.inf and away <= radius + SEEN * max(1.0, away))
 
     def brings(self, robots: tuple[int, ...], task: int) -> bool:
         """Say whether robots bring what a task really needs."""
@@ -165,6 +170,25 @@ class Standing:
         """Say whether a task may begin, but for links of its start."""
         is_time = release_of(self.truth.tasks[task]) <= self.now
         return is_time and all(other in self.over for other in self.before.get(task, ()))
+
+    def fits(self, robots: Sequence[int], takes: float) -> bool:
+        """Say whether something that begins now fits into a shift of each of some robots."""
+        if not self.rotas:
+            return True
+        return fits_all([self.rotas[robot] for robot in robots], self.now, takes) == self.now
+
+    def believed_time(self, task: int, robots: tuple[int, ...]) -> float:
+        """Return how long robots are believed to take for all of a task."""
+        wanted = self.mission.tasks[task]
+        return wanted.duration + self.carried(task, robots) + wanted.unload
+
+    def all_done(self, task: int) -> float:
+        """Return when a task is done that somebody is at work on, if nothing holds them up."""
+        work, real = self.works[task], self.truth.tasks[task]
+        if work.part in (FORMS, UNLOADS) or real.to is None:
+            return work.ends
+        carried = self.carried(task, work.robots) if work.part == SERVES else 0.0
+        return work.ends + carried + real.unload
 
     def carried(self, task: int, robots: tuple[int, ...]) -> float:
         """Return how long robots carry a load from where it lies, by the slowest of them."""
@@ -213,6 +237,14 @@ def has_to_form(now: Standing, team: Sequence[int]) -> bool:
     """Say whether a team has to form: if forming takes time and not all come from one place."""
     came_from = {now.robots[robot].came_from for robot in team}
     return now.mission.forming > 0 and len(came_from) > 1
+
+
+def is_too_late(now: Standing, task: int, team: tuple[int, ...]) -> bool:
+    """Say whether a task could not end in time if a team that stands there began now."""
+    wanted, until = now.mission.tasks[task], now.mission.until
+    begins = now.now + now.mission.forming * has_to_form(now, team)
+    end = begins + wanted.duration + now.carried(task, team) + wanted.unload
+    return until is not None and end > until and not is_near(end, until)
 
 
 def work_on(now: Standing, event: Event) -> WorkNow:

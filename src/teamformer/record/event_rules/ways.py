@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from teamformer.mission.parts.grid import Place
-from teamformer.record.event_rules.lengths import is_near
+from teamformer.record.event_rules.lengths import NEAR, is_near
 from teamformer.record.event_rules.names import BrokenRuleError, need
 from teamformer.record.event_rules.standing import Standing, one
 from teamformer.world.continuous.events import Event, Passed
@@ -60,6 +60,9 @@ def judge_way(
     for at, place in way[len(stub) :]:
         spent += now.lengths.between(here, place, slowest)
         due_at = now.lengths.when(robots, stub[-1].at, spent / speed)
+        if place == here and len(robots) == 1:  # it pauses there, where a shift has just ended
+            rounded = due_at + NEAR * max(1.0, due_at)
+            due_at = now.truth.robots[robots[0]].rota.goes_on(rounded)
         if not is_near(at, due_at):
             what = f"{now.names.place(place)} is passed at {due_at:.9g} by the rules"
             raise BrokenRuleError(f"{what} and at {at:.9g} in the record")
@@ -96,7 +99,7 @@ def stop_walking(now: Standing, robot: int) -> None:
     """Add up for how long a robot has been on its way."""
     it = now.robots[robot]
     if it.is_walking:
-        now.travel += now.now - now.events[it.walk].at
+        now.travel += now.truth.robots[robot].rota.worked(now.events[it.walk].at, now.now)
 
 
 def _is_same_way(one: Sequence[Passed], other: Sequence[Passed]) -> bool:

@@ -18,6 +18,7 @@ from teamformer.record.event_rules.standing import (
     WorkNow,
     expect,
     has_to_form,
+    is_too_late,
     turning,
     work_on,
 )
@@ -30,6 +31,8 @@ def form(now: Standing, event: Event) -> None:
     """Take in that a team begins to form."""
     _judge_team(now, event)
     need(has_to_form(now, event.robots), "the team forms, and need not")
+    fits = now.fits(event.robots, now.mission.forming)
+    need(fits, "forming does not fit into the shifts of the team")
     ends = now.now + now.mission.forming
     expect(event, ends)
     _begin(now, event, WorkNow(event.robots, FORMS, now.now, ends, now.count))
@@ -53,8 +56,10 @@ def serve(now: Standing, event: Event) -> None:
     need(now.is_released(task), f"{name} may not begin yet")
     need(task not in now.maybe, f"nobody knows where {name} is")
     need(not has_to_form(now, event.robots), f"the team of {name} has not formed")
-    carried = now.carried(task, event.robots)
-    expect(event, now.now + (wanted.duration + carried + wanted.unload))
+    need(not is_too_late(now, task, event.robots), f"{name} cannot end by {now.mission.until}")
+    takes = now.believed_time(task, event.robots)
+    need(now.fits(event.robots, takes), f"{name} does not fit into the shifts of its team")
+    expect(event, now.now + takes)
     ends = now.now + real.duration
     overdue = now.now + wanted.duration if wanted.duration < real.duration else None
     now.started[task] = now.now

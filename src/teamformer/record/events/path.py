@@ -11,12 +11,14 @@ from teamformer.record.critical_path.stretches import (
     UNKNOWN,
     Stretch,
     in_order,
+    in_shifts,
 )
 from teamformer.record.phases import (
     CARRYING,
     FORMING,
     IDLE,
     LOADING,
+    OFF,
     SERVING,
     UNLOADING,
     WAITING,
@@ -35,7 +37,7 @@ LASTS = {
 }
 """What goes on from an event until one that hung on it."""
 
-BEFORE = {"appear": UNKNOWN, "opens": CLOSED}
+BEFORE = {"appear": UNKNOWN, "opens": CLOSED, "works": OFF}
 """What there was before an event that came from outside; before any other, older news."""
 
 
@@ -47,31 +49,43 @@ def path_along_causes(record: Record) -> tuple[Stretch, ...]:
     events = record.events
     if not record.end.makespan or not events or events[-1].kind != "over":
         return ()
-    return in_order(_stretches(record, events))
+    return tuple(in_shifts(record.mission, in_order(_stretches(record, events))))
 
 
 def _stretches(record: Record, events: Sequence[Event]) -> Iterator[Stretch]:
     """Yield the stretches, the last one first."""
     now, follows, seen = events[-1], NOBODY, set[int]()
-    while now.cause != NOBODY and now.cause not in seen:
-        seen.add(now.cause)
-        cause = events[now.cause]
+    number = len(events) - 1
+    while (before := _before(events, number)) != NOBODY and before not in seen:
+        seen.add(before)
+        number, cause = before, events[before]
         doing = _between(record, cause, now)
         robot = _who(events, cause, now, follows)
         if doing == LINKED:
             yield Stretch(cause.at, now.at, LINKED, task=cause.task)
         else:
-            about = cause.task if cause.kind in LASTS else now.task
+            about = cause.task if cause.kind in LASTS or doing == OFF else now.task
             yield Stretch(cause.at, now.at, doing, robot, about)
         follows = robot if cause.at != now.at else follows
         now = cause
     yield Stretch(0, now.at, BEFORE.get(now.kind, NEWS), task=now.task)
 
 
+def _before(events: Sequence[Event], number: int) -> int:
+    """Return on which event one hung; before a shift begins that is what its robot did last."""
+    event = events[number]
+    if event.kind != "works":
+        return event.cause
+    mine = (k for k in range(number - 1, -1, -1) if event.robots[0] in events[k].robots)
+    return next((k for k in mine if events[k].kind not in ("rests", "works")), NOBODY)
+
+
 def _between(record: Record, cause: Event, event: Event) -> str:
     """Return what went on between an event and its cause."""
     if event.kind == "opens" and cause.task not in (NOBODY, event.task):
         return LINKED
+    if event.kind == "works":
+        return OFF
     if cause.kind == "serve" and record.mission.tasks[cause.task].to is not None:
         return LOADING
     return LASTS.get(cause.kind, IDLE if event.task == NOBODY else WAITING)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from teamformer.base.naming import listed
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
+from teamformer.mission.parts.shifts import fits_all
 from teamformer.mission.precedence import tasks_before
 from teamformer.record.events.runs import Runs
 from teamformer.record.phases import (
@@ -15,6 +17,7 @@ from teamformer.record.phases import (
     CARRYING,
     FORMING,
     LOST,
+    OFF,
     UNLOADING,
     WAITING,
     WALKING,
@@ -27,6 +30,7 @@ IN_THE_NEWS = {
     "back": "{robots} back",
     "appear": "{task} appears",
     "cancel": "{task} called off",
+    "missed": "{task} missed",
     "know": "{task} needs {needs}",
     "found": "{task} found",
     "broken": "{task} broken off",
@@ -64,7 +68,7 @@ class Explainer:
         """Return the robots that may do something else since an event, or for another reason."""
         if event.plan is not None:
             return range(len(self._mission.robots))
-        if event.kind not in ("arrive", "done", "cancel", "opens", "know"):
+        if event.kind not in ("arrive", "done", "cancel", "missed", "opens", "know"):
             return sorted(self._runs.changed)
         waits = (n for n in range(len(self._mission.robots)) if self._run(n)[0] == WAITING)
         return sorted({*self._runs.changed, *waits})
@@ -74,6 +78,8 @@ class Explainer:
         phase, task = self._run(robot)
         if phase in (LOST, FORMING):
             return ()
+        if phase == OFF:
+            return (self._why_off(robot),)
         if phase in (CARRYING, UNLOADING):
             return ("its team brings all that the load takes, and stays until it is unloaded",)
         if phase in AT_WORK:
@@ -83,6 +89,12 @@ class Explainer:
         if task == NOBODY:
             return (self._why_free(robot),)
         return tuple(filter(None, (self._planned(task), self._made)))
+
+    def _why_off(self, robot: int) -> str:
+        again = self._mission.robots[robot].rota.goes_on(self._now)
+        return (
+            "its last shift is over" if again == math.inf else f"its next shift begins at {again:g}"
+        )
 
     def _run(self, robot: int) -> tuple[str | None, int]:
         """Return what a robot does, and what for."""
@@ -112,7 +124,18 @@ class Explainer:
             who = self._names(bring) or "nobody on the way"
             return f"lacks {describe(lacks)}, which {who} {'bring' if len(bring) > 1 else 'brings'}"
         late = [r for r in self._coalitions.get(task, ()) if r in coming]
+        off = [r for r in self._coalitions.get(task, ()) if self._run(r)[0] == OFF]
+        if off and not late:
+            return f"{self._names(off)} {'are' if len(off) > 1 else 'is'} off"
+        if not late and self._does_not_fit(task):
+            return "the task does not fit into what is left of the shifts of its robots"
         return f"{self._names(late)} is to come" if late else "the task is to begin later"
+
+    def _does_not_fit(self, task: int) -> bool:
+        """Say whether a task is too long for what is left of the shifts of its robots."""
+        wanted = self._mission.tasks[task]
+        rotas = [self._mission.robots[robot].rota for robot in self._coalitions.get(task, ())]
+        return fits_all(rotas, self._now, wanted.duration + wanted.unload) > self._now
 
     def _heading(self, task: int) -> tuple[list[int], list[int]]:
         """Return the robots that wait at a task, and those that walk to it."""

@@ -10,6 +10,7 @@ from teamformer.record.phases import (
     IDLE,
     LOADING,
     LOST,
+    OFF,
     SERVING,
     UNLOADING,
     WAITING,
@@ -47,14 +48,18 @@ class Runs:
         robots = len(record.mission.robots)
         self._loads = [task.to is not None for task in record.mission.tasks]
         self._now = [Run(0, IDLE, NOBODY)] * robots
+        rotas = enumerate(robot.rota for robot in record.mission.robots)
+        self._off = {robot for robot, rota in rotas if not rota.is_at_work(0.0)}
         self.services: list[ToldService] = []
         self.changed: set[int] = set()
         self._open: dict[int, int] = {}  # task -> its row that goes on
         self.over: set[int] = set()  # tasks
 
     def now(self, robot: int) -> Run:
-        """Return what a robot does."""
-        return self._now[robot]
+        """Return what a robot does; outside its shifts it is off, whatever it goes on with."""
+        run = self._now[robot]
+        is_off = robot in self._off and run.phase in (WALKING, WAITING, IDLE)
+        return run._replace(phase=OFF) if is_off else run
 
     def go_on(self, event: Event) -> None:
         """Take in an event."""
@@ -72,25 +77,33 @@ class Runs:
                 self._begin(event, UNLOADING)
             case "done":
                 self._end(event.task, event.at, event.robots)
-            case "broken" | "cancel":
+            case "broken" | "cancel" | "missed":
                 self._end(event.task, event.at)
-        if event.kind in ("done", "cancel"):
+            case "rests":
+                self._off.update(event.robots)
+            case "works":
+                self._off.difference_update(event.robots)
+        if event.kind in ("done", "cancel", "missed"):
             self.over.add(event.task)
 
     def _concerned(self, event: Event) -> Iterable[int]:
         """Return the robots that may do something else since an event."""
-        if event.kind not in ("cancel", "done"):
+        if event.kind not in ("cancel", "done", "missed"):
             return event.robots
         about = [robot for robot, run in enumerate(self._now) if run.task == event.task]
         return sorted({*event.robots, *about})
 
     def _do(self, robot: int, event: Event) -> None:
         phase, task = BEGINS.get(event.kind, IDLE), event.task
+        if event.kind in ("rests", "works"):
+            self._now[robot] = self._now[robot]._replace(begun=event.at)
+            self.changed.add(robot)
+            return
         if event.kind == "arrive" and task != NOBODY:
             phase = WAITING
         elif event.kind == "serve" and self._loads[task]:
             phase = LOADING
-        elif event.kind not in (*BEGINS, "arrive", "cancel"):
+        elif event.kind not in (*BEGINS, "arrive", "cancel", "missed"):
             return
         self._now[robot] = Run(event.at, phase, NOBODY if phase in OF_NO_TASK else task)
         self.changed.add(robot)

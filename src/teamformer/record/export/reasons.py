@@ -16,6 +16,7 @@ from teamformer.record.phases import (
     IDLE,
     LOADING,
     LOST,
+    OFF,
     SERVING,
     UNLOADING,
     WAITING,
@@ -98,7 +99,7 @@ def _deeds_in_time(record: Record, told: ToldRecord, robot: int) -> Iterator[_De
 def _what(record: Record, run: Run, company: _Company) -> str:
     """Return what a robot does, and with whom."""
     mates, left = company
-    if run.phase in (LOST, IDLE):
+    if run.phase in (LOST, IDLE, OFF):
         what = run.phase
     elif run.phase == FORMING:
         return f"parts from {left}" if left else f"forms with {mates}"

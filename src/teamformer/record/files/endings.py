@@ -31,13 +31,14 @@ def ending_to_tree(end: Ending, is_continuous: bool) -> dict[str, Any]:
     return {key: _listed(getattr(end, key)) for key in IN_CONTINUOUS_TIME} | {
         "late": dict(end.late),
         "broken_links": [list(pair) for pair in end.broken_links],
+        **({"missed": list(end.missed)} if end.missed else {}),
     }
 
 
 def ending_from_tree(tree: Any, is_continuous: bool) -> Ending:
     """Return the ending of a file; raises `DamageError` for what is none."""
     keys = IN_CONTINUOUS_TIME if is_continuous else IN_STEPS
-    check_keys(tree, keys, keys)
+    check_keys(tree, (*keys, "missed") if is_continuous else keys, keys)
     if tree["status"] not in STATUSES:
         raise DamageError(f"the status is {short(tree['status'])}, not one of {STATUSES}")
     blocked = tuple(text_of(name) for name in list_of(tree["blocked_tasks"]))
@@ -52,6 +53,7 @@ def ending_from_tree(tree: Any, is_continuous: bool) -> Ending:
             broken_links=tuple(
                 (text_of(name), text_of(other)) for name, other in rows_of(tree["broken_links"], 2)
             ),
+            missed=tuple(text_of(name) for name in list_of(tree.get("missed", []))),
         )
     makespan = None if tree["makespan"] is None else count_of(tree["makespan"])
     steps, tasks_done, joins, splits, illegal = (count_of(tree[key]) for key in COUNTS)

@@ -112,6 +112,8 @@ class _Reader:
                     return self._plan(value)
                 case "needs":
                     return self._needs(value)
+                case "why":
+                    return text_of(value)
                 case "status":
                     return _status(value)
             return number_below(value, self._events)  # the cause

@@ -11,6 +11,7 @@ from teamformer.mission.coordination import NEWS
 from teamformer.record.event_rules.judging import judge_events
 from teamformer.record.record import FLEET, Record
 from teamformer.record.referee.ending import judge_ending, judge_start
+from teamformer.record.referee.fleet_events import judge_fleet_events
 from teamformer.record.referee.fleets import judge_fleet
 from teamformer.record.referee.playing import Play
 from teamformer.record.referee.truth import judge_truth
@@ -23,6 +24,7 @@ WHY_OVER = {
     "completed": "everything was done before",
     "infeasible": "some tasks could never be done since a robot was lost",
     "step limit": "the step limit was reached before",
+    "too late": "a task that must be done was missed before",
 }
 
 
@@ -68,7 +70,8 @@ def _judge_steps(record: Record, notes: Notes) -> int:
 
 def _judge_events(record: Record, notes: Notes) -> int:
     """Judge a record in continuous time, and return how many tasks were done."""
-    for when, message in judge_events(record):
+    judge_them = judge_fleet_events if record.method == FLEET else judge_events
+    for when, message in judge_them(record):
         notes.findings.append(Finding(max(0.0, when), message))
     return record.end.tasks_done
 

@@ -1,4 +1,4 @@
-"""Missions with one thing changed: a robot more or less, faster, abler or kept; a task less."""
+"""Missions with one thing changed: a robot more, less, faster, abler, for longer; a task less."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ from dataclasses import dataclass, replace
 from teamformer.base.errors import MissionError
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.orders import with_robots
+from teamformer.mission.parts.shifts import Shift
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.world.rules.constants import NOBODY
 
-KINDS = ("more", "fewer", "faster", "kept", "taught", "left out")
-MORE, FEWER, FASTER, KEPT, TAUGHT, LEFT_OUT = KINDS
+KINDS = ("more", "fewer", "faster", "kept", "longer", "taught", "left out")
+MORE, FEWER, FASTER, KEPT, LONGER, TAUGHT, LEFT_OUT = KINDS
+
+LONGER_BY = 0.25
+"""By which share of it the last shift of robots ends later."""
 
 
 @dataclass(frozen=True)
@@ -38,9 +42,10 @@ def changes_of(mission: Mission) -> Iterator[Change]:
     """Yield every change that is measured, in a fixed order.
 
     One more robot of each kind, where the first of it starts; one fewer, the last of it; each robot
-    and each kind at double speed; each robot that is lost kept; each capability taught to each kind
-    that lacks it; each task left out. Robots are of one kind if they bring the same, are equally
-    fast, and are lost and back alike.
+    and each kind at double speed; each robot that is lost kept; each kind with shifts working on
+    in its last one, and without breaks; each capability taught to each kind that lacks it; each
+    task left out. Robots are of one kind if they bring the same, are equally fast, and are lost,
+    back and at work alike.
     """
     kinds = _kinds(mission)
     for robots in kinds:
@@ -61,6 +66,9 @@ def changes_of(mission: Mission) -> Iterator[Change]:
         if robot.absences:
             kept = _changing(mission, [number], lambda robot: replace(robot, absences=()))
             yield _change(KEPT, f"{robot.name} is not lost", kept, [number])
+    for robots in kinds:
+        if mission.robots[robots[0]].shifts:
+            yield from _longer_shifts(mission, robots)
     for robots in kinds:
         for cap in mission.capabilities:
             if not mission.robots[robots[0]].can.get(cap):
@@ -89,7 +97,8 @@ def _kinds(mission: Mission) -> list[list[int]]:
     """Return the robots of each kind, in order."""
     kinds: dict[object, list[int]] = {}
     for number, robot in enumerate(mission.robots):
-        key = (robot.speed, tuple(sorted(robot.can.items())), robot.absences, robot.breaks)
+        can = tuple(sorted(robot.can.items()))
+        key = (robot.speed, can, robot.absences, robot.breaks, robot.rota)
         kinds.setdefault(key, []).append(number)
     return list(kinds.values())
 
@@ -98,7 +107,8 @@ def _different(mission: Mission) -> list[int]:
     """Return the robots that differ, by what they are and where they start: the first of equals."""
     first: dict[object, int] = {}
     for number, robot in enumerate(mission.robots):
-        key = (robot.speed, tuple(sorted(robot.can.items())), robot.at, robot.absences)
+        can = tuple(sorted(robot.can.items()))
+        key = (robot.speed, can, robot.at, robot.absences, robot.rota)
         first.setdefault(key, number)
     return list(first.values())
 
@@ -120,6 +130,28 @@ def _without_robot(mission: Mission, gone: int) -> Callable[[], Mission]:
 
 def _faster(mission: Mission, robots: list[int]) -> Callable[[], Mission]:
     return _changing(mission, robots, lambda robot: replace(robot, speed=2 * robot.speed))
+
+
+def _longer_shifts(mission: Mission, robots: list[int]) -> Iterator[Change]:
+    """Yield the robots of a kind with a last shift that is longer, and with no breaks."""
+    first = mission.robots[robots[0]]
+    who = f"robots like {first.name} work" if len(robots) > 1 else f"{first.name} works"
+    (begins, ends), latest = first.shifts[-1], first.shifts[0][0] + first.every
+    until = ends + LONGER_BY * (ends - begins)
+    until = min(until, latest) if first.every else until
+    if until > ends:
+        shifts = (*first.shifts[:-1], (begins, until))
+        what = f"{who} {until - ends:g} longer in the last shift"
+        yield _change(LONGER, what, _working(mission, robots, shifts), robots)
+    if len(first.shifts) > 1:
+        whole = ((first.shifts[0][0], ends),)
+        yield _change(LONGER, f"{who} without breaks", _working(mission, robots, whole), robots)
+
+
+def _working(
+    mission: Mission, robots: list[int], shifts: tuple[Shift, ...]
+) -> Callable[[], Mission]:
+    return _changing(mission, robots, lambda robot: replace(robot, shifts=shifts))
 
 
 def _taught(mission: Mission, robots: list[int], cap: str) -> Callable[[], Mission]:

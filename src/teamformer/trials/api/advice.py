@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from teamformer.base.errors import TeamformerError
+from teamformer.base.errors import MissionError, TeamformerError
+from teamformer.mission.checks.rules import rules_not_advised
 from teamformer.mission.model import Mission
 from teamformer.record.record import Record
 from teamformer.trials.advice.advise import advise_on
@@ -19,7 +20,8 @@ def advise(mission: Mission, seconds: float = 60.0, workers: int = 1) -> Advice:
 
     The mission is planned again with one thing changed at a time: one more robot of each kind, one
     fewer, each robot and each kind at double speed, each robot that is lost kept, each capability
-    taught to each kind that lacks it, each task left out. Each change is planned several times.
+    taught to each kind that lacks it, each kind with shifts at work for longer, each task left out.
+    Each change is planned several times.
     `seconds` is how long all of it may take; changes that there was no time for are in
     `unmeasured`. If `workers` is more than 1, this many processes work side by side, and a script
     needs `if __name__ == "__main__":`. Missions in steps are run by the default method.
@@ -35,6 +37,8 @@ def advise(mission: Mission, seconds: float = 60.0, workers: int = 1) -> Advice:
     (True, ())
     """
     refuse_no_mission(mission, "advise")
+    if problems := list(rules_not_advised(mission)):
+        raise MissionError(problems)
     return advise_on(mission, known_seconds(seconds), workers)
 
 

@@ -14,7 +14,7 @@ from teamformer.base.whole_files import write_whole
 from teamformer.files.mission_files import read_content, read_mission, write_mission
 from teamformer.files.yaml import writer
 from teamformer.methods.listings import method_names
-from teamformer.mission.checks.rules import rules_not_planned, rules_not_played
+from teamformer.mission.checks.rules import rules_not_planned, rules_not_run
 from teamformer.mission.model import Mission
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.reasons import story_lines
@@ -105,6 +105,7 @@ class Workbench:
         return {
             **{key: row[key] for key in ("makespan", "bound", "proven", "cost") if key in row},
             "late": cut((f"{task} by {by:g}" for task, by in row["late"].items()), "see the page"),
+            **({"left_out": cut(row["missed"], "see the page")} if "missed" in row else {}),
             "routes": routes(row),
             "why_so_late": made.why_so_late,
             "page": self.folder.name(into / "plan.html"),
@@ -227,7 +228,7 @@ class Workbench:
 
     def _state(self, mission: Mission) -> Told:
         """Return what a mission is, and what it is not fit for."""
-        not_run = mistakes(list(rules_not_played(mission)))
+        not_run = mistakes(list(rules_not_run(mission)))
         not_planned = mistakes(list(rules_not_planned(mission)))
         return (
             summary(mission)

@@ -143,7 +143,8 @@ interface TrialHistory {
   events: HistoryEvent[];
   told: Told;
   doneAt: number[];
-  overAt: number[]; // the step in which a task is done or called off
+  overAt: number[]; // the step in which a task is done, called off or missed
+  missed: Map<number, string>; // why tasks are missed
   doers: number[][]; // the robots of the team that did a task
   shownAt: number[];
   foundAt: number[];

@@ -8,6 +8,7 @@ and links allow it.
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -16,21 +17,20 @@ from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.coordination import IDLE, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.capabilities import covers
-from teamformer.mission.parts.reach import totals_there
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.continuous.another_truth import under
 from teamformer.world.continuous.events import PlanMade, PlannedTask
 from teamformer.world.continuous.following import PlanFollower
 from teamformer.world.continuous.foresight import foresee, holds_of
+from teamformer.world.continuous.hopeless import blocked_tasks, gives_up, has_failed, misses
 from teamformer.world.continuous.known import known_of
-from teamformer.world.continuous.links import GapKeeper
+from teamformer.world.continuous.links import GapKeeper, followers
 from teamformer.world.continuous.moving import Happened
 from teamformer.world.continuous.world import PhysicalWorld
 from teamformer.world.guidance.guide import refuse_unfit
 from teamformer.world.rules.constants import NOBODY
 
-COMPLETED, INFEASIBLE, LIMIT = "completed", "infeasible", "step limit"
+COMPLETED, INFEASIBLE, LIMIT, TOO_LATE = "completed", "infeasible", "step limit", "too late"
 
 RUNNING = "running"
 
@@ -54,7 +54,7 @@ class Course:
         self.seconds = 0.0
         self._heeds = {"start", IDLE, *heeded_by(coordinator)}
         self._before = tasks_before(mission.tasks)
-        self._after = _followers(mission)
+        self._after = followers(mission)
         self.links = GapKeeper(mission)
         self._asked_idle = NOBODY
 
@@ -74,7 +74,7 @@ class Course:
         twin.mission = with_arrivals(mission, truth)
         twin.world = under(self.world, twin.mission, truth)
         twin.follower = self.follower.fork(twin.mission)
-        twin._before, twin._after = tasks_before(twin.mission.tasks), _followers(twin.mission)
+        twin._before, twin._after = tasks_before(twin.mission.tasks), followers(twin.mission)
         return twin
 
     @property
@@ -131,7 +131,9 @@ class Course:
         while happened:
             self._tend(happened)
             happened = self.world.take_happened()  # what it has brought about at this moment
-        if self._is_over():
+        if has_failed(self.world):
+            self._end(TOO_LATE)
+        elif self._is_over():
             self._end(COMPLETED)
         elif not self.world.is_busy and not self._waits_for_a_time():
             self._idle()
@@ -277,6 +279,7 @@ class Course:
     def _let_begin(self, tasks: Iterable[int]) -> list[int]:
         """Let those of some tasks form or begin that may; return those that have begun."""
         complete = [task for task in sorted(tasks) if self._is_complete(task)]
+        complete = [task for task in complete if not misses(self.world, task, self._team(task))]
         ready = [task for task in complete if not self._forms(task) and self._is_released(task)]
         began = self.links.free(self.world, ready)
         for task in began:
@@ -284,19 +287,21 @@ class Course:
         return began
 
     def _forms(self, task: int) -> bool:
-        """Let a team form that has not; say whether it did."""
+        """Let a team form that has not, if that fits into its shifts; say whether it had to."""
         world, team = self.world, self._team(task)
         if not self.mission.forming or len({world.bodies[r].came_from for r in team}) == 1:
             return False
         since = [world.bodies[robot].since for robot in team]
-        world.form(task, team, world.cause_among([*since, self._plan_now()]))
+        if world.when_forms(team) == world.now:
+            world.form(task, team, world.cause_among([*since, self._plan_now()]))
         return True
 
     def _is_released(self, task: int) -> bool:
         """Say whether a task may begin, but for links of its start."""
         world = self.world
         is_open = release_of(world.truth.tasks[task]) <= world.now
-        return is_open and world.over.keys() >= set(self._before.get(task, ()))
+        is_ready = is_open and world.over.keys() >= set(self._before.get(task, ()))
+        return is_ready and world.when_fits(task, self._team(task)) == world.now
 
     def _serve(self, task: int, is_held: bool = True) -> None:
         """Have a task served by its team; what it has waited for last is the cause.
@@ -327,13 +332,20 @@ class Course:
         """Say whether a team that is complete waits for a time that will come."""
         now = self.world.now
         return any(
-            release_of(self.world.truth.tasks[task]) > now or self.links.holds.get(task, now) > now
+            release_of(self.world.truth.tasks[task]) > now
+            or self.links.holds.get(task, now) > now
+            or now < self.world.when_fits(task, self._team(task)) < math.inf
             for task in self.follower.order
             if self._is_complete(task)
         )
 
     def _idle(self) -> None:
-        """Do something about it that nobody has anything to do: ask for a plan, else drop links."""
+        """Do something about it that nobody has anything to do: ask for a plan, else drop links.
+
+        Optional tasks that no plan wants are given up.
+        """
+        if self._gives_up(is_asked=False):
+            return
         events = len(self.world.events)
         if self._asked_idle != events:
             self._plan((IDLE,))
@@ -341,6 +353,8 @@ class Course:
             self._tend(Happened(robots=set(range(len(self.mission.robots)))))
             self._asked_idle = len(self.world.events)
         if self.world.is_busy or self._waits_for_a_time() or not self.is_running:
+            return
+        if self._gives_up(is_asked=True):
             return
         for task in self.follower.order:
             if self._is_complete(task) and self._is_released(task):
@@ -353,6 +367,19 @@ class Course:
             self.blocked = tuple(task for task in open_tasks if task not in self.world.over)
             self._end(INFEASIBLE)
 
+    def _gives_up(self, is_asked: bool) -> bool:
+        """Let what is left be missed if it is optional and nobody will do it; say whether it was.
+
+        If the coordinator has not been asked, only what the plan in force leaves out.
+        """
+        planned = set(self.follower.order) - self.world.over.keys()
+        if (not is_asked and (planned or self.mission.has_surprises)) or not gives_up(self.world):
+            return False
+        self._tend(self.world.take_happened())
+        if self._is_over():
+            self._end(COMPLETED)
+        return True
+
     def _is_over(self) -> bool:
         """Say whether all tasks are over, and all robots where the mission ends."""
         world = self.world
@@ -362,20 +389,7 @@ class Course:
 
     def _is_blocked(self) -> bool:
         """Say whether robots are lost without whom some task is never done; then all is over."""
-        world, truth = self.world, self.world.truth
-        left = [
-            replace(robot, at=world.next_place(number).place)
-            for number, robot in enumerate(truth.robots)
-            if not world.bodies[number].is_lost or robot.is_due(world.now)
-        ]
-        have = totals_there(truth.world, left)
-        self.blocked = tuple(
-            number
-            for number, task in enumerate(truth.tasks)
-            if number not in world.over and number not in world.works
-            if not covers(have(world.place_of(number)), task.needs)
-            if task.cancelled is None
-        )
+        self.blocked = blocked_tasks(self.world)
         if self.blocked:
             self._end(INFEASIBLE)
         return bool(self.blocked)
@@ -384,17 +398,3 @@ class Course:
         self.status = status
         cause = self.world.cause_among([body.since for body in self.world.bodies])
         self.world.tell("over", (), NOBODY, cause, status=status)
-
-
-def _followers(mission: Mission) -> dict[int, set[int]]:
-    """Return the tasks that have to be looked at when something of a task changes."""
-    after: dict[int, set[int]] = {}
-    for task, others in tasks_before(mission.tasks).items():
-        for other in others:
-            after.setdefault(other, set()).add(task)
-    number_of = {task.name: number for number, task in enumerate(mission.tasks)}
-    for number, wanted in enumerate(mission.tasks):
-        for name in wanted.starts:
-            after.setdefault(number_of[name], set()).add(number)
-            after.setdefault(number, set()).add(number_of[name])
-    return after

@@ -1,4 +1,7 @@
-"""When robots stand still that are delayed: in whole units of time, as steps have it."""
+"""How long robots take that stand still at times: outside their shifts, and where delayed.
+
+Delays are of whole units of time, as steps have it.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +10,16 @@ import math
 from collections.abc import Iterable, Sequence
 
 from teamformer.mission.model import Robot
+from teamformer.mission.parts.shifts import ALWAYS
 
 MASK = 2**64 - 1
 
 
 class StandingStill:
-    """In which units of time each robot stands still, drawn from a seed that is part of the truth.
+    """In which units of time each robot is delayed, drawn from a seed that is part of the truth.
 
-    They are worked out as far as somebody asks, and stay the same whoever asks.
+    They are worked out as far as somebody asks, and stay the same whoever asks. A robot alone
+    stands still outside its shifts, too; a load is not carried then, it is set down.
     """
 
     def __init__(self, robots: Sequence[Robot]) -> None:
@@ -33,18 +38,23 @@ class StandingStill:
 
         They walk only in units of time in which none of them stands still.
         """
-        delayed = [robot for robot in who if self._robots[robot].delays is not None]
+        robots = list(who)
+        rota = self._robots[robots[0]].rota if len(robots) == 1 else ALWAYS
+        delayed = [robot for robot in robots if self._robots[robot].delays is not None]
         if not delayed:
-            return begin + spent
-        now, left = begin, spent
-        while True:
-            unit = math.floor(now)
-            room = unit + 1 - now
-            if not any(self._is_still(robot, unit) for robot in delayed):
-                if left <= room:
-                    return now + left
-                left -= room
-            now = unit + 1.0
+            return rota.walked(begin, spent)
+        left = spent
+        for opens, closes in rota.since(begin):
+            now = max(begin, opens)
+            while now < closes:
+                unit = math.floor(now)
+                until = min(unit + 1.0, closes)
+                if not any(self._is_still(robot, unit) for robot in delayed):
+                    if left <= until - now:
+                        return now + left
+                    left -= until - now
+                now = until
+        return math.inf
 
     def _is_still(self, robot: int, unit: int) -> bool:
         stands, delays = self._stands[robot], self._robots[robot].delays

@@ -53,6 +53,18 @@ class Event(NamedTuple):
     plan: PlanMade | None = None
     needs: Counts | None = None  # what a task needs, once that is known
     status: str = ""  # how the mission ended
+    why: str = ""  # a word of `WHY_MISSED`
+
+
+WHY_MISSED = {
+    "under way": "it was under way when the mission was over",
+    "too late": "its team was there too late",
+    "nobody able": "the robots do not bring what it needs",
+    "too far": "nobody gets there in time",
+    "not worth it": "it was not worth what it costs",
+    "nobody free": "those who could do it had other things to do",
+}
+"""Why tasks are missed, and what is said of it."""
 
 
 class EventKind(NamedTuple):
@@ -98,7 +110,11 @@ KINDS = {
     "unload": EventKind(
         ("robots", "task", "place", "until"), "a team with a load is where it goes, and unloads it"
     ),
-    "done": EventKind(("robots", "task", "place"), "a task is done"),
+    "done": EventKind(
+        ("robots", "task", "place"),
+        "a task is done; of fleets perhaps nobody knows by whom",
+        may_lack=("robots",),
+    ),
     "broken": EventKind(
         ("robots", "task", "place"),
         "a service has broken off; robots: those of it that are left; place: where the load lies",
@@ -106,8 +122,15 @@ KINDS = {
     ),
     "lost": EventKind(("robots", "place"), "a robot is lost"),
     "back": EventKind(("robots", "place"), "a lost robot is back, where it was lost"),
+    "rests": EventKind(("robots",), "a shift of a robot ends: it stands where it is"),
+    "works": EventKind(("robots",), "a shift of a robot begins"),
     "appear": EventKind(("task",), "a task becomes known"),
     "cancel": EventKind(("task",), "a task is called off"),
+    "missed": EventKind(
+        ("task", "why"),
+        "a task is not done any more: it is given up, or the mission is over at `until`; why: "
+        + ", ".join(f"`{word}`" for word in WHY_MISSED),
+    ),
     "know": EventKind(
         ("robots", "task", "needs"),
         "what a task needs becomes known, to robots that are there or to everybody",

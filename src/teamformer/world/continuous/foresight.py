@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from teamformer.mission.coordination import Known
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.shifts import rotas_of
 from teamformer.world.continuous.ways import Ways
 from teamformer.world.rules.starts import FIRST, StartRules, Timed, time_tasks
 from teamformer.world.rules.waits import waits_at
@@ -45,9 +46,9 @@ def foresee(
             )
         return wanted.duration + carried + wanted.unload
 
-    forming = known.mission.forming
+    forming, rotas = known.mission.forming, rotas_of(robots)
     rules = StartRules(
-        way, site, takes, known.free_at, waits.release, waits.before, waits.gaps, forming
+        way, site, takes, known.free_at, waits.release, waits.before, waits.gaps, forming, rotas
     )
     return time_tasks(rules, order, robots_of)
 

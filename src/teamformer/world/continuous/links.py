@@ -10,6 +10,7 @@ import copy
 from collections.abc import Iterable, Mapping
 
 from teamformer.mission.model import Mission
+from teamformer.mission.precedence import tasks_before
 from teamformer.world.continuous.body import SAME
 from teamformer.world.continuous.world import PhysicalWorld
 from teamformer.world.rules.constants import NOBODY
@@ -113,3 +114,17 @@ class GapKeeper:
 
 def _is_near(one: float, other: float, now: float) -> bool:
     return abs(one - other) <= SAME * max(1.0, now)
+
+
+def followers(mission: Mission) -> dict[int, set[int]]:
+    """Return the tasks that have to be looked at when something of a task changes."""
+    after: dict[int, set[int]] = {}
+    for task, others in tasks_before(mission.tasks).items():
+        for other in others:
+            after.setdefault(other, set()).add(task)
+    number_of = {task.name: number for number, task in enumerate(mission.tasks)}
+    for number, wanted in enumerate(mission.tasks):
+        for name in wanted.starts:
+            after.setdefault(number_of[name], set()).add(number)
+            after.setdefault(number, set()).add(number_of[name])
+    return after

@@ -12,14 +12,19 @@ from typing import Any
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.shifts import rotas_of
 from teamformer.world.continuous.body import RealRobot, TeamWork, turning
 from teamformer.world.continuous.delays import StandingStill
 from teamformer.world.continuous.events import Event, Passed
+from teamformer.world.continuous.pauses import with_pauses
 from teamformer.world.continuous.ways import Ways
 from teamformer.world.rules.constants import NOBODY
 
 LOSE, BRING_BACK, CALL_OFF, APPEAR, OPEN, ARRIVE, FINISH, EXPECT, LOOK, WAKE = range(10)
-"""What can be on the agenda; of what is due at one moment, what comes from outside is first."""
+REST, WORK, CLOSE = range(10, 13)
+"""What can be on the agenda; of what is due at one moment, what comes from outside is first, but
+for the ends and beginnings of shifts: what is done then is done within them. That the mission
+closes is last."""
 
 Entry = tuple[float, int, int, int]
 """When something is due, what, whom or which task it is about, and the event that it belongs to."""
@@ -47,8 +52,9 @@ class MovingWorld(ABC):
         self.events: list[Event] = []
         self.bodies = [RealRobot((Passed(0.0, r.at),), r.at) for r in truth.robots]
         self.works: dict[int, TeamWork] = {}  # by task
-        self.over: dict[int, int] = {}  # tasks that are done or called off, with the event
+        self.over: dict[int, int] = {}  # tasks that are done, called off or missed, with the event
         self.done: set[int] = set()
+        self.missed: list[int] = []
         self.started: dict[int, float] = {}  # when the latest service of each began
         self.served_by: dict[int, int] = {}  # the event with which it did
         self.appeared = {
@@ -57,6 +63,7 @@ class MovingWorld(ABC):
         self.lies: dict[int, Place] = {}  # where loads were set down, by task
         self.travel = 0.0  # time that robots have spent on their ways
         self.ways, self.still = Ways(truth.world), StandingStill(truth.robots)
+        self.rotas = rotas_of(truth.robots)  # by robot; empty where all always work
         self.is_plane = isinstance(truth.world, Plane)
         self.happened = Happened()
         self.agenda: list[Entry] = []
@@ -112,16 +119,17 @@ class MovingWorld(ABC):
         if not math.isfinite(self.ways.length(start.place, goal, real.moves)):
             goal = start.place
         stages = self.ways.stages(start.place, goal, real.moves)
-        way = (*stub, *self.passing((robot,), start.at, [(p, d / real.speed) for p, d in stages]))
+        ahead = self.passing((robot,), start.at, [(p, d / real.speed) for p, d in stages])
+        way = (*stub, *with_pauses(real.rota, start, ahead, self.is_plane))
         if len(way) == 1:
             stops = body.is_walking
-            self.stop_walking(body)
+            self.stop_walking(robot)
             body.way = way
             if task != NOBODY or stops:
                 body.since = self.tell("arrive", (robot,), task, cause, place=goal)
                 self.sense(robot)
             return
-        self.stop_walking(body)
+        self.stop_walking(robot)
         body.way = way
         number = self.tell("walk", (robot,), task, cause, until=way[-1].at, way=way)
         body.since = body.set_out = number
@@ -168,15 +176,17 @@ class MovingWorld(ABC):
         """Return the task that a robot has set out for."""
         return self.events[body.set_out].task
 
-    def stop_walking(self, body: RealRobot) -> None:
+    def stop_walking(self, robot: int) -> None:
         """Count how long a robot has walked that walks no more, or another way."""
+        body = self.bodies[robot]
         if body.is_walking:
-            self.travel += self.now - self.events[body.set_out].at
+            set_out = self.events[body.set_out].at
+            self.travel += self.truth.robots[robot].rota.worked(set_out, self.now)
 
     def arrive(self, robot: int) -> None:
         """Let a robot be where it was going."""
         body = self.bodies[robot]
-        self.stop_walking(body)
+        self.stop_walking(robot)
         body.way = (body.way[-1],)
         place, cause = body.way[0].place, body.set_out
         body.since = self.tell("arrive", (robot,), body.task, cause, place=place)

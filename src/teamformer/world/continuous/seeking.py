@@ -13,7 +13,8 @@ from itertools import pairwise
 
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
-from teamformer.mission.parts.places import possible_places
+from teamformer.mission.parts.places import possible_places, sight_of
+from teamformer.mission.parts.roads import Roads
 from teamformer.world.continuous.body import RealRobot, turning
 from teamformer.world.continuous.events import Passed
 from teamformer.world.continuous.moving import LOOK, MovingWorld
@@ -66,7 +67,7 @@ class SeekingWorld(MovingWorld):
         """Let a robot rule out the places that it is near to, or find what is there."""
         here = _place_at(self.bodies[robot], self.now, self.is_plane)
         for task in sorted(self.maybe.keys() & self.appeared - self.over.keys()):
-            left = tuple(at for at in self.maybe[task] if math.dist(at, here) > self._radius)
+            left = tuple(at for at in self.maybe[task] if self._sight(at, here) > self._radius)
             if len(left) == len(self.maybe[task]):
                 continue
             cause = self.bodies[robot].since  # the way on which it came near
@@ -77,7 +78,7 @@ class SeekingWorld(MovingWorld):
                 self.tell("found", (robot,), task, cause, place=real)
                 self.note("task found" if real != was else "", tasks=(task,))
             elif was not in left:
-                self.believed[task] = min(left, key=lambda at: math.dist(at, here))
+                self.believed[task] = min(left, key=lambda at: self._way_on(robot, here, at))
                 self.tell("moved", (), task, cause, place=self.believed[task])
             if task not in self.maybe or self.believed[task] != was:
                 heading = (r for r, body in enumerate(self.bodies) if body.task == task)
@@ -100,13 +101,22 @@ class SeekingWorld(MovingWorld):
                 if moment is not None:
                     self.put(moment, LOOK, robot, body.set_out)
 
+    def _sight(self, one: Place, other: Place) -> float:
+        return sight_of(self.mission.world, one, other)
+
+    def _way_on(self, robot: int, here: Place, place: Place) -> float:
+        """Return how far a place is, straight on; on roads how long the way of a robot takes."""
+        if isinstance(self.mission.world, Roads):
+            return self.ways.length(here, place, self.mission.robots[robot].moves)
+        return math.dist(here, place)
+
     def _sights(self, way: tuple[Passed, ...], place: Place) -> Iterator[float]:
         """Yield when somebody on a way comes near to a place, from now on."""
         for before, after in pairwise(way):
             if self.is_plane:
                 moment = _when_near(before, after, place, self._radius)
             else:
-                moment = after.at if math.dist(after.place, place) <= self._radius else math.inf
+                moment = after.at if self._sight(after.place, place) <= self._radius else math.inf
             if self.now < moment < math.inf:
                 yield moment
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -120,6 +121,27 @@ class Ways:
             assert isinstance(self._world, Grid)
             self._fields[goal] = distance_fields(self._world, [goal])[0]
         return self._fields[goal]
+
+
+def way_together(
+    ways: Ways, movers: Sequence[tuple[str, float]], here: Place, goal: Place
+) -> list[Stage]:
+    """Return the places on the way of a load, each with the time there, by the slowest.
+
+    `movers` are how each of those moves who carry it, and its speed. If somebody walks, nobody
+    flies over obstacles.
+    """
+    own = [ways.stages(here, goal, moves) for moves, _ in movers]
+    takes = [
+        way[-1][1] / speed if way else 0.0 for way, (_, speed) in zip(own, movers, strict=True)
+    ]
+    walkers = [n for n, (moves, _) in enumerate(movers) if moves != AIR]
+    slowest = max(walkers or range(len(movers)), key=takes.__getitem__)
+    speed, longest = movers[slowest][1], max(takes)
+    stages = [(place, away / speed) for place, away in own[slowest]]
+    if takes[slowest] in (0.0, longest):
+        return stages
+    return [(place, spent * longest / takes[slowest]) for place, spent in stages]
 
 
 def part_of_way(here: Place, goal: Place, part: float) -> Place:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.shifts import SAME, fits_all
 from teamformer.world.continuous.body import (
     CARRYING,
     FORMING,
@@ -18,6 +19,7 @@ from teamformer.world.continuous.body import (
 from teamformer.world.continuous.events import Passed
 from teamformer.world.continuous.moving import ARRIVE, EXPECT, FINISH
 from teamformer.world.continuous.seeking import SeekingWorld
+from teamformer.world.continuous.ways import way_together
 from teamformer.world.rules.constants import NOBODY
 
 SHORTEST_HOPE = 10
@@ -40,7 +42,7 @@ class WorkingWorld(SeekingWorld):
         real, wanted = self.truth.tasks[task], self.mission.tasks[task]
         carried = self.carried(task, robots)
         end = self.now + (real.duration + carried + real.unload)
-        expected = self.now + (wanted.duration + carried + wanted.unload)
+        expected = self.now + self.believed_time(task, robots)
         place = self.place_of(task)
         number = self.tell("serve", robots, task, cause, place=place, until=expected)
         first = end if real.to is None else self.now + real.duration
@@ -49,6 +51,23 @@ class WorkingWorld(SeekingWorld):
         if wanted.duration < real.duration:
             self.put(self.now + wanted.duration, EXPECT, task, number)
         self.happened.tasks.add(task)
+
+    def believed_time(self, task: int, robots: Sequence[int]) -> float:
+        """Return how long some robots are believed to take for all of a task."""
+        wanted = self.mission.tasks[task]
+        return wanted.duration + self.carried(task, robots) + wanted.unload
+
+    def when_fits(self, task: int, robots: Sequence[int]) -> float:
+        """Return the first moment from which a task fits into a shift of each of some robots."""
+        if not self.rotas:
+            return self.now
+        rotas = [self.rotas[robot] for robot in robots]
+        return fits_all(rotas, self.now, self.believed_time(task, robots))
+
+    def when_forms(self, robots: Sequence[int]) -> float:
+        """Return the first moment from which forming fits into a shift of each of some robots."""
+        rotas = [self.rotas[robot] for robot in robots] if self.rotas else []
+        return fits_all(rotas, self.now, self.mission.forming)
 
     def covers(self, robots: Iterable[int], task: int) -> bool:
         """Say whether robots bring what a task really needs."""
@@ -145,18 +164,9 @@ class WorkingWorld(SeekingWorld):
     def _way_together(
         self, robots: Sequence[int], here: Place, goal: Place
     ) -> list[tuple[Place, float]]:
-        """Return the places on the way of a load, each with the time there, by the slowest.
-
-        If somebody walks, nobody flies over obstacles.
-        """
-        ways = {robot: self.times(robot, here, goal) for robot in robots}
-        takes = {robot: way[-1][1] if way else 0.0 for robot, way in ways.items()}
-        walkers = [robot for robot in robots if not self.truth.robots[robot].flies]
-        slowest = max(walkers or robots, key=takes.__getitem__)
-        own, longest = takes[slowest], max(takes.values())
-        if own in (0.0, longest):
-            return ways[slowest]
-        return [(place, spent * longest / own) for place, spent in ways[slowest]]
+        """Return the places on the way of a load, each with the time there, by the slowest."""
+        real = [self.truth.robots[robot] for robot in robots]
+        return way_together(self.ways, [(it.moves, it.speed) for it in real], here, goal)
 
     def _unload(self, task: int) -> None:
         work, place = self.works[task], self.truth.tasks[task].to
@@ -189,6 +199,19 @@ class WorkingWorld(SeekingWorld):
             self.break_off(task, cause)
         elif work.part == CARRYING:
             self.carry(task, turning(work.way, self.now, self.is_plane), work.event)
+
+    def knock_off(self, robot: int) -> None:
+        """Let a shift of a robot end; whatever it is at work on breaks off if it is not done."""
+        number = self.bodies[robot].since = self.tell("rests", (robot,), NOBODY, NOBODY)
+        task = self.bodies[robot].work
+        if task != NOBODY and self.works[task].all_done > self.now + SAME * max(1.0, self.now):
+            self.break_off(task, number)
+        self.note(robots=(robot,))
+
+    def begin_shift(self, robot: int) -> None:
+        """Let a shift of a robot begin."""
+        self.bodies[robot].since = self.tell("works", (robot,), NOBODY, NOBODY)
+        self.note(robots=(robot,))
 
     def break_off(self, task: int, cause: int) -> None:
         """Let a team leave its work; a load lies where it was passing last."""

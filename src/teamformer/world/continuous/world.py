@@ -11,6 +11,7 @@ import copy
 import heapq
 from collections.abc import Iterator
 
+from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.world.continuous.body import turning
@@ -19,21 +20,26 @@ from teamformer.world.continuous.moving import (
     ARRIVE,
     BRING_BACK,
     CALL_OFF,
+    CLOSE,
     EXPECT,
     FINISH,
     LOOK,
     LOSE,
     OPEN,
+    REST,
     WAKE,
+    WORK,
     Entry,
     Happened,
 )
+from teamformer.world.continuous.reasons import why_left_out
 from teamformer.world.continuous.working import WorkingWorld
 from teamformer.world.rules.constants import NOBODY
 
 COPIED = (
     "over",
     "done",
+    "missed",
     "started",
     "served_by",
     "appeared",
@@ -69,6 +75,8 @@ class PhysicalWorld(WorkingWorld):
         """Go to the next moment and let all happen that is due then."""
         self.now = self._reached = self.next_time
         while self.next_time <= self.now:
+            if self.agenda[0][1] == CLOSE and self.happened:
+                break  # what follows from the rest of the moment is done before
             _, what, which, stamp = heapq.heappop(self.agenda)
             self._let_happen(what, which, stamp)
         return self.take_happened()
@@ -77,8 +85,18 @@ class PhysicalWorld(WorkingWorld):
         """Put on the agenda what comes from outside and has not happened."""
         self.agenda += [entry for entry in self._from_outside() if entry[0] > self._reached]
         heapq.heapify(self.agenda)
+        for robot in range(len(self.bodies)):
+            self._put_next_border(robot, self._reached)
+
+    def _put_next_border(self, robot: int, after: float) -> None:
+        """Put on the agenda when the next shift of a robot begins or ends."""
+        border = self.truth.robots[robot].rota.next_border(after)
+        if border is not None:
+            self.put(border[0], WORK if border[1] else REST, robot, NOBODY)
 
     def _from_outside(self) -> Iterator[Entry]:
+        if self.mission.until is not None:
+            yield self.mission.until, CLOSE, NOBODY, NOBODY
         for number, robot in enumerate(self.truth.robots):
             for away in robot.absences:
                 yield away.lost, LOSE, number, NOBODY
@@ -126,8 +144,19 @@ class PhysicalWorld(WorkingWorld):
             self.expect_anew(which)
         elif what == LOOK:
             self.look_around(which)
+        elif what == CLOSE:
+            self._close()
+        elif what in (REST, WORK):
+            self._pass_border(which, begins=what == WORK)
         else:
             self.note(tasks=(which,))
+
+    def _pass_border(self, robot: int, begins: bool) -> None:
+        """Let a shift of a robot begin or end, and the next one at once if they touch."""
+        (self.begin_shift if begins else self.knock_off)(robot)
+        if not begins and self.truth.robots[robot].rota.is_at_work(self.now):
+            self.begin_shift(robot)
+        self._put_next_border(robot, self.now)
 
     def _lose(self, robot: int) -> None:
         body = self.bodies[robot]
@@ -135,8 +164,9 @@ class PhysicalWorld(WorkingWorld):
             return
         stub = turning(body.way, self.now, self.is_plane)
         if body.work == NOBODY:
-            self.stop_walking(body)
-        body.way, body.rest = stub, stub[-1].at - self.now
+            self.stop_walking(robot)
+        rota = self.truth.robots[robot].rota
+        body.way, body.rest = stub, rota.worked(self.now, stub[-1].at)
         body.is_lost, body.task = True, NOBODY
         number = self.tell("lost", (robot,), NOBODY, NOBODY, place=stub[-1].place)
         body.since = number
@@ -151,7 +181,8 @@ class PhysicalWorld(WorkingWorld):
         place = body.way[-1].place
         number = body.since = self.tell("back", (robot,), NOBODY, NOBODY, place=place)
         if body.is_walking:
-            shift = self.now + body.rest - body.way[-1].at
+            is_there = self.truth.robots[robot].rota.walked(self.now, body.rest)
+            shift = is_there - body.way[-1].at
             self.stand(robot, tuple(p._replace(at=p.at + shift) for p in body.way), number)
         self.note("robot back", robots=(robot,))
 
@@ -160,3 +191,19 @@ class PhysicalWorld(WorkingWorld):
         if task in self.works:
             self.break_off(task, number)
         self.note("task cancelled", tasks=(task,))
+
+    def _close(self) -> None:
+        """Let all be missed that is not done, but for what ends at this very moment."""
+        for task in range(len(self.truth.tasks)):
+            work = self.works.get(task)
+            ends_now = work is not None and work.is_service and is_in_time(work.all_done, self.now)
+            if task not in self.over and not ends_now:
+                self.miss(task, "under way" if task in self.works else why_left_out(self, task))
+
+    def miss(self, task: int, why: str) -> None:
+        """Let a task be missed: it is not done any more. Why is a word of `WHY_MISSED`."""
+        number = self.over[task] = self.tell("missed", (), task, NOBODY, why=why)
+        self.missed.append(task)
+        if task in self.works:
+            self.break_off(task, number)
+        self.note(tasks=(task,))

@@ -6,9 +6,11 @@ The plain rule: plans are timed by it, and whoever carries one out foresees by i
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
+
+from teamformer.mission.parts.shifts import Rota, fits_all
 
 SAME = 1e-5
 """By such a share of all time starts may go on to change, as times are rounded."""
@@ -43,6 +45,17 @@ class StartRules:
     before: Mapping[int, Sequence[int]]  # by task, if there are any: those that must have ended
     gaps: Sequence[Gap] = ()
     forming: float = 0.0  # what a coalition takes whose robots do not come from one site
+    rotas: Sequence[Rota] = ()  # by robot: when it works; empty where all always do
+
+    def arrival(self, robot: int, left: float, way: float) -> float:
+        """Return when a robot is there that sets out at a time and walks so long."""
+        return self.rotas[robot].walked(left, way) if self.rotas else left + way
+
+    def fitted(self, robots: Iterable[int], earliest: float, takes: float) -> float:
+        """Return the first moment from which something fits into a shift of each of some robots."""
+        if not self.rotas or math.isinf(earliest):
+            return earliest
+        return fits_all([self.rotas[robot] for robot in robots], earliest, takes)
 
 
 class Visit(NamedTuple):
@@ -103,15 +116,16 @@ def time_tasks(
 def _ready(rules: StartRules, timed: Timed, task: int, came: Sequence[tuple[int, int]]) -> float:
     """Return when a task can start, but for its links."""
     arrive = [_visit(rules, timed, task, *one).arrive for one in came]
-    ready = max(rules.release[task], *arrive)
+    ready, robots = max(rules.release[task], *arrive), [robot for robot, _ in came]
     if rules.forming and len({rules.site(*one) for one in came}) > 1:
-        ready = max(ready, max(arrive) + rules.forming)
-    return max([ready, *(timed.end(other) for other in rules.before.get(task, ()))])
+        ready = max(ready, rules.fitted(robots, max(arrive), rules.forming) + rules.forming)
+    ready = max([ready, *(timed.end(other) for other in rules.before.get(task, ()))])
+    return rules.fitted(robots, ready, timed.takes[task])
 
 
 def _visit(rules: StartRules, timed: Timed, task: int, robot: int, before: int) -> Visit:
     left = rules.free[robot] if before == FIRST else timed.end(before)
-    return Visit(robot, before, left + rules.way(robot, before, task))
+    return Visit(robot, before, rules.arrival(robot, left, rules.way(robot, before, task)))
 
 
 def _differs(was: Mapping[int, float], now: Mapping[int, float]) -> bool:

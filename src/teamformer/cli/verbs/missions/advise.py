@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 from rich.table import Table
 from rich.text import Text
 
-from teamformer.base.errors import Problem, TeamformerError
+from teamformer.base.errors import TeamformerError
 from teamformer.cli.terminal.compiling import compile_ahead
 from teamformer.cli.terminal.console import TimeBar, out, prepare_file, print_json, processors, say
 from teamformer.cli.terminal.interruption import Interruption
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import default_for, load_method
-from teamformer.mission.checks.rules import rules_not_played
+from teamformer.mission.checks.rules import rules_not_advised
 from teamformer.mission.model import Mission
 from teamformer.trials.advice.advise import advise_on
 from teamformer.trials.advice.changes import FEWER
@@ -26,7 +25,7 @@ MOST_LINES = 15
 
 def advise(path: Path, page: Path | None, time_limit: float, as_json: bool) -> int:
     """Measure what would help a mission and show it; return the exit status."""
-    mission = read_mission(path, _rules_not_advised_on)
+    mission = read_mission(path, rules_not_advised)
     if page is not None:
         if page.suffix.lower() not in (".html", ".htm"):
             raise TeamformerError(f"{page}: the advice is a page", "name a file that ends in .html")
@@ -46,11 +45,6 @@ def advise(path: Path, page: Path | None, time_limit: float, as_json: bool) -> i
         count = len(advice.unmeasured)
         say(f"there was no time for {count} changes; a longer --time-limit measures more")
     return 0
-
-
-def _rules_not_advised_on(mission: Mission) -> Iterator[Problem]:
-    if mission.time != "continuous":
-        yield from rules_not_played(mission)
 
 
 def _prepare(mission: Mission) -> None:

@@ -21,7 +21,7 @@ from teamformer.mission.checks.rules import rules_not_run
 from teamformer.mission.model import Mission
 from teamformer.record.files.writing import record_to_tree, save_record
 from teamformer.record.record import Record
-from teamformer.record.task_times import cost_of_record, lateness
+from teamformer.record.task_times import cost_of_record, lateness, missed_weight
 from teamformer.trials.comparison import (
     IN_CONTINUOUS_TIME,
     Comparison,
@@ -184,6 +184,8 @@ def _extra_cells(mission: Mission, record: Record | None) -> dict[str, str]:
     if any(task.between for task in mission.tasks):
         late = {} if record is None else lateness(record)
         cells["late"] = f"{len(late)} by {sum(late.values()):g}" if late else "-"
+    if mission.until is not None:
+        cells["missed"] = "" if record is None else f"{missed_weight(record):g}"
     if any(task.starts for task in mission.tasks):
         broken = 0 if record is None else len(record.end.broken_links)
         cells["links not kept"] = str(broken) if broken else "-"

@@ -70,6 +70,8 @@ def _show(made: PlannedMission, row: Mapping[str, Any]) -> None:
     out.print(over, markup=False)
     for task, by in row["late"].items():
         out.print(f"late: {task} by {by:g}", markup=False)
+    if row.get("missed"):
+        out.print(f"left out: {', '.join(row['missed'])}", markup=False)
     ends_home = made.mission.ends is not None
     table = Table("robot", "tasks: start to end", *(["back"] if ends_home else []), box=None)
     routes = row["routes"]
@@ -85,12 +87,14 @@ def _show(made: PlannedMission, row: Mapping[str, Any]) -> None:
 
 
 def _known(row: Mapping[str, Any]) -> str:
-    """Say what no makespan is below; that of a plan with a cost is not meant to come near it."""
-    if row["bound"] <= 0:
-        return ""
-    if "cost" in row:
-        return f"; no plan can take less than {row['bound']:g}"
+    """Say what no plan is better than, by its cost if that is known and else by its makespan."""
     if row["proven"]:
         return "; no plan is better"
+    if row.get("least_cost", 0.0) > 0:
+        gap = 100 * (row["cost"] / row["least_cost"] - 1)
+        return f"; no plan can cost less than {row['least_cost']:g} (+{gap:.1f}%)"
+    if row["bound"] <= 0:
+        return ""
     gap = 100 * (row["makespan"] / row["bound"] - 1)
-    return f"; no plan can take less than {row['bound']:g} (+{gap:.1f}%)"
+    above = "" if "cost" in row else f" (+{gap:.1f}%)"
+    return f"; no plan can take less than {row['bound']:g}{above}"

@@ -29,12 +29,13 @@ from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.reasons import story_lines
 from teamformer.record.record import Record
-from teamformer.record.task_times import cancelled_steps, cost_of_record, lateness
+from teamformer.record.task_times import cancelled_steps, cost_of_record, lateness, missed_tasks
 from teamformer.record.teams import completions
 from teamformer.record.telling.whole import path_of_record
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.rows import bars_of, result_row, seconds_of
 from teamformer.trials.trial import PlayedTrial, bound_of, run_trial
+from teamformer.world.continuous.events import WHY_MISSED
 from teamformer.world.env import Tally
 
 LONGEST_TABLE = 40  # tasks
@@ -185,6 +186,7 @@ def _show(trial: PlayedTrial) -> None:
         out.print(plan_line(trial.plan))
     called_off = len(cancelled_steps(record))
     gone = f", {called_off} called off" if called_off else ""
+    gone += f", {len(end.missed)} missed" if end.missed else ""
     what = f"{end.tasks_done} of {len(mission.tasks)} tasks{gone}"
     out.print(f"{what}, {_counted(record)}")
     compiled = trial.compiling_seconds
@@ -229,8 +231,9 @@ def _verdict_in_time(record: Record) -> str:
     """Return how a mission in continuous time ended, in its unit."""
     end, bound = record.end, record.lower_bound
     if end.makespan is not None:
-        what = "all done or called off" if cancelled_steps(record) else "all done"
-        done = f"{what} after {end.makespan:g}"
+        ways = [*(["called off"] if cancelled_steps(record) else [])]
+        ways += ["missed"] if end.missed else []
+        done = f"{' or '.join(['all done', *ways])} after {end.makespan:g}"
         if not bound:
             return done
         ratio = 100 * (end.makespan / bound - 1)
@@ -239,7 +242,15 @@ def _verdict_in_time(record: Record) -> str:
         return f"given up at {record.length:g}: {', '.join(end.blocked_tasks)} can never be done"
     if end.status == "interrupted":
         return f"interrupted at {record.length:g}"
+    if end.status == "too late":
+        return f"too late at {record.length:g}: {', '.join(_failed(record))} must be done"
     return f"not done within the limit of {record.length:g}"
+
+
+def _failed(record: Record) -> list[str]:
+    """Return the tasks that must be done and were missed."""
+    tasks = record.true_mission.tasks
+    return [tasks[task].name for task in missed_tasks(record) if not tasks[task].optional]
 
 
 def _task_table(record: Record) -> Table:
@@ -255,11 +266,13 @@ def _task_table(record: Record) -> Table:
         needs = describe(mission.tasks[task].needs)
         names = _names(mission, robots)
         table.add_row(f"{step:g}", Text(mission.tasks[task].name), Text(needs), Text(names))
-    cancelled = cancelled_steps(record)
+    cancelled, missed = cancelled_steps(record), missed_tasks(record)
     for task in sorted(undone):
         needs = describe(mission.tasks[task].needs)
         at = "at" if record.is_continuous else "in step"
         why = f"called off {at} {cancelled[task]:g}" if task in cancelled else ""
+        if task in missed:
+            why = f"missed: {WHY_MISSED[missed[task][1]]}"
         table.add_row("-", Text(mission.tasks[task].name), Text(needs), why)
     return table
 

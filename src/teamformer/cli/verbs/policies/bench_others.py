@@ -34,8 +34,7 @@ from teamformer.bench.others.results import Result, measure, result_of
 from teamformer.bench.peers.names import LIBRARIES, PEERS
 from teamformer.bench.peers.peer_plan import OutOfReachError
 from teamformer.cli.terminal.console import Counting, prepare_folder, say, wide
-from teamformer.mission.checks.links import is_linked
-from teamformer.planning.continuous.rules import KNOW_COSTS, PLANNERS, warm_up
+from teamformer.planning.continuous.rules import PLANNERS, warm_up
 
 ROWS, REPORT = "rows.jsonl", "report.md"
 
@@ -74,7 +73,6 @@ def bench_others(
     as_json: bool,
 ) -> int:
     """Measure and show; return the exit status."""
-    is_asked = bool(methods)
     methods = methods or tuple(PLANNERS)
     for method in methods:
         if method not in (*PLANNERS, *LEARNED, *PEERS) and not Path(method).is_dir():
@@ -83,8 +81,6 @@ def bench_others(
         if method in LIBRARIES:
             require("peers", LIBRARIES[method])
     instances, reported = asked.instances(), asked.reported()
-    if not is_asked and any(is_linked(instance.mission) for instance in instances):
-        methods = KNOW_COSTS
     if folder is not None:
         prepare_folder(folder)
     known = [] if folder is None else _rows_in(folder / ROWS)

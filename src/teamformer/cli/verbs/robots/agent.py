@@ -47,7 +47,7 @@ def agent(path: Path, options: AgentOptions) -> int:
     facts = FactsFile(options.facts, mission.number, robot) if options.facts else None
     if facts is not None:
         facts.read()  # a broken file is told before anything moves
-    check_method(options.method)
+    check_method(options.method, mission)
     make_body = body_maker(options.body)
     say(f"{options.robot}: making the first plan ...")
     plan = first_plan(mission, planner_of(options.method))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.extras import require
 from teamformer.cli.terminal.console import say
-from teamformer.files.mission_files import read_mission
+from teamformer.files.mission_files import Finder, read_mission
 from teamformer.mission.checks.rules import rules_of_fleets
 
 if TYPE_CHECKING:
@@ -34,8 +34,10 @@ SILENCE = 2.0
 """Seconds without an answer after which that is said."""
 
 
-def read_fleet_mission(path: Path, *libraries: str) -> FleetMission:
-    """Read a mission as a fleet's agents have it.
+def read_fleet_mission(
+    path: Path, *libraries: str, refuse: Finder = rules_of_fleets
+) -> FleetMission:
+    """Read a mission as a fleet's agents have it, unless there is something to `refuse`.
 
     Raises `TeamformerError` for what is wrong with the file, and if msgspec or one of the
     `libraries` is not installed.
@@ -43,15 +45,20 @@ def read_fleet_mission(path: Path, *libraries: str) -> FleetMission:
     require("fleet", "msgspec", *libraries)
     from teamformer.fleet.fleet_mission import FleetMission
 
-    mission = read_mission(path, rules_of_fleets)
+    mission = read_mission(path, refuse)
     return FleetMission(mission, mission.seconds_a_step)
 
 
-def check_method(name: str) -> None:
-    """Refuse a method by which no robot could decide."""
-    from teamformer.fleet.methods import policy_of
+def check_method(name: str, mission: FleetMission) -> None:
+    """Refuse a method by which no robot could decide, or not in the mission's time."""
+    from teamformer.fleet.methods import PLAN, policy_of
+    from teamformer.trials.continuous_trial import coordinator_of
 
     policy_of(name, 0)
+    if name != PLAN and mission.source.time == "continuous":
+        from teamformer.methods.by_name import load_method
+
+        coordinator_of(load_method(name), mission.source)
 
 
 def dial_as_operator(mission: FleetMission, fleet: FleetAt) -> tuple[ZenohTransport, Post]:

@@ -22,6 +22,7 @@ from teamformer.cli.terminal.foxglove import check_foxglove, play_in_foxglove
 from teamformer.cli.terminal.interruption import Interruption
 from teamformer.cli.terminal.recorded import write_and_say
 from teamformer.cli.verbs.robots.mesh import check_method, read_fleet_mission
+from teamformer.mission.checks.rules import rules_of_rehearsals
 
 MOST_SHOWN = 10
 """Failing schedules that are told one by one."""
@@ -41,7 +42,7 @@ class RehearseOptions:
 
 def rehearse(path: Path, options: RehearseOptions, as_json: bool) -> int:
     """Rehearse, judge and sum up; return 0 if every promise was kept and nothing blocked."""
-    mission = read_fleet_mission(path)
+    mission = read_fleet_mission(path, refuse=rules_of_rehearsals)
     from teamformer.fleet.rehearsal.rehearse import set_stage
 
     if options.folder is not None:
@@ -52,7 +53,7 @@ def rehearse(path: Path, options: RehearseOptions, as_json: bool) -> int:
         if options.schedule is None:
             raise TeamformerError("--foxglove is for one schedule", "say which with --schedule K")
         check_foxglove(options.foxglove)
-    check_method(options.method)
+    check_method(options.method, mission)
     stage = set_stage(mission, options.method)
     if stage.undisturbed.status == "blocked":
         names = ", ".join(stage.undisturbed.blocked_tasks)
@@ -137,7 +138,7 @@ def _show(row: dict[str, Any], bad: list[Any], options: RehearseOptions) -> None
 
 def _play_again(stage: Any, options: RehearseOptions, schedule: int, as_json: bool) -> int:
     """Play one schedule again, and write its record and page where asked."""
-    from teamformer.fleet.rehearsal.record import record_of
+    from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
     from teamformer.fleet.rehearsal.rehearse import faults_of, play
     from teamformer.fleet.rehearsal.trace import Trace
 

@@ -29,7 +29,7 @@ def start(path: Path, options: StartOptions, as_json: bool) -> int:
     mission = read_fleet_mission(path, "zenoh")
     from teamformer.fleet.process.fleet import LocalFleet
 
-    check_method(options.method)
+    check_method(options.method, mission)
     fleet = LocalFleet(mission, say, options.method, options.keys)
     with Interruption():
         result = fleet.run(options.time_limit)

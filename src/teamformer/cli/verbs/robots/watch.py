@@ -64,6 +64,8 @@ def _observe(
     """Return the session of a running fleet."""
     from teamformer.fleet.observer.session import ObserverSession
     from teamformer.fleet.observer.watch import Watch
+    from teamformer.fleet.observer.watch_in_time import WatchInTime
 
     transport, post = dial_as_operator(mission, fleet)
-    return ObserverSession(Watch(mission), transport, post, folder, say, on_alerts)
+    watch = Watch(mission) if mission.source.time == "steps" else WatchInTime(mission)
+    return ObserverSession(watch, transport, post, folder, say, on_alerts)

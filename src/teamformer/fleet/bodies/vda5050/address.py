@@ -14,7 +14,7 @@ from teamformer.fleet.bodies.vda5050.dialect import DIALECTS, VERSIONS, Dialect
 HINT = "write vda5050:mqtt://USER:PASSWORD@HOST:PORT/INTERFACE/MANUFACTURER/SERIAL?map=ID"
 PORTS = {"mqtt": 1883, "mqtts": 8883}
 FILES = ("ca", "certificate", "key")
-KEYS = ("map", "version", *FILES)
+KEYS = ("map", "version", "layout", *FILES)
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,7 @@ class Address:
 
     With TLS, `ca` names the file of the authority that signed the broker's certificate, if that is
     none of the system's; `certificate` and `key` name those of this end, if the broker asks.
+    `layout` names a file in the Layout Interchange Format with the nodes and edges of roads.
     """
 
     host: str
@@ -38,6 +39,7 @@ class Address:
     ca: str | None = None
     certificate: str | None = None
     key: str | None = None
+    layout: str | None = None
 
     @property
     def broker(self) -> str:

@@ -1,8 +1,9 @@
 """A vehicle that speaks VDA5050 over MQTT: commands become orders, states become reports.
 
-A leg is an order of two nodes, where the vehicle is and where it is to go; it is sent again until
-the vehicle's state shows it, and the order before is cancelled first. Serving is an instant action.
-Its part of the task is over when the vehicle has finished that action.
+A leg is an order of two nodes, where the vehicle is and where it is to go, on roads of all nodes on
+the way. It is sent again until the vehicle's state shows it, and the order before is cancelled
+first. Serving is an instant action. Its part of the task is over when the vehicle has finished
+that action.
 
 A load is an order of its own: `pick` where the vehicle is, the way at the pace of its team, and
 `drop` where the load is to be brought. Its part is over when the vehicle has dropped it. If it is
@@ -24,6 +25,7 @@ from typing import Any
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.vda5050.address import read_address
 from teamformer.fleet.bodies.vda5050.broker import Broker
+from teamformer.fleet.bodies.vda5050.graph import graph_of
 from teamformer.fleet.bodies.vda5050.orders import Action, OrderStop, Way, action_of, order_of
 from teamformer.fleet.bodies.vda5050.service import DROP, NEAR, SET_DOWN, ServiceTry, begin
 from teamformer.fleet.bodies.vda5050.state import FAILED, FINISHED, State
@@ -49,7 +51,8 @@ class Vda5050Body:
         self._name = mission.source.robots[robot].name
         self._tasks = {task.key: task for task in mission.tasks}
         self._lock = threading.Lock()
-        self._watch = VehicleWatch(address, self._say)
+        self._graph = graph_of(mission, robot, address.layout)
+        self._watch = VehicleWatch(address, self._say, self._graph)
         self._report: Report | None = None
         self._command = Command()
         self._run = f"{robot}-{time.time_ns() // 1_000_000:x}"  # so that no order is an earlier one
@@ -199,7 +202,8 @@ class Vda5050Body:
         elif self._state.is_driving:
             self._once(CANCEL, self._cancel)
         else:
-            way = Way(self._map, self._state.last_node, self._dialect.deviation, limits)
+            begins, deviation = self._state.last_node, self._dialect.deviation
+            way = Way(self._map, begins, deviation, limits, self._graph)
             content = order_of(order, stops, way)
             self._once(what, lambda: self._broker.publish("order", content))
 
@@ -239,7 +243,8 @@ class Vda5050Body:
         goal = self._command.place
         if self._is_bringing() and self._load is not None:
             goal = self._load.to if self._has_served() else None
-        if goal is None or self._state.is_driving or not self._is_on_it():
+        is_off = goal is None or self._state.is_driving or not self._is_on_it()
+        if self._graph is not None or goal is None or is_off:
             return at
         return goal if math.dist(at, goal) <= NEAR else at
 
@@ -255,7 +260,9 @@ class Vda5050Body:
     def _way(self) -> str:
         """Return where the vehicle is to go, in words."""
         goal = self._command.place
-        return "go nowhere" if goal is None else f"go to {goal[0]:g}, {goal[1]:g}"
+        if goal is None:
+            return "go nowhere"
+        return f"go to {self._graph.node(goal) if self._graph else f'{goal[0]:g}, {goal[1]:g}'}"
 
     @property
     def _load(self) -> TaskFact | None:

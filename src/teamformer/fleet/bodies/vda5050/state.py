@@ -59,6 +59,17 @@ class State:
         return str(self.content.get("lastNodeId") or "start")
 
     @property
+    def next_node(self) -> str:
+        """Return the next node of its order; nothing after the last."""
+        ahead = (str(each.get("nodeId")) for each in _records(self.content, "nodeStates"))
+        return next((node for node in ahead if node != self.last_node), "")
+
+    @property
+    def is_moving(self) -> bool:
+        """Say whether it says that it drives just now."""
+        return self.content.get("driving") is True
+
+    @property
     def is_driving(self) -> bool:
         """Say whether anything of its order is ahead."""
         return bool(self.content.get("nodeStates") or self.content.get("edgeStates"))

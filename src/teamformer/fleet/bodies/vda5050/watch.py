@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from teamformer.fleet.bodies.vda5050.address import Address
+from teamformer.fleet.bodies.vda5050.graph import RoadGraph
 from teamformer.fleet.bodies.vda5050.state import State
 from teamformer.mission.parts.grid import Place
 
@@ -18,10 +19,12 @@ AWAY = 40.0
 class VehicleWatch:
     """Takes in what a vehicle says, and tells once what keeps orders from it."""
 
-    def __init__(self, address: Address, tell: Callable[[str], None]) -> None:
+    def __init__(
+        self, address: Address, tell: Callable[[str], None], graph: RoadGraph | None = None
+    ) -> None:
         self.taken = 0  # states
         self.state = State({}, address.dialect)
-        self._address, self._tell = address, tell
+        self._address, self._tell, self._graph = address, tell, graph
         self._is_off = False
         self._trouble = ""
         self._heard = self._known = time.monotonic()  # when it last spoke, and said a place
@@ -32,12 +35,20 @@ class VehicleWatch:
         return time.monotonic() - self._known > AWAY
 
     def place(self) -> Place | None:
-        """Return where on its map the vehicle is; None before it says so, or if it is elsewhere."""
+        """Return where on its map the vehicle is; None before it says so, or if it is elsewhere.
+
+        On roads that is a place, or the next one and the seconds until then.
+        """
         trouble = self._find_trouble()
         if trouble != self._trouble:
             self._tell(f"the vehicle {trouble or 'is there again'}")
             self._trouble = trouble
-        return None if trouble else self.state.place
+        return None if trouble else self._located()
+
+    def _located(self) -> Place | None:
+        if self._graph is None:
+            return self.state.place
+        return self._graph.locate(self.state, time.monotonic())
 
     def take(self, topic: str, content: Mapping[str, Any]) -> Place | None:
         """Take in a connection or a state; return the place of a state."""
@@ -64,9 +75,9 @@ class VehicleWatch:
             return "is off line"
         if not state.content:
             return ""
-        if state.place is None:
+        if self._located() is None:
             return "does not know where it is"
-        if state.map not in (None, own):
+        if self._graph is None and state.map not in (None, own):
             return f"is on map '{state.map}', not on '{own}', and gets no orders"
         is_silent = time.monotonic() - self._heard > AWAY
         return f"has said nothing for {AWAY:g} s" if is_silent else ""

@@ -16,9 +16,15 @@ import numpy.typing as npt
 
 from teamformer.base.array_types import Array, Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.dispatch.coalition_choice import arrival
-from teamformer.planning.dispatch.first_plan import is_ready
-from teamformer.planning.dispatch.futures import Calls, call, empty_calls, have_done, leg_of
+from teamformer.planning.dispatch.futures import (
+    Calls,
+    arrival,
+    call,
+    empty_calls,
+    have_done,
+    is_ready,
+    leg_of,
+)
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.problem.schedule import released
 

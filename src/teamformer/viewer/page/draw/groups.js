@@ -82,6 +82,7 @@ export const ACTIVITY_COLOURS = {
   serves: "good",
   done: "good",
   idle: "lost",
+  off: "lost",
   told: "lost",
   leaves: "lost",
 };

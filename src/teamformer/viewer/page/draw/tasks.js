@@ -125,11 +125,12 @@ function isCovered(/** @type {View} */ { places, sites }, task) {
 }
 
 // Around where a task may be that nobody has found, a circle; the square is where it is believed.
+// On roads there is none, as nothing lies around a place.
 export function drawRegions(/** @type {View} */ view) {
   const { ctx, history, mission, scene, camera } = view;
   mission.tasks.forEach(({ around, within }, task) => {
     const isHidden = ["hidden", "cancelled"].includes(standingOf(history, task, scene.step));
-    if (isHidden || history.foundAt[task] <= scene.step) return;
+    if (isHidden || history.foundAt[task] <= scene.step || mission.world.roads) return;
     ctx.beginPath();
     ctx.arc(camera.x(around[0]), camera.y(around[1]), (within + 0.5) * camera.cell, 0, 2 * Math.PI);
     fillAs(ctx, taskColour(task, view.isDark), 0.06);

@@ -276,13 +276,15 @@ export class LiveApp extends App {
     const { last, mission, isContinuous } = this.history;
     const { name, cancelled } = mission.tasks[task];
     const isCalledOff = !isContinuous && cancelled <= last + 1;
-    if (this.state.isFleet || isOver(this.history, task, last) || isCalledOff) return [];
+    if (isOver(this.history, task, last) || isCalledOff) return [];
     const incident = { cancelled: name };
+    const callOff = this.askTwice(`call off ${task}`, `Call ${name} off`, "Keep it", incident);
+    if (this.state.isFleet) return [element("div", { class: "acts" }, ...callOff)];
     return [
       element(
         "div",
         { class: "acts" },
-        ...this.askTwice(`call off ${task}`, `Call ${name} off`, "Keep it", incident),
+        ...callOff,
         act("What would that gain?", () => this.panel.weigh(incident), `weigh task ${task}`),
       ),
       ...(mission.cost ? [this.weightForm(task)] : []),

@@ -36,6 +36,7 @@ export const ACTIVITIES = {
   forms: "forming a team",
   "leads home": "on the way to where they stop",
   idle: "without assignment",
+  off: "off its shift",
 };
 
 function overview(/** @type {App} */ app) {
@@ -154,6 +155,7 @@ function placeText(/** @type {TrialHistory} */ history, task, step) {
   const site = sitesAt(history, step)[task];
   const at = describePlace(world, site.at);
   if (history.foundAt[task] <= step) return loadPlaceText(history, task, at, site.isUp);
+  if (world.roads) return `At most ${Number(within.toFixed(3))} from ${describePlace(world, around)}, believed at ${at}`;
   return `Within ${describeWay(world, within)} of ${describePlace(world, around)}, believed at ${at}`;
 }
 

@@ -37,6 +37,7 @@ export function framesOfEvents(/** @type {any} */ recorded, tick = tickFor(lengt
     told: readTold({ ...recorded, told: toldInTicks(recorded.told, tick) }, mission),
     doneAt: [...none],
     overAt: [...none],
+    missed: new Map(),
     doers: mission.tasks.map(() => []),
     shownAt: mission.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
     foundAt: mission.tasks.map(({ within }) => (within ? Infinity : 0)),
@@ -207,6 +208,11 @@ function take(history, event) {
     case "cancel":
       history.overAt[task] = at;
       tell("cancelled");
+      return;
+    case "missed":
+      history.overAt[task] = at;
+      history.missed.set(task, event.why);
+      tell("missed", { why: event.why });
       return;
     case "know":
       history.shownAt[task] = at;

@@ -37,6 +37,7 @@ function framesOfSteps(recorded) {
     told: readTold(record, mission),
     doneAt: mission.tasks.map(() => Infinity),
     overAt: mission.tasks.map(({ cancelled }) => cancelled), // the step in which it is done or called off
+    missed: new Map(), // why tasks are missed
     doers: mission.tasks.map(() => []), // the robots of the team that did it
     shownAt: mission.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
     foundAt: mission.tasks.map(({ within }) => (within ? Infinity : 0)),

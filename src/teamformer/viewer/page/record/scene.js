@@ -5,7 +5,7 @@ import { exact, missing } from "./counts.js";
 import { isLost, needsAt, sitesAt, stateShown } from "./history.js";
 import { isSamePlace } from "./plane.js";
 import { NOBODY } from "./state.js";
-import { FORMING, IDLE, LOST, WAITING, WALKING, runAfter, serviceAfter } from "./told.js";
+import { FORMING, IDLE, LOST, OFF, WAITING, WALKING, runAfter, serviceAfter } from "./told.js";
 
 const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"];
 
@@ -77,7 +77,7 @@ export function newsIn(/** @type {TrialHistory} */ { events }, step) {
 }
 
 // What a team is about, in one word: serves, done, waits, walks or idle; told and leaves, see `whatComes`;
-// and in continuous time forms, and leads home for one that walks to where it stops.
+// and in continuous time forms, off outside its shifts, and leads home for one that walks to where it stops.
 function activityOf(/** @type {World} */ world, /** @type {Team} */ team) {
   if (team.service) return "serves";
   if (team.justDone !== NOBODY) return "done";
@@ -91,6 +91,7 @@ function activityToldOf(/** @type {TrialHistory} */ history, /** @type {Team} */
   if (phase === WALKING) return task === NOBODY ? "leads home" : "walks";
   if (phase === FORMING) return "forms";
   if (phase === WAITING) return "waits";
+  if (phase === OFF) return "off";
   return phase === IDLE ? (team.justDone === NOBODY ? "idle" : "done") : "serves";
 }
 
@@ -123,7 +124,7 @@ export function standingOf(/** @type {TrialHistory} */ history, task, step) {
   return isBlocked ? "blocked" : "open";
 }
 
-// Whether a task is done or called off.
+// Whether a task is done, called off or missed.
 export function isOver(/** @type {TrialHistory} */ { overAt }, task, step) {
   return overAt[task] <= step;
 }

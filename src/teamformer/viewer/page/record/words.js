@@ -70,6 +70,8 @@ export function describeDoing(/** @type {TrialHistory} */ history, /** @type {Te
       return "is lost with the next step";
     case "idle":
       return "has no assignment";
+    case "off":
+      return "is off its shift";
     case "forms":
       return `forms a team for ${name}`;
     case "leads home":
@@ -169,6 +171,7 @@ export function describeStanding(/** @type {TrialHistory} */ history, task, /** 
       if (!history.doers[task].length) return `done by ${describeMoment(mission.world, history.doneAt[task])}, not known by whom`;
       return `done ${describeWhen(mission.world, history.doneAt[task])}${describeLateness(history, task)}`;
     case "cancelled":
+      if (history.missed.has(task)) return `missed: ${history.missed.get(task)}`;
       return `called off ${describeWhen(mission.world, cancelled)}`;
     case "served": {
       if (sitesAt(history, step)[task].isUp) return "being carried";
@@ -211,6 +214,8 @@ function eventText(/** @type {TrialHistory} */ history, /** @type {HistoryEvent}
       return `${task} appears`;
     case "cancelled":
       return `${task} is called off`;
+    case "missed":
+      return `${task} is missed: ${event.why}`;
     case "shown":
       return `${task} needs ${describeCounts(mission, mission.tasks[event.task].needs)}, as it turns out`;
     case "found":
@@ -250,6 +255,7 @@ function describeEnd(/** @type {TrialHistory} */ { end, mission }) {
   return {
     completed: `completed, makespan ${makespan}`,
     "step limit": "stopped at the step limit",
+    "too late": "stopped: a task that must be done was missed",
     infeasible: `stopped: ${blocked} can never be done`,
     interrupted: "interrupted",
   }[end.status];

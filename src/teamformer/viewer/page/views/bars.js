@@ -4,7 +4,7 @@ import { taskColour } from "../draw/palette.js";
 import { fillAs, strokeAs, traceLine, write } from "../draw/shapes.js";
 import { describeMoment, percent } from "../record/lengths.js";
 import { NOBODY } from "../record/state.js";
-import { IDLE, LOST, WAITING } from "../record/told.js";
+import { IDLE, LOST, OFF, WAITING } from "../record/told.js";
 import { describeWhen, robotName, taskName } from "../record/words.js";
 import { NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
 import { isOnPath } from "./critical_path.js";
@@ -24,10 +24,11 @@ export const PHASE_COLOURS = {
   unloading: "load",
   idle: "line",
   lost: "bad",
+  off: "lost",
 };
 
 // How strong a phase is drawn in the colour of its task.
-export const STRENGTHS = { walking: 0.5, waiting: 0.25, forming: 0.75, serving: 1, loading: 0.85, carrying: 1, unloading: 0.85, idle: 1, lost: 0.25 };
+export const STRENGTHS = { walking: 0.5, waiting: 0.25, forming: 0.75, serving: 1, loading: 0.85, carrying: 1, unloading: 0.85, idle: 1, lost: 0.25, off: 0.35 };
 
 // What bars may be coloured by.
 export const BARS = { phase: "What they do", task: "Tasks" };
@@ -59,18 +60,18 @@ function drawBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, run, m
 // The colour of a bar, how strong it is, and the ink of its name.
 function paintOf(/** @type {Shown} */ { map, options }, /** @type {Run} */ { phase, task }) {
   const { theme, isDark } = map;
-  if (options.bars === "task" && task !== NOBODY && phase !== LOST) {
+  if (options.bars === "task" && task !== NOBODY && phase !== LOST && phase !== OFF) {
     const strength = STRENGTHS[phase];
     return { colour: taskColour(task, isDark), strength, ink: strength > 0.6 ? theme.surface : theme.ink };
   }
-  const strength = phase === LOST ? STRENGTHS.lost : 1;
+  const strength = phase === LOST || phase === OFF ? STRENGTHS[phase] : 1;
   return { colour: theme[PHASE_COLOURS[phase]], strength, ink: phase === WAITING ? DARK : theme.surface };
 }
 
 // The task that a bar is about, where there is room between the marks of tasks done; it stays in sight
 // with a part of its bar.
 function nameBar(/** @type {Canvas2D} */ ctx, /** @type {Gantt} */ gantt, /** @type {Run} */ { phase, task, from, to }, marks, middle, ink) {
-  if (task === NOBODY || phase === IDLE || phase === LOST) return;
+  if (task === NOBODY || phase === IDLE || phase === LOST || phase === OFF) return;
   const begin = Math.max(gantt.x(from), NAME_WIDTH);
   const over = marks.filter(({ left, right }) => left <= begin && right > begin);
   const left = Math.max(begin, ...over.map((mark) => mark.right - MARK));

@@ -70,6 +70,7 @@ function needsCell(/** @type {Moment} */ { history, step }, task) {
 function stateOfTask(/** @type {Moment} */ { history, scene }, task) {
   const standing = standingOf(history, task, scene.step);
   const words = { hidden: "to come", served: "under way", done: "done", cancelled: "called off", blocked: "can never be done" };
+  if (standing === "cancelled" && history.missed.has(task)) return "missed";
   if (standing !== "open") return words[standing];
   const teams = scene.assignedTo.get(task) ?? [];
   if (!teams.length) return "open";
@@ -121,7 +122,7 @@ function doingOf(/** @type {Moment} */ { scene, mission }, robot) {
   const team = teamOfRobot(scene, robot);
   if (!team) return "lost";
   const task = team.goal === NOBODY ? "" : taskName(mission, team.goal);
-  const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", leaves: "is lost next", idle: "idle", waits: `waits at ${task}` };
+  const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", leaves: "is lost next", idle: "idle", off: "off its shift", waits: `waits at ${task}` };
   return words[team.activity] ?? `walks to ${task}`;
 }
 

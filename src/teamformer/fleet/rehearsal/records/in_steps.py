@@ -12,7 +12,9 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Lifted, Walked
+from teamformer.fleet.fleet_mission import place_in
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
@@ -23,18 +25,21 @@ from teamformer.mission.parts.plane import DECIMALS
 from teamformer.record.record import HEARD, Record, TaskAt
 from teamformer.record.snapshots.deeds import SLACK, Deed, deed_of, deeds_by_step
 from teamformer.record.snapshots.writer import Sighting, SnapshotWriter, fleet_record
+from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
 
 STATUSES = {"ended": "completed", "infeasible": "infeasible", "blocked": "step limit"}
+"""How a record says that a rehearsal ended."""
 
 
-def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int) -> Record:
-    """Return the record of a rehearsal that has been played."""
+def record_in_steps(
+    rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int
+) -> Record:
+    """Return the record of a rehearsal of a mission in steps."""
     mission = rehearsal.mission
-    events = sorted(events, key=lambda event: event.at)
-    tasks, number = _tasks_of(rehearsal)
+    tasks, number = tasks_of(rehearsal)
     done = rehearsal.world.done.values()
-    truth = _truth_of(rehearsal, tasks)
+    truth = true_tasks_of(rehearsal, tasks)
     by_key = {it.key: deed_of(number[it.key], truth, it.robots) for it in done}
     finished = ((event.at, event.task) for event in events if isinstance(event, Finished))
     deeds = deeds_by_step(finished, by_key, mission.step)
@@ -43,7 +48,7 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     length = max(math.ceil(outcome.end / mission.step), off)
     deeds += [[] for _ in range(len(deeds), length)]
     robots = _robots_of(rehearsal, deeds)
-    source = replace(mission.source, tasks=tasks, robots=robots, teams=())
+    source = replace(mission.source, tasks=tasks, robots=robots, teams=(), arrivals=None)
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: int(step) for robot, step in ends if step is not None}
     true = replace(source, tasks=truth)
@@ -53,29 +58,32 @@ def record_of(rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], s
     return fleet_record(source, writer.steps, status, seed, outcome.blocked_tasks, known)
 
 
-def _truth_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ...]:
+def true_tasks_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ...]:
     """Return the tasks as they really were; operators' are as they said."""
-    own = zip(tasks, rehearsal.truth.tasks, strict=False)
+    count = len(rehearsal.mission.tasks)
+    own = zip(tasks[:count], rehearsal.truth.tasks, strict=False)
     known = (task.once_known(true.at, true.needs, true.duration) for task, true in own)
-    return (*known, *tasks[len(rehearsal.truth.tasks) :])
+    return (*known, *tasks[count:])
 
 
-def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
-    """Return the tasks with those that operators added, and the number of each by its key."""
+def tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
+    """Return the tasks with those that operators added, and the number of each by its key.
+
+    A task that nobody has accepted is none of the fleet's.
+    """
     mission, whole = rehearsal.mission, rehearsal.mission.source
-    orders = [it for it in rehearsal.faults.orders if it.task.key in rehearsal.world.tasks]
-    is_grid = isinstance(whole.world, Grid)
+    orders = [it for it in rehearsal.faults.orders if rehearsal.is_promised(it.task.key)]
     added = [
         Task(
             order.task.name,
-            (int(order.task.x), int(order.task.y)) if is_grid else (order.task.x, order.task.y),
+            place_in(whole.world, (order.task.x, order.task.y)),
             {
                 cap: need
                 for cap, need in zip(whole.capabilities, order.task.needs, strict=True)
                 if need
             },
-            round(order.task.duration / mission.step),
-            math.ceil(order.at / mission.step),
+            mission.in_time(order.task.duration),
+            order.at if whole.time == "continuous" else math.ceil(order.at / mission.step),
         )
         for order in orders
     ]
@@ -87,7 +95,10 @@ def _tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
 def _with_call_offs(rehearsal: Rehearsal) -> Iterator[Task]:
     """Yield the mission's tasks with when they were called off; never, of those that were done."""
     mission, offs = rehearsal.mission, rehearsal.faults.withdrawals
-    withdrawn = {it.task: math.floor(it.at / mission.step) + 1 for it in offs}
+    is_in_steps = mission.source.time == "steps"
+    withdrawn = {
+        it.task: math.floor(it.at / mission.step) + 1 if is_in_steps else it.at for it in offs
+    }
     for key, task in enumerate(mission.source.tasks):
         times = [at for at in (task.cancelled, withdrawn.get(key)) if at is not None]
         is_off = bool(times) and key not in rehearsal.world.done
@@ -104,7 +115,12 @@ def _robots_of(rehearsal: Rehearsal, deeds: Sequence[Sequence[Deed]]) -> tuple[R
     }
     mission, faults = rehearsal.mission, rehearsal.faults
     return tuple(
-        replace(robot, absences=_lost_at(faults, k, mission.step, busy_until.get(k, 0)))
+        replace(
+            robot,
+            absences=_lost_at(faults, k, mission.step, busy_until.get(k, 0)),
+            breaks=None,
+            delays=None,
+        )
         for k, robot in enumerate(mission.source.robots)
     )
 
@@ -127,7 +143,8 @@ class _Teller:
         robots = range(len(mission.robots))
         self._mission, self._step, self._number = mission, step, number
         self._is_grid = isinstance(mission.world, Grid)
-        self._walks = [Walked(0.0, r, (mission.robots[r].at,), 0.0, 1.0) for r in robots]
+        starts = (Journey((Passed(0.0, mission.robots[r].at),)) for r in robots)
+        self._walks = [Walked(0.0, robot, journey) for robot, journey in enumerate(starts)]
         self._says = {robot: (robot, NOBODY) for robot in robots}
         self._shown: set[int] = set()  # tasks whose needs somebody knows
         self._lifted: dict[int, Lifted] = {}  # loads that are up, and no step shows it yet
@@ -210,12 +227,4 @@ class _Teller:
         return (int(x), int(y)) if self._is_grid else (round(x, DECIMALS), round(y, DECIMALS))
 
     def _place(self, walk: Walked, now: float) -> Place:
-        if len(walk.points) == 1:
-            return walk.points[0]
-        passed = min((now - walk.begin) / walk.time + 1e-6, len(walk.points) - 1)
-        at = min(int(max(0.0, passed)), len(walk.points) - 2)
-        (x, y), (to_x, to_y) = walk.points[at], walk.points[at + 1]
-        part = passed - at
-        if self._is_grid:
-            return (to_x, to_y) if part >= 1 else (x, y)
-        return round(x + part * (to_x - x), DECIMALS), round(y + part * (to_y - y), DECIMALS)
+        return self._as_place(*walk.journey.place(now, self._mission.world))

@@ -10,7 +10,8 @@ The promises:
 - nobody begins to serve a task before those that come before it are over, nor before its window, by
   more than clocks may differ; and what is done within has its whole duration after that;
 - nobody serves a task that it knows is called off;
-- nobody goes through a wall who does not fly;
+- nobody goes through a wall who does not fly, nor on roads where no way leads, or faster than it
+  can;
 - who says that it stays, stays: until the time is over or the task is done;
 - no task is done twice, and none without a team that was at work on it for its whole duration and
   had what it needs all the while;
@@ -26,9 +27,11 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import HERE, READY, TaskFact
+from teamformer.fleet.rehearsal.checking.ways import WayChecker
 from teamformer.fleet.rehearsal.trace import (
     OFF,
     Accepted,
@@ -39,7 +42,9 @@ from teamformer.fleet.rehearsal.trace import (
     Said,
     Worked,
 )
-from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.roads import Roads
+from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
 
 DRIFT = 0.06
@@ -75,7 +80,9 @@ class Load:
     at: Place
     carriers: set[int] = field(default_factory=set)
     taken_at: float = 0.0
+    comes: float = 0.0  # when those who carry it are where they go
     left: list[tuple[float, Place]] = field(default_factory=list)  # where it lay, until when
+    carried_until: dict[int, float] = field(default_factory=dict)  # by robots that let go of it
 
 
 @dataclass
@@ -94,9 +101,10 @@ class Checker:
     def __post_init__(self) -> None:
         starts = [robot.at for robot in self.mission.source.robots]
         self._robots = [
-            TracedRobot(Walked(0.0, number, (at,), 0.0, 1.0)) for number, at in enumerate(starts)
+            TracedRobot(Walked(0.0, number, Journey((Passed(0.0, at),))))
+            for number, at in enumerate(starts)
         ]
-        self._is_grid = isinstance(self.mission.source.world, Grid)
+        self._map, self._ways = self.mission.source.world, WayChecker(self.mission)
         for key, task in self.tasks.items():
             if task.to is not None:
                 self._loads[key] = Load((task.x, task.y))
@@ -136,36 +144,31 @@ class Checker:
 
     def _walk(self, event: Walked) -> None:
         robot = self._robots[event.robot]
-        leaves = len(event.points) > 1 and not robot.has_forgotten
+        points = [passed.place for passed in event.journey.way]
+        leaves = len(points) > 1 and not robot.has_forgotten
         if robot.stays_at in self._loads:  # it stays with the load, wherever that goes
             is_by = self._is_by(event.robot, robot.stays_at, event.at)
             leaves = leaves and is_by and event.robot not in self._loads[robot.stays_at].carriers
         slack = event.at + A_TICK + DRIFT * robot.hold
         is_early = leaves and robot.stays_until > slack and robot.stays_at not in self._done
-        if is_early and not all(self._is_near(place, robot.stays_at) for place in event.points):
+        if is_early and not all(self._is_near(place, robot.stays_at) for place in points):
             left = robot.stays_until - event.at
             task = self._name(robot.stays_at)
             self._blame(
                 f"{event.at:.2f} s: {self._who(event.robot)} leaves task '{task}' {left:.2f} s "
                 "before the time that it said it would stay"
             )
-        if self._is_grid and not self.mission.source.robots[event.robot].flies:
-            blocked = [at for at in event.points if not self.mission.source.world.is_free(at)]
-            if blocked:
-                self._blame(f"{event.at:.2f} s: {self._who(event.robot)} walks through {blocked}")
+        carried = [key for key, load in self._loads.items() if event.robot in load.carriers]
+        is_on_roads = isinstance(self._map, Roads)  # where a load goes by the ways of one mover
+        if not (carried and is_on_roads) and (blocked := self._ways.blocked(event)):
+            self._blame(f"{event.at:.2f} s: {self._who(event.robot)} walks through {blocked}")
         robot.walk = event
-        for key, load in self._loads.items():
-            if event.robot in load.carriers and len(event.points) > 1:
-                self._go_with(event, key, load)
+        for key in carried if len(points) > 1 else ():
+            self._loads[key].comes = event.journey.way[-1].at
+            if not self._ways.can_carry(event, self._loads[key].carriers):
+                who, task = self._who(event.robot), self._name(key)
+                self._blame(f"{event.at:.2f} s: {who} carries '{task}' faster than all can who do")
         self._count(event.at)
-
-    def _go_with(self, event: Walked, key: int, load: Load) -> None:
-        """Check that who carries a load goes no faster than the slowest who do."""
-        metres = 1.0 if self._is_grid else math.dist(*event.points[:2])
-        pace = min(self.mission.paces[robot] for robot in load.carriers)
-        if metres > pace * event.time * (1 + 1e-6) + 2 * self.mission.radius:
-            who, task = self._who(event.robot), self._name(key)
-            self._blame(f"{event.at:.2f} s: {who} carries '{task}' faster than all can who do")
 
     def _lift(self, event: Lifted) -> None:
         """Check that a load is taken up by who may, or set down where those are who carried it."""
@@ -178,10 +181,11 @@ class Checker:
             if worked + A_TICK < self.tasks[event.task].duration:
                 self._blame(f"{event.at:.2f} s: '{task}' is taken up without its service")
             load.left.append((event.at, load.at))
-            load.carriers, load.taken_at = set(event.robots), event.at
+            load.carriers, load.taken_at, load.comes = set(event.robots), event.at, event.at
         else:
             if not self._is_with(load, event.place, event.at):
                 self._blame(f"{event.at:.2f} s: '{task}' is set down where nobody carried it to")
+            load.carried_until |= dict.fromkeys(load.carriers, event.at)
             load.carriers, load.at = set(), event.place
         for each in [each for each in self._able_since if each[0] == event.task]:
             del self._able_since[each]
@@ -190,10 +194,11 @@ class Checker:
     def _is_with(self, load: Load, place: Place, now: float) -> bool:
         """Say whether those who carry a load, or carried it a moment ago, are at a place."""
         reach = self.mission.radius + 1e-6
-        who = load.carriers or set()
-        return all(
-            math.dist(self._place(self._robots[robot].walk, now), place) <= reach for robot in who
-        )
+        walks = [self._robots[robot].walk for robot in load.carriers]
+        if isinstance(self._map, Roads):  # it lies where they passed last
+            passed = (walk.journey.way[walk.journey.passed(now)].place for walk in walks)
+            return all(at == place for at in passed)
+        return all(math.dist(self._ways.place(walk, now), place) <= reach for walk in walks)
 
     def _say(self, event: Said) -> None:
         robot = self._robots[event.robot]
@@ -210,7 +215,7 @@ class Checker:
     def _work(self, event: Worked) -> None:
         robot = self._robots[event.robot]
         robot.work = (event.task, event.team)
-        self._drop(event.robot, event.task)
+        self._drop(event.at, event.robot, event.task)
         if event.task != NOBODY:
             self._begin(event, robot)
         self._count(event.at)
@@ -304,10 +309,7 @@ class Checker:
             load, task.to, event.at
         ):
             self._blame(f"{event.at:.2f} s: load '{task.name}' is done and was not brought")
-        walks = [self._robots[robot].walk for robot in load.carriers]
-        ways = [walk for walk in walks if walk.begin >= load.taken_at]  # not those to get there
-        ends = [walk.begin + (len(walk.points) - 1) * walk.time for walk in ways]
-        if event.at - max(load.taken_at, *ends, 0.0) + A_TICK < task.unload:
+        if event.at - max(load.taken_at, load.comes) + A_TICK < task.unload:
             self._blame(f"{event.at:.2f} s: load '{task.name}' is done before it is unloaded")
         load.carriers, load.at = set(), task.to
 
@@ -315,7 +317,7 @@ class Checker:
         robot = self._robots[event.robot]
         if event.what == "crash":
             robot.is_dead = True
-            self._drop(event.robot)
+            self._drop(event.at, event.robot)
         elif event.what == "restart":
             robot.is_dead = False
             robot.work, robot.word = (NOBODY, NOBODY), None
@@ -323,16 +325,23 @@ class Checker:
             robot.off.clear()
         self._count(event.at)
 
-    def _drop(self, robot: int, but: int = NOBODY) -> None:
+    def _drop(self, now: float, robot: int, but: int = NOBODY) -> None:
         """Let a robot carry nothing more, but the load of a task; what it held is with the rest."""
         for key, load in self._loads.items():
             if key != but and robot in load.carriers and len(load.carriers) > 1:
                 load.carriers.discard(robot)
+                load.carried_until[robot] = now
 
     def _stands_at(self, number: int, key: int, now: float) -> bool:
-        """Say whether a robot is at a task; at a load also if that has left not long ago."""
+        """Say whether a robot is at a task; at a load also if that has left not long ago.
+
+        On roads a load lies behind those who set it down.
+        """
         left = self._loads[key].left if key in self._loads else []
-        x, y = self._place(self._robots[number].walk, now)
+        carried = self._loads[key].carried_until if key in self._loads else {}
+        if isinstance(self._map, Roads) and now - carried.get(number, -2 * LATEST) <= LATEST:
+            return True
+        x, y = self._ways.place(self._robots[number].walk, now)
         reach = (self.mission.radius + 1e-9) ** 2
         was_here = any(
             (x - was_x) ** 2 + (y - was_y) ** 2 <= reach
@@ -346,25 +355,13 @@ class Checker:
         load = self._loads.get(key)
         if load is not None and load.carriers:
             return number in load.carriers
-        return self._is_near(self._place(self._robots[number].walk, now), key)
+        return self._is_near(self._ways.place(self._robots[number].walk, now), key)
 
     def _is_near(self, place: Place, key: int) -> bool:
         """Say whether a place is at a task, or where its load lies."""
         load, (x, y) = self._loads.get(key), place
         to_x, to_y = (self.tasks[key].x, self.tasks[key].y) if load is None else load.at
         return (x - to_x) ** 2 + (y - to_y) ** 2 <= (self.mission.radius + 1e-9) ** 2
-
-    def _place(self, walk: Walked, now: float) -> Place:
-        if len(walk.points) == 1:
-            return walk.points[0]
-        passed = (now - walk.begin) / walk.time + 1e-6
-        at = int(passed)
-        if at >= len(walk.points) - 1:
-            return walk.points[-1]
-        (x, y), (to_x, to_y) = walk.points[at], walk.points[at + 1]
-        if self._is_grid:
-            return x, y
-        return x + (passed - at) * (to_x - x), y + (passed - at) * (to_y - y)
 
     def _covers(self, robots: Iterable[int], key: int) -> bool:
         counts = [self.mission.counts[robot] for robot in robots]

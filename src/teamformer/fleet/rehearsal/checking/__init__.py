@@ -1,0 +1,1 @@
+"""The checker of rehearsals: what was promised and not kept, by the trace alone."""

@@ -1,0 +1,1 @@
+"""Records of rehearsals, made of what a trace holds."""

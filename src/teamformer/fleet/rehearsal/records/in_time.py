@@ -1,0 +1,140 @@
+"""Turns the trace of a rehearsal in continuous time into a record of events."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import zip_longest
+
+from teamformer.fleet.bodies.journey import Journey
+from teamformer.fleet.bodies.world import Walked
+from teamformer.fleet.fleet_mission import place_in
+from teamformer.fleet.rehearsal.outcome import Outcome
+from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.fleet.rehearsal.records.in_steps import STATUSES, tasks_of, true_tasks_of
+from teamformer.fleet.rehearsal.trace import NEEDS, Believed, Broke, Event, Noticed, Said
+from teamformer.mission.model import Mission, as_believed
+from teamformer.mission.truth import truth_until
+from teamformer.record.record import Record
+from teamformer.record.snapshots.events_seen import EventsSeen
+from teamformer.world.continuous.events import Event as ServiceEvent
+from teamformer.world.continuous.events import Passed
+from teamformer.world.rules.constants import NOBODY
+
+KINDS = {"crash": "lost", "restart": "back"}
+"""What befalls robots that records tell of; who is stuck is seen not to get on."""
+
+
+def record_in_time(
+    rehearsal: Rehearsal, outcome: Outcome, events: Sequence[Event], seed: int
+) -> Record:
+    """Return the record of a rehearsal of a mission in continuous time."""
+    tasks, number = tasks_of(rehearsal)
+    source = replace(rehearsal.mission.source, tasks=tasks, teams=(), arrivals=None)
+    truth = _truth_of(rehearsal, source, outcome.end)
+    seen = EventsSeen()
+    _Teller(rehearsal, truth, number, seen).tell_all(events)
+    status, end = STATUSES[outcome.status], outcome.end
+    if status == "completed":
+        end = max([outcome.makespan or 0.0, *seen.over.values()])
+    known = truth if source.has_surprises else None
+    return seen.record(source, end, status, seed, outcome.blocked_tasks, known)
+
+
+def _truth_of(rehearsal: Rehearsal, source: Mission, end: float) -> Mission:
+    """Return the mission as it really was, with the breakdowns until its end."""
+    robots, tasks = rehearsal.truth.robots, true_tasks_of(rehearsal, source.tasks)
+    return truth_until(source, as_believed(source, robots=robots, tasks=tasks), end)
+
+
+class _Teller:
+    """Tells what a trace holds; `number` has the numbers of tasks by their keys."""
+
+    def __init__(
+        self, rehearsal: Rehearsal, mission: Mission, number: Mapping[int, int], seen: EventsSeen
+    ) -> None:
+        self._first, self._mission, self._number = rehearsal.plan, mission, number
+        self._seen = seen
+        robots = range(len(mission.robots))
+        self._goals = dict.fromkeys(robots, NOBODY)  # by robots' words
+        starts = (Journey((Passed(0.0, robot.at),)) for robot in mission.robots)
+        self._journeys = dict(enumerate(starts))
+        self._shown: set[int] = set()
+
+    def tell_all(self, events: Sequence[Event]) -> None:
+        """Tell everything, in the order of time; what comes from outside is first."""
+        stops = [(self._number[key], robots) for key, robots in self._first.stops]
+        self._seen.plan(0.0, stops)
+        outside = [*self._from_outside(), *_arrivals(events)]
+        for event in sorted([*outside, *events], key=lambda event: event.at):
+            self._tell(event)
+
+    def _from_outside(self) -> Iterator[ServiceEvent]:
+        for number, task in enumerate(self._mission.tasks):
+            if task.appears:
+                yield ServiceEvent(task.appears, "appear", (), number)
+            if task.cancelled is not None:
+                yield ServiceEvent(task.cancelled, "cancel", (), number)
+
+    def _tell(self, event: Event) -> None:
+        if isinstance(event, Said):
+            self._goals[event.robot] = self._number.get(event.goal, NOBODY)
+        elif isinstance(event, Walked):
+            self._tell_walk(event)
+        elif isinstance(event, ServiceEvent):
+            self._tell_service(event)
+        elif isinstance(event, Broke) and event.what in KINDS:
+            world = self._mission.world
+            place = place_in(world, self._journeys[event.robot].place(event.at, world))
+            self._seen.tell(event.at, KINDS[event.what], (event.robot,), place=place)
+        elif isinstance(event, Believed):
+            kind = "found" if event.is_found else "moved"
+            self._seen.tell(event.at, kind, (), self._number[event.task], place=event.place)
+        elif isinstance(event, Noticed) and event.what == NEEDS and event.task not in self._shown:
+            self._shown.add(event.task)
+            number = self._number[event.task]
+            needs = self._mission.tasks[number].needs
+            self._seen.tell(event.at, "know", (event.robot,), number, needs=needs)
+
+    def _heads_for(self, robot: int) -> int:
+        """Return the task that a robot goes to by its word, while that is not over."""
+        return NOBODY if self._goals[robot] in self._seen.over else self._goals[robot]
+
+    def _tell_walk(self, walk: Walked) -> None:
+        robot, way = walk.robot, walk.journey.way
+        before, self._journeys[robot] = self._journeys[robot], walk.journey
+        if len(way) == 1 and walk.at < before.way[-1].at:  # it stops on its way
+            self._seen.tell(walk.at, "arrive", (robot,), NOBODY, place=way[0].place)
+        elif walk.journey.end < math.inf and walk.carries == NOBODY:
+            task = self._heads_for(robot)
+            self._seen.tell(walk.at, "walk", (robot,), task, until=way[-1].at, way=way)
+
+    def _tell_service(self, event: ServiceEvent) -> None:
+        """Tell what the simulated world tells, with the numbers of its tasks."""
+        task, robots, place = event.task, event.robots, event.place
+        if event.kind == "arrive":
+            task = self._heads_for(robots[0])
+        elif event.kind not in ("appear", "cancel"):
+            if task not in self._number:
+                return  # an operator's, which nobody has accepted
+            task = self._number[task]
+        if event.kind == "broken":
+            robots = self._seen.at_work.get(task, ())
+            place = place if self._mission.tasks[task].to is not None else None
+        said = {"place": place, "until": event.until, "way": event.way}
+        self._seen.tell(event.at, event.kind, robots, task, **said)
+
+
+def _arrivals(events: Sequence[Event]) -> Iterator[ServiceEvent]:
+    """Yield when robots arrive that do not set out anew before."""
+    walks: dict[int, list[Walked]] = {}
+    for event in events:
+        if isinstance(event, Walked):
+            walks.setdefault(event.robot, []).append(event)
+    for robot, own in walks.items():
+        for walk, after in zip_longest(own, own[1:]):
+            at = walk.journey.end
+            is_there = at < math.inf and (after is None or at <= after.at)
+            if is_there and walk.carries == NOBODY:
+                yield ServiceEvent(at, "arrive", (robot,), place=walk.journey.goal)

@@ -1,0 +1,118 @@
+"""What is wrong with batteries and chargers, and which missions with batteries are not run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from teamformer.base.errors import Problem
+from teamformer.mission.keys.charging_keys import MOST_ROOM, MOST_SPENT
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
+from teamformer.mission.keys.unknown import Found, told_once
+from teamformer.mission.parts.capabilities import covers, describe, missing, total
+from teamformer.mission.parts.charging import Charger, has_batteries
+
+if TYPE_CHECKING:
+    from teamformer.mission.model import Mission
+
+REMEDY = "put a charger nearer, or give batteries that last longer"
+
+
+def find_battery_problems(mission: Mission, places_are_good: bool) -> Iterator[Problem]:
+    """Return what is wrong with batteries and chargers, but for where these are."""
+    problems = [*_problems_of_batteries(mission), *_problems_of_rooms(mission.chargers)]
+    yield from problems
+    if not has_batteries(mission.robots):
+        return
+    if not mission.chargers:
+        number, name = _first_with_battery(mission)
+        message = f"robot '{name}' has a battery, but there is no charger; add chargers, or drop it"
+        yield Problem(("robots", number, "battery"), message)
+    elif places_are_good and not problems:
+        yield from _problems_of_reach(mission)
+
+
+def _first_with_battery(mission: Mission) -> tuple[int, str]:
+    return next((n, robot.name) for n, robot in enumerate(mission.robots) if robot.battery)
+
+
+def _problems_of_batteries(mission: Mission) -> Iterator[Problem]:
+    for number, robot in enumerate(mission.robots):
+        battery = robot.battery
+        if battery is None:
+            continue
+        where, what = ("robots", number, "battery"), f"the battery of robot '{robot.name}'"
+        if not 0 < battery.lasts <= LARGEST_NUMBER:  # NaN too
+            message = f"{what} lasts {battery.lasts:g}; use more than 0, to 1e9"
+            yield Problem((*where, "lasts"), message)
+        if not 0 <= battery.fills <= LARGEST_NUMBER:
+            yield Problem((*where, "fills"), f"{what} fills in {battery.fills:g}; use 0 to 1e9")
+        if not 0 <= battery.starts <= 1:
+            message = f"{what} starts with {battery.starts:g} of what it holds; use 0 to 1"
+            yield Problem((*where, "starts"), message)
+        for key in ("serving", "waiting"):
+            spent = getattr(battery, key)
+            if not 0 <= spent <= MOST_SPENT:
+                message = f"{what} spends {spent:g} on {key}; use 0 to {MOST_SPENT}"
+                yield Problem((*where, key), message)
+
+
+def _problems_of_rooms(chargers: tuple[Charger, ...]) -> Iterator[Problem]:
+    for number, charger in enumerate(chargers):
+        if not (charger.room == int(charger.room) and 1 <= charger.room <= MOST_ROOM):
+            message = f"charger {number + 1} has room for {charger.room} robots; use 1 to "
+            yield Problem(("chargers", number, "room"), f"{message}{MOST_ROOM}")
+
+
+def _problems_of_reach(mission: Mission) -> Iterator[Problem]:
+    """Return which robots get to no charger, or not home, and which tasks nobody can do."""
+    charging = mission.charging
+    assert charging is not None, "somebody has a battery"
+    for number, robot in enumerate(mission.robots):
+        where = ("robots", number, "battery")
+        if robot.battery is None:
+            continue
+        if not charging.in_reach(number):
+            message = f"robot '{robot.name}' gets to no charger with what its battery starts with"
+            yield Problem(where, f"{message}; put one nearer, or let it start with more")
+        elif mission.ends is not None and not charging.gets_home(number):
+            message = f"robot '{robot.name}' does not get from a charger to where the mission ends"
+            yield Problem(where, f"{message}; {REMEDY}")
+    for number, task in enumerate(mission.tasks):
+        needs = {cap: n for cap, n in task.needs.items() if cap in mission.capabilities}
+        everybody = total(robot.can for robot in mission.robots)
+        able = charging.able(range(len(mission.robots)), number)
+        have = total(mission.robots[robot].can for robot in able)
+        if covers(everybody, needs) and not covers(have, needs):
+            short = describe(missing(have, needs))
+            message = f"task '{task.name}' is too far from chargers for full batteries of robots"
+            yield Problem(("tasks", number, "at"), f"{message} that bring {short}; {REMEDY}")
+
+
+def rules_not_run_with_batteries(mission: Mission) -> Iterator[Problem]:
+    """Return what a mission in continuous time has that batteries do not go with yet."""
+    if not has_batteries(mission.robots):
+        return
+    number, name = _first_with_battery(mission)
+    message = f"robot '{name}' has a battery, and no mission with batteries is run yet; drop it"
+    yield Problem(("robots", number, "battery"), message)
+    rest = f"which does not go with the battery of robot '{name}' yet; drop one of the two"
+    yield from told_once(mission, _found_beside_batteries(mission), lambda _: rest)
+    if mission.cost is not None:
+        yield Problem(("cost",), f"the mission has a cost, {rest}")
+
+
+def _found_beside_batteries(mission: Mission) -> Iterator[Found]:
+    for number, robot in enumerate(mission.robots):
+        if robot.delays is not None:
+            yield ("robots", number, "delays"), f"robot '{robot.name}' may stand still"
+    for number, task in enumerate(mission.tasks):
+        has = {
+            "to": (task.to, "has a load"),
+            "between": (task.between, "has a time window"),
+            "starts": (task.starts, "has a linked start"),
+            "within": (task.within, "has an uncertain place"),
+        }
+        for key, (value, what) in has.items():
+            if value:
+                yield ("tasks", number, key), f"task '{task.name}' {what}"

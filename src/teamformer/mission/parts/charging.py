@@ -1,0 +1,175 @@
+"""Batteries and chargers, and how far it is between chargers and where robots go."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from teamformer.mission.parts.grid import FREE, Grid, Place
+from teamformer.mission.parts.regions import walks
+from teamformer.mission.parts.roads import AIR, Roads
+
+if TYPE_CHECKING:
+    from teamformer.mission.model import Mission, Robot, Task, World
+
+ROUNDING = 1e-9
+"""By such a share of a full battery what is left may be short, as sums are rounded."""
+
+
+@dataclass(frozen=True)
+class Battery:
+    """What a robot has to spend, in units of time that it walks alone: full it `lasts` so long.
+
+    From empty to full takes `fills`. A unit of time at a task takes `serving`, one in which it
+    waits or forms at a task `waiting`. It `starts` with a share of what it holds.
+    """
+
+    lasts: float
+    fills: float
+    starts: float = 1.0
+    serving: float = 0.0
+    waiting: float = 0.0
+
+    def time_to_full(self, left: float) -> float:
+        """Return how long it charges with so much left."""
+        return (self.lasts - left) / self.lasts * self.fills
+
+    def spent_on(self, task: Task) -> float:
+        """Return what the service of a task takes, as long as it is believed to last."""
+        return self.serving * task.duration
+
+    def suffices(self, left: float, spent: float) -> bool:
+        """Say whether what is left is enough for something."""
+        return spent <= left + ROUNDING * self.lasts
+
+
+@dataclass(frozen=True)
+class Charger:
+    """A place at which so many robots charge at once as it has `room` for."""
+
+    at: Place
+    room: int = 1
+
+
+@dataclass(frozen=True)
+class Charging:
+    """Which tasks the robots of a mission with batteries can do, if they charge where they may."""
+
+    mission: Mission
+
+    @cached_property
+    def _places(self) -> list[Place]:
+        return [charger.at for charger in self.mission.chargers]
+
+    @cached_property
+    def _ways(self) -> Mapping[str, ChargerWays]:
+        return {
+            moves: self._ways_of(moves)
+            for moves in {robot.moves for robot in self.mission.robots if robot.battery}
+        }
+
+    def _ways_of(self, moves: str) -> ChargerWays:
+        world, tasks = self.mission.world, [task.at for task in self.mission.tasks]
+        starts = [robot.at for robot in self.mission.robots]
+        homes = starts if not isinstance(self.mission.ends, tuple) else [self.mission.ends]
+        places = self._places
+        return ChargerWays(
+            between=lengths(world, moves, places, places),
+            to_task=lengths(world, moves, places, tasks),
+            from_task=lengths(world, moves, tasks, places),
+            from_start=lengths(world, moves, starts, places),
+            to_home=lengths(world, moves, places, homes),
+        )
+
+    def in_reach(self, number: int) -> set[int]:
+        """Return the chargers that a robot gets to from where it starts, from one to the next."""
+        robot = self.mission.robots[number]
+        battery, ways = robot.battery, self._ways[robot.moves]
+        assert battery is not None
+        left = battery.starts * battery.lasts
+        start = ways.from_start[number]
+        found = {c for c, way in enumerate(start) if battery.suffices(left, way / robot.speed)}
+        fresh = set(found)
+        while fresh:
+            fresh = {
+                other
+                for charger in fresh
+                for other, way in enumerate(ways.between[charger])
+                if battery.suffices(battery.lasts, way / robot.speed)
+            } - found
+            found |= fresh
+        return found
+
+    @cached_property
+    def _able(self) -> list[set[int]]:
+        """Return by robot the tasks that it can do and then get to a charger, from full."""
+        return [
+            set(range(len(self.mission.tasks))) if robot.battery is None else self._doable(number)
+            for number, robot in enumerate(self.mission.robots)
+        ]
+
+    def _doable(self, number: int) -> set[int]:
+        robot = self.mission.robots[number]
+        battery, ways, chargers = robot.battery, self._ways[robot.moves], self.in_reach(number)
+        assert battery is not None
+        found = set()
+        for task, wanted in enumerate(self.mission.tasks):
+            there = min((ways.to_task[charger][task] for charger in chargers), default=math.inf)
+            way = there + min(ways.from_task[task], default=math.inf)
+            if battery.suffices(battery.lasts, way / robot.speed + battery.spent_on(wanted)):
+                found.add(task)
+        return found
+
+    def is_able(self, robot: int, task: int) -> bool:
+        """Say whether a robot can do a task and get to a charger, if it begins with a full one."""
+        return task in self._able[robot]
+
+    def able(self, robots: Iterable[int], task: int) -> list[int]:
+        """Return those of some robots that can do a task."""
+        return [robot for robot in robots if self.is_able(robot, task)]
+
+    def gets_home(self, number: int) -> bool:
+        """Say whether a full robot gets from some charger to where it ends."""
+        robot = self.mission.robots[number]
+        battery, homes = robot.battery, self._ways[robot.moves].to_home
+        assert battery is not None
+        home = 0 if isinstance(self.mission.ends, tuple) else number
+        ways = (homes[charger][home] for charger in self.in_reach(number))
+        return any(battery.suffices(battery.lasts, way / robot.speed) for way in ways)
+
+
+@dataclass(frozen=True)
+class ChargerWays:
+    """How far it is for robots that move alike, infinite where no way leads; rows are origins."""
+
+    between: Sequence[Sequence[float]]
+    to_task: Sequence[Sequence[float]]
+    from_task: Sequence[Sequence[float]]
+    from_start: Sequence[Sequence[float]]
+    to_home: Sequence[Sequence[float]]
+
+
+def lengths(
+    world: World, moves: str, origins: Sequence[Place], goals: Sequence[Place]
+) -> list[list[float]]:
+    """Return how far it is from each origin to each goal, infinite where no way leads."""
+    if isinstance(world, Roads):
+        rows = world.ways[moves]
+        return [[rows[int(a)][int(b)] for b, _ in goals] for a, _ in origins]
+    if not isinstance(world, Grid):
+        return [[math.dist(a, b) for b in goals] for a in origins]
+    if moves == AIR or not world.rows:
+        return [[float(abs(a[0] - b[0]) + abs(a[1] - b[1])) for b in goals] for a in origins]
+    is_turned = len(origins) > len(goals)  # a walk is as long there as back
+    begins, ends = (goals, origins) if is_turned else (origins, goals)
+    cells = [(int(x), int(y)) for x, y in ends]
+    table = [walks(world.rows, FREE, (int(x), int(y)), cells) for x, y in begins]
+    return [list(column) for column in zip(*table, strict=True)] if is_turned else table
+
+
+def has_batteries(robots: Iterable[Robot]) -> bool:
+    """Say whether any robot has a battery."""
+    return any(robot.battery is not None for robot in robots)

@@ -1,0 +1,154 @@
+"""Shifts in ticks: when walks end that pause between them, and when tasks fit into one of each.
+
+The plain rule is `mission/parts/shifts.py`. A robot whose last shift is over works again so late as
+no plan is that can be carried out; so those that cannot are compared by what is left to do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from teamformer.base.array_types import Int32s, Ints
+from teamformer.base.kernels.jit import kernel
+from teamformer.mission.parts.shifts import MOST_TRIED, Rota
+from teamformer.planning.problem.constants import NEVER
+
+
+class Rotas(NamedTuple):
+    """The shifts of each kind of robots; empty arrays where everybody always works."""
+
+    shifts: Ints  # (kinds, most, 2) when each begins and ends, then NEVER
+    every: Ints  # (kinds,) after how long they come again; 0 if they do not
+    worked: Ints  # (kinds,) how long a kind works in that time
+    late: Ints  # (1,) when robots work again whose shifts are over
+
+
+def no_rotas() -> Rotas:
+    """Return what a problem has in which everybody always works."""
+    nothing = np.zeros(0, np.int64)
+    return Rotas(np.zeros((0, 0, 2), np.int64), nothing, nothing, nothing)
+
+
+def rotas_in_ticks(
+    rotas: Sequence[Rota], ticks: Callable[[float], int], late: int, rounding: int
+) -> Rotas:
+    """Return the shifts of kinds of robots in ticks, counted from the present.
+
+    They are longer by what times are rounded, so that what just fits does.
+    """
+    if not any(rotas):
+        return no_rotas()
+    rows = [_rows(rota, ticks, late, rounding) for rota in rotas]
+    shifts = np.full((len(rows), max(map(len, rows)), 2), NEVER)
+    for kind, row in enumerate(rows):
+        shifts[kind, : len(row)] = row
+    worked = [sum(closes - opens for opens, closes in row) for row in rows]
+    return Rotas(
+        shifts,
+        every=np.array([ticks(rota.every) for rota in rotas]),
+        worked=np.array(
+            [work if rota.every else 0 for work, rota in zip(worked, rotas, strict=True)]
+        ),
+        late=np.array([late]),
+    )
+
+
+def _rows(
+    rota: Rota, ticks: Callable[[float], int], late: int, rounding: int
+) -> list[tuple[int, int]]:
+    if not rota:
+        return [(0, NEVER)]
+    shifts = [(ticks(opens), ticks(closes) + rounding) for opens, closes in rota.shifts]
+    return shifts if rota.every else [*(one for one in shifts if one[1] > 0), (late, NEVER)]
+
+
+def of_kinds(rotas: Rotas, rows: Ints) -> Rotas:
+    """Return shifts by kinds of robots, of which each has those of a row."""
+    if len(rotas.every) == 0:
+        return rotas
+    by_kind = rotas._replace(every=rotas.every[rows], worked=rotas.worked[rows])
+    return by_kind._replace(shifts=np.ascontiguousarray(rotas.shifts[rows]))
+
+
+def longest_pauses(rotas: Sequence[Rota], busy: float, tasks: int) -> float:
+    """Return how much longer all takes at most where robots work in shifts, about."""
+    bound = [rota for rota in rotas if rota]
+    if not bound:
+        return 0.0
+    latest = max(rota.shifts[-1][1] for rota in bound)
+    turns = (tasks + 1) * max(rota.every for rota in bound)
+    share = min(rota.share for rota in bound)
+    return max(0.0, latest) + turns + (0.0 if math.isinf(share) else busy * (1 / share - 1))
+
+
+@kernel
+def have_shifts(rotas: Rotas) -> bool:
+    """Say whether anybody works in shifts only."""
+    return len(rotas.every) > 0
+
+
+@kernel
+def walked(rotas: Rotas, kind: int, begin: int, spent: int) -> int:
+    """Return when a robot of a kind has walked so long that sets out at `begin`."""
+    if not have_shifts(rotas) or spent <= 0:
+        return begin + spent
+    left, every = spent, rotas.every[kind]
+    later = _turn(rotas, kind, begin)
+    while True:
+        for row in range(rotas.shifts.shape[1]):
+            opens, closes = rotas.shifts[kind, row, 0], rotas.shifts[kind, row, 1]
+            if opens == NEVER:
+                break
+            start = max(begin, opens + later)
+            if closes == NEVER or start + left <= closes + later:
+                return start + left
+            left -= max(0, closes + later - start)
+        whole = (left - 1) // rotas.worked[kind]
+        left -= whole * rotas.worked[kind]
+        later += (1 + whole) * every
+
+
+@kernel
+def fits(rotas: Rotas, kind: int, earliest: int, takes: int) -> int:
+    """Return the first moment from which something fits into a shift of a kind of robots."""
+    later = _turn(rotas, kind, earliest)
+    for _ in range(3):
+        for row in range(rotas.shifts.shape[1]):
+            opens, closes = rotas.shifts[kind, row, 0], rotas.shifts[kind, row, 1]
+            if opens == NEVER:
+                break
+            start = max(earliest, opens + later)
+            if closes == NEVER or start + takes <= closes + later:
+                return start
+        later += rotas.every[kind]
+    return max(earliest, rotas.late[0])
+
+
+@kernel
+def fits_all(
+    rotas: Rotas, kind: Int32s, robots: Int32s, size: int, earliest: int, takes: int
+) -> int:
+    """Return the first moment from which something fits into a shift of each of some robots."""
+    if not have_shifts(rotas):
+        return earliest
+    start = earliest
+    for _ in range(MOST_TRIED):
+        before = start
+        for seat in range(size):
+            start = fits(rotas, kind[robots[seat]], start, takes)
+        if start == before:
+            return start
+    return max(earliest, rotas.late[0])
+
+
+@kernel
+def _turn(rotas: Rotas, kind: int, when: int) -> int:
+    """Return by how much later the shifts of a kind come at a moment than they are written."""
+    every = rotas.every[kind]
+    if every == 0:
+        return 0
+    return max(0, (when - rotas.shifts[kind, 0, 0]) // every) * every

@@ -1,0 +1,228 @@
+"""Fleets on roads and in continuous time: by hand, and under schedules of faults."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from fleets import plan_of
+from teamformer.fleet.bodies.body import Command
+from teamformer.fleet.bodies.world import FleetWorld
+from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell, draw_faults, losses_of
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
+from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
+from teamformer.fleet.rehearsal.trace import Trace
+from teamformer.mission.model import Absence, Arrivals, Breakdown, Delays, Mission, Robot, Task
+from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.roads import Roads
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
+from teamformer.record.record import Record
+from teamformer.record.referee import judge as judge_record
+from teamformer.world.continuous.delays import StandingStill
+from teamformer.world.continuous.events import Passed
+
+FAR = float("inf")
+
+RING = Roads(
+    ("dock", "ward", "lab"),
+    {"ground": ((0, 4, FAR), (FAR, 0, 2.5), (1, FAR, 0))},
+)
+"""One way round: from dock to ward 4, on to lab 2.5, and back to dock 1."""
+
+DOCK, WARD, LAB = (0, 0), (1, 0), (2, 0)
+
+
+def ring(tasks: list[Task], robots: int = 2, **changes: object) -> Mission:
+    """Return robots `r0`, `r1`, ... at the dock; the latter are half as fast as r0."""
+    who = [Robot(f"r{n}", DOCK, {"a": 1}, 1.0 if n == 0 else 0.5) for n in range(robots)]
+    mission = Mission("ring", RING, ("a",), tuple(who), tuple(tasks), time="continuous")
+    return replace(mission, **changes)  # type: ignore[arg-type]
+
+
+def ended(mission: Mission, faults: Faults = Faults()) -> dict[str, float]:  # noqa: B008
+    """Return when each task was done in a rehearsal that keeps every promise and ends."""
+    fleet = FleetMission(mission)
+    rehearsal, outcome, violations = play(fleet, plan_of(fleet), faults)
+    assert (violations, outcome.status) == ([], "ended")
+    return {rehearsal.world.tasks[key].name: done.at for key, done in rehearsal.world.done.items()}
+
+
+def test_between_two_places_a_robot_is_so_far_from_the_next() -> None:
+    world = FleetWorld(FleetMission(ring([Task("t", LAB, {"a": 1})], 1)))
+    world.command(0, Command(1, LAB, 0))
+    for now, place in [(1.0, (1, 3.0)), (4.0, (1, 0)), (5.0, (2, 1.5)), (6.5, (2, 0)), (9.0, LAB)]:
+        world.advance(now)
+        assert world.place(0) == pytest.approx(place)
+
+
+def test_nobody_turns_round_on_a_road() -> None:
+    """At 1 it is 3 from the ward; from there the way to the dock leads by the lab: 2.5 and 1."""
+    world = FleetWorld(FleetMission(ring([Task("t", LAB, {"a": 1})], 1)))
+    world.command(0, Command(1, LAB, 0))
+    world.advance(1.0)
+    world.command(0, Command(2, DOCK, 0))
+    passed = [(round(at, 9), place) for at, place in world.robots[0].journey.way]
+    assert passed == [(0, DOCK), (4, WARD), (6.5, LAB), (7.5, DOCK)]
+
+
+def test_who_is_stuck_on_a_road_goes_on_from_where_it_was() -> None:
+    world = FleetWorld(FleetMission(ring([Task("t", WARD, {"a": 1})], 1)))
+    world.command(0, Command(1, WARD, 0))
+    world.advance(1.0)
+    world.hold_fast(0)
+    world.advance(11.0)
+    assert world.place(0) == (1, 3.0)
+    world.let_go(0)
+    world.advance(13.0)
+    assert world.place(0) == (1, 1.0)
+    assert world.robots[0].journey.end == 14.0
+
+
+def test_a_delayed_robot_stands_still_in_whole_units_of_time() -> None:
+    """As in a run: by the same truth, who walks 4 arrives when the world in `run` says so."""
+    task = Task("t", WARD, {"a": 1})
+    mission = ring([task], 1)
+    late = replace(mission.robots[0], delays=Delays(0.5, seed=3))
+    fleet = FleetMission(replace(mission, robots=(late,)))
+    world = FleetWorld(fleet, fleet.truth(0))
+    world.command(0, Command(1, WARD, 0))
+    due = StandingStill([late]).after((0,), 0.0, 4.0)
+    assert world.robots[0].journey.end == due > 4.0
+
+
+def test_two_robots_of_different_speed_meet_and_serve() -> None:
+    """The slower one needs 8 to the ward; then they take a moment to agree, and 3 to serve."""
+    ends = ended(ring([Task("t", WARD, {"a": 2}, duration=3)]))
+    assert 11.0 <= ends["t"] <= 12.0
+
+
+def test_after_and_windows_hold_in_continuous_time() -> None:
+    first = Task("first", WARD, {"a": 1}, duration=2, between=(10.25, 60.0))
+    then = Task("then", LAB, {"a": 1}, after=("first",))
+    ends = ended(ring([first, then]))
+    assert 12.25 <= ends["first"] <= 13.0
+    assert ends["then"] > ends["first"]
+
+
+def test_a_load_is_carried_by_road_at_the_pace_of_the_slower_one() -> None:
+    """Both at the ward after 8; they take it up in 1, are at the lab 5 later, and unload in 2."""
+    ends = ended(ring([Task("bed", WARD, {"a": 2}, duration=1, to=LAB, unload=2)]))
+    assert 16.0 <= ends["bed"] <= 17.0
+
+
+def test_a_load_whose_carriers_break_down_lies_where_they_passed_last() -> None:
+    """They set out from the ward at about 9 and are lost between ward and lab; others fetch it."""
+    mission = ring([Task("bed", WARD, {"a": 2}, duration=1, to=LAB)], 4)
+    fleet = FleetMission(mission)
+    plan = plan_of(fleet)
+    carriers = plan.coalition(0)
+    crashes = tuple(Crash(robot, 10.5) for robot in carriers)
+    assert ended(mission, Faults(crashes=crashes))["bed"] > 15.0
+
+
+def test_a_mission_that_ends_at_home_is_over_when_all_are_there() -> None:
+    fleet = FleetMission(ring([Task("t", WARD, {"a": 1})], 1, ends="home"))
+    rehearsal, outcome, violations = play(fleet, plan_of(fleet), Faults())
+    assert (violations, outcome.status) == ([], "ended")
+    assert rehearsal.world.place(0) == DOCK
+    assert outcome.end == pytest.approx(7.5, abs=1.0)
+
+
+def test_a_robot_lost_in_continuous_time_is_lost_at_that_time() -> None:
+    mission = ring([Task("t", WARD, {"a": 1}, duration=5)])
+    gone = replace(mission.robots[0], absences=(Absence(6.5, None),))
+    fleet = FleetMission(replace(mission, robots=(gone, mission.robots[1])))
+    assert losses_of(fleet) == (Crash(0, 6.5, None),)
+
+
+def test_every_promise_is_kept_on_roads_under_schedules_of_faults() -> None:
+    tasks = [
+        Task("bed", WARD, {"a": 2}, duration=1, to=LAB, unload=1),
+        Task("clean", LAB, {"a": 1}, duration=3, after=("bed",)),
+        Task("scan", DOCK, {"a": 1}, duration=2, between=(5.5, 90.0)),
+        Task("meet", LAB, {"a": 3}, duration=1),
+    ]
+    stage = set_stage(FleetMission(ring(tasks, 4)))
+    assert stage.undisturbed.status == "ended"
+    for number in range(10):
+        verdict = judge(stage, 1, number)
+        assert verdict.is_good, (number, verdict)
+
+
+def test_a_plane_in_continuous_time_is_crossed_at_speed_whatever_its_step() -> None:
+    who = (Robot("r", (0.0, 0.0), {"a": 1}, 0.5),)
+    tasks = (Task("t", (3.0, 4.0), {"a": 1}, duration=1.5),)
+    plane = Plane(9.0, 9.0, step=0.2)
+    ends = ended(Mission("field", plane, ("a",), who, tasks, time="continuous"))
+    assert 11.5 <= ends["t"] <= 12.0
+
+
+def test_a_spell_on_a_road_is_survived() -> None:
+    mission = ring([Task("t", WARD, {"a": 2}, duration=3)])
+    assert ended(mission, Faults(stuck=(Spell(1, 2.0, 12.0),)))["t"] >= 21.0
+
+
+def recorded(mission: Mission, faults: Faults) -> Record:
+    """Return the record of a rehearsal, as it is read again."""
+    fleet, trace = FleetMission(mission), Trace()
+    rehearsal, outcome, _ = play(fleet, plan_of(fleet), faults, trace)
+    return record_of(rehearsal, outcome, trace.events, faults.seed)
+
+
+def told(record: Record, kind: str) -> list[tuple[float, tuple[int, ...], int]]:
+    """Return when events of a kind were, of which robots, and of which task."""
+    return [(e.at, e.robots, e.task) for e in record.events if e.kind == kind]
+
+
+def test_the_record_of_a_rehearsal_tells_events_that_check_finds_right(tmp_path: Path) -> None:
+    """Robot 0 sets out, breaks down between dock and ward for 5, and serves with robot 1."""
+    mission = ring([Task("t", WARD, {"a": 2}, duration=3)])
+    record = recorded(mission, Faults(crashes=(Crash(0, 2.0, 7.0),)))
+    [(lost, _, _)], [(back, _, _)] = told(record, "lost"), told(record, "back")
+    [(begun, robots, task)], [(done, _, _)] = told(record, "serve"), told(record, "done")
+    assert (lost, back, robots, task) == (2.0, 7.0, (0, 1), 0)
+    assert done == begun + 3 == record.end.makespan
+    save_record(record, tmp_path / "record.json")
+    assert read_record(tmp_path / "record.json") == record
+    assert judge_record(record).findings == ()
+
+
+def test_what_a_fleet_cannot_have_done_is_found() -> None:
+    record = recorded(ring([Task("t", WARD, {"a": 2}, duration=3)]), Faults())
+
+    def found(which: str, **changes: object) -> str:
+        events = tuple(
+            event._replace(**changes) if event.kind == which else event  # type: ignore[arg-type]
+            for event in record.events
+        )
+        return "\n".join(
+            one.message for one in judge_record(replace(record, events=events)).findings
+        )
+
+    assert "the team of task t lacks a" in found("serve", robots=(0,))
+    assert "and takes 4 there from dock" in found("walk", way=(Passed(0.0, WARD),), until=0.0)
+    assert "the record says makespan" in found("over", at=99.0)
+    assert "no fleet tells that form" in found("arrive", kind="form")
+    assert "done of task t comes after 1, and takes 3" in found("serve", at=record.length - 1)
+
+
+def test_breakdowns_and_tasks_at_random_are_drawn_as_in_the_simulator() -> None:
+    """What the truth of the schedule's seed has: when r0 breaks down, and which tasks appear."""
+    mission = ring([Task("t", WARD, {"a": 1})], arrivals=Arrivals(0.5, 10, duration=1))
+    shaky = replace(mission.robots[0], breaks=Breakdown(0.05, (2, 5)))
+    fleet = FleetMission(replace(mission, robots=(shaky, mission.robots[1])))
+    faults = draw_faults(fleet, 5, 40.0)
+    truth = fleet.truth(faults.seed)
+    own = [(crash.at, crash.back) for crash in faults.crashes if crash.robot == 0]
+    absences = [(away.lost, away.back) for away in truth.robots[0].absences]
+    assert own == absences[: len(own)]
+    assert own
+    arrived = [order for order in faults.orders if order.task.name.startswith("call-")]
+    assert [(order.at, (order.task.x, 0)) for order in arrived] == [
+        (task.appears, task.at) for task in truth.tasks[1:]
+    ]
+    assert arrived

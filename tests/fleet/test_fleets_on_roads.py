@@ -11,10 +11,10 @@ from fleets import plan_of
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.rehearsal.checking.trace import Trace
 from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell, draw_faults, losses_of
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
-from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.mission.model import Absence, Arrivals, Breakdown, Delays, Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import Roads

@@ -114,6 +114,10 @@ def _slice(x: Array, begins: Array, ends: Array, axes: Any = None, steps: Any = 
     return x[tuple(parts)]
 
 
+def _range(begin: Array, end: Array, step: Array) -> Array:
+    return np.arange(begin.item(), end.item(), step.item()).astype(begin.dtype)
+
+
 def _where(condition: Array, yes: Array, no: Array) -> Array:
     return np.asarray(np.where(condition, yes, no))
 
@@ -142,7 +146,7 @@ OPERATIONS: dict[str, Callable[..., Array | list[Array]]] = {
     "Neg": lambda x: -x,
     "Not": lambda x: ~x,
     "Or": lambda a, b: a | b,
-    "Range": lambda begin, end, step: np.arange(begin.item(), end.item(), step.item(), begin.dtype),
+    "Range": _range,
     "ReduceMax": _max,
     "ReduceMean": _mean,
     "ReduceMin": _min,

@@ -55,7 +55,7 @@ def test_a_task_that_does_not_fit_waits_for_the_next_shift() -> None:
         (it.begin, it.end, it.doing)
         for it in path_of_record(carry_out(record.mission, made, "plan"))
     ]
-    assert [(it.begin, it.end, it.doing) for it in planned] == path
+    assert planned == path
 
 
 def test_a_walk_pauses_where_the_shift_ends() -> None:

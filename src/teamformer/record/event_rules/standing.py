@@ -76,7 +76,10 @@ class Standing:
         self.is_plane = isinstance(self.truth.world, Plane)
         self.robots = [RobotNow((Passed(0.0, it.at),), it.at) for it in self.truth.robots]
         self.works: dict[int, WorkNow] = {}
-        self.appeared = {n for n, it in enumerate(self.truth.tasks) if it.appears == 0}
+        # who plans in advance is told all, and heeds nothing that he hears later, but for `central`
+        is_told = self.record.method == "central" or not self.record.heeds
+        tasks = enumerate(self.truth.tasks)
+        self.appeared = {number for number, task in tasks if is_told or task.appears == 0}
         self.over: dict[int, float] = {}
         self.done: set[int] = set()
         self.missed: set[int] = set()

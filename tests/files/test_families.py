@@ -28,7 +28,6 @@ from teamformer.mission.parts.roads import Roads
 from teamformer.trials.trial import run_trial
 
 WORLDS = 60
-DISTURBED = [name for name, family in CONTINUOUS_FAMILIES.items() if family.has_incidents]
 
 
 def worlds(setting: str) -> list[Mission]:
@@ -246,7 +245,7 @@ def test_on_roads_some_tasks_have_loads_windows_and_others_before_them() -> None
         assert 0.05 < sum(bool(getattr(task, key)) for task in tasks) / len(tasks) < 0.5
 
 
-@pytest.mark.parametrize("name", DISTURBED)
+@pytest.mark.parametrize("name", CONTINUOUS_FAMILIES)
 @pytest.mark.parametrize("incident", INCIDENTS)
 def test_incidents_in_continuous_time_change_nothing_else(name: str, incident: str) -> None:
     for seed in range(5):
@@ -258,7 +257,7 @@ def test_incidents_in_continuous_time_change_nothing_else(name: str, incident: s
     assert size_of(f"{name}-{incident}") == size_of(name)
 
 
-@pytest.mark.parametrize("name", DISTURBED)
+@pytest.mark.parametrize("name", CONTINUOUS_FAMILIES)
 def test_who_is_lost_can_be_spared_and_a_fifth_appears_or_is_called_off(name: str) -> None:
     for seed in range(20):
         lost = world_of(f"{name}-lost", seed)

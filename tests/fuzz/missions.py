@@ -41,6 +41,9 @@ WEIGHTS = (1, 0.001, 0.5, 3, 3000, 1_000_000)
 COSTS = tuple(key.name for key in COST_KEYS)
 COSTS_IN_STEPS = tuple(part for part in COSTS if part != "travel")
 
+ENDS = (8, 30.5, 3, 100)
+"""When missions are over, in continuous time."""
+
 
 @dataclass(frozen=True)
 class Fleet:
@@ -120,6 +123,27 @@ def missions(
             if now_and_then(draw, 2):
                 tree["arrivals"][key] = pick(draw, values)
     return _write_details(draw, tree)
+
+
+@st.composite
+def optional_missions(draw: st.DrawFn, most_robots: int = MOST_ROBOTS) -> Tree:
+    """Return a mission in continuous time that is over at a time, and may leave tasks out."""
+    tree = draw(continuous_missions(most_robots=most_robots))
+    tree["until"] = pick(draw, ENDS)
+    tasks = {task.get("name", f"t{number + 1}"): task for number, task in enumerate(tree["tasks"])}
+    may = {name for name in tasks if now_and_then(draw, 2)}
+    for _ in tasks:  # what comes after optional tasks, or is linked with them, is optional, too
+        for name, task in tasks.items():
+            linked = {*task.get("starts", ()), name}
+            may |= linked if linked & may else set()
+            may |= {name} if may.intersection(task.get("after", ())) else set()
+    for name in may:
+        tasks[name]["optional"] = True
+        if now_and_then(draw, 2):
+            tasks[name]["weight"] = pick(draw, WEIGHTS)
+    if may and "cost" in tree:
+        tree["cost"]["missed"] = pick(draw, WEIGHTS)
+    return tree
 
 
 @st.composite

@@ -140,6 +140,16 @@ def test_the_clock_passes_moments_and_what_happens_happens_at_its_time() -> None
     as_run(run)
 
 
+def test_an_incident_may_leave_no_time_for_an_optional_task() -> None:
+    """Both are done at 11.5; with 2 more on the way the far one is not by 12."""
+    source = one_walker(until=12)
+    source = replace(source, tasks=(source.tasks[0], replace(source.tasks[1], optional=True)))
+    assert play(running(source)).record().end.missed == ()
+    run = play(running(source), [(1.0, NewTask(Task("extra", (4, 0), {"a": 1}, duration=2)))])
+    assert (run.now, run.status, run.record().end.missed) == (7.5, "completed", ("far",))
+    as_run(run)
+
+
 def test_a_mission_that_is_looked_at_is_as_it_was_until_a_move_is_made(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

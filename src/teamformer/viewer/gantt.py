@@ -55,6 +55,8 @@ def gantt_page(plan: Mapping[str, Any]) -> str:
 
 def _summary(plan: Mapping[str, Any]) -> str:
     late = "".join(f"; {task} is late by {by:g}" for task, by in plan["late"].items())
+    if plan.get("missed"):
+        late += f"; left out: {', '.join(plan['missed'])}"
     over = f"Over at {plan['makespan']:g}"
     if "cost" in plan:
         over += f", at a cost of {plan['cost']:g}"

@@ -1,8 +1,8 @@
-"""Families of missions in continuous time: `roads`, on the lanes of sites, `clock` and `shifts`.
+"""Families of missions in continuous time: `roads`, `clock`, `shifts`, `optional`.
 
-Those of `roads` and `clock` have loads, order and windows. Those of `clock` are on a plane and have
-linked starts, forming, ways home, tasks that appear and a cost, too. Those of `shifts` have robots
-that work in shifts with breaks.
+All have order and windows; those of `roads`, on the lanes of sites, and of `clock` have loads, too.
+Those of `clock` are on a plane and have linked starts, forming, ways home, tasks that appear and a
+cost. Robots of `shifts` work in shifts with breaks. Most tasks of `optional` may be left out.
 """
 
 from __future__ import annotations
@@ -63,12 +63,11 @@ MUST, WEIGHTS, UNTIL = 2, (1.0, 1.0, 2.0, 3.0, 5.0), (80.0, 200.0)
 
 @dataclass(frozen=True)
 class ContinuousFamily:
-    """How missions of a family are drawn, how large they are at most, and if something happens."""
+    """How missions of a family are drawn, and how large they are at most."""
 
     draw: Callable[[np.random.Generator, str], Mission]
     robots: int = ROBOTS[1]
     capabilities: int = len(CAPABILITIES)
-    has_incidents: bool = False
 
 
 def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
@@ -88,7 +87,7 @@ def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
         tasks = _with_windows(rng, _in_order(rng, tasks))
         return _mission(name, world, robots, tasks)
 
-    return _first_sound(draw, has_spare=True)
+    return _first_sound(draw)
 
 
 def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
@@ -112,7 +111,7 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
         mission = _mission(name, world, robots, tasks)
         return replace(mission, cost=cost if rng.random() < 0.5 else None, **more)  # type: ignore[arg-type]
 
-    return _first_sound(draw, has_spare=True)
+    return _first_sound(draw)
 
 
 def draw_in_shifts(rng: np.random.Generator, name: str) -> Mission:
@@ -159,8 +158,8 @@ def draw_optional(rng: np.random.Generator, name: str) -> Mission:
 
 
 CONTINUOUS_FAMILIES = {
-    "roads": ContinuousFamily(draw_on_roads, has_incidents=True),
-    "clock": ContinuousFamily(draw_by_the_clock, has_incidents=True),
+    "roads": ContinuousFamily(draw_on_roads),
+    "clock": ContinuousFamily(draw_by_the_clock),
     "shifts": ContinuousFamily(draw_in_shifts),
     "optional": ContinuousFamily(draw_optional),
 }
@@ -171,26 +170,21 @@ def split_continuous(setting: str) -> tuple[str, str | None] | None:
     name, _, incident = setting.partition("-")
     if name not in CONTINUOUS_FAMILIES:
         return None
-    incidents = INCIDENTS if CONTINUOUS_FAMILIES[name].has_incidents else {}
-    if incident and incident not in incidents:
-        known = ", ".join([name, *(f"{name}-{one}" for one in incidents)])
+    if incident and incident not in INCIDENTS:
+        known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
         raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")
     return name, incident or None
 
 
-def _first_sound(draw: Callable[[], Mission], has_spare: bool = False) -> Mission:
-    """Return the first mission that can be done, and whose windows can be kept.
-
-    If it `has_spare`, it can be done without some robot, too.
-    """
+def _first_sound(draw: Callable[[], Mission]) -> Mission:
+    """Return the first mission that can be done, without some robot too, with windows to keep."""
     for _ in count():
         try:
             mission = draw()
         except MissionError:  # as where linked tasks want more robots than there are
             continue
-        if any((*find_hopeless_windows(mission), *find_hopeless_until(mission))):
-            continue
-        if not has_spare or robots_to_spare(mission):
+        hopeless = (*find_hopeless_windows(mission), *find_hopeless_until(mission))
+        if not hopeless and robots_to_spare(mission):
             return mission
     raise AssertionError
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import islice, pairwise
 from typing import TYPE_CHECKING
@@ -12,10 +13,10 @@ from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.shifts import SAME, Rota
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Mission, Robot, Task
+    from teamformer.mission.model import Mission, Robot
 
 TURNS_LOOKED_AT = 100
-"""Of each rota: so many shifts are compared with those of others."""
+"""How often the shifts of each rota come again that are compared, unless all do so together."""
 
 
 def find_shift_problems(mission: Mission) -> Iterator[Problem]:
@@ -69,17 +70,17 @@ def _problems_of_tasks(mission: Mission) -> Iterator[Problem]:
     for robot in mission.robots:
         robots_of.setdefault(robot.rota, []).append(robot)
     brings = {rota: total(r.can for r in robots) for rota, robots in robots_of.items()}
-    openings = [islice(rota.since(0.0), TURNS_LOOKED_AT) for rota in robots_of]
-    moments = sorted({opens for shifts in openings for opens, _ in shifts})
+    left = _what_is_left(list(robots_of))
     everybody = total(brings.values())
-    together: dict[float, list[list[Rota]]] = {}
     for number, task in enumerate(mission.tasks):
         if not covers(everybody, task.needs):
             continue  # which has been told
-        takes = _least_time(task)
-        if takes not in together:
-            together[takes] = _at_work_together(list(robots_of), moments, takes)
-        if not any(covers(total(brings[r] for r in some), task.needs) for some in together[takes]):
+        takes = task.duration + task.unload  # its load may be carried no way at all
+        at_work = (
+            [brings[rota] for rota, room in zip(brings, row, strict=True) if room >= takes]
+            for row in left
+        )
+        if not any(covers(total(some), task.needs) for some in at_work):
             key = "duration" if task.duration or not task.unload else "unload"
             yield Problem(
                 ("tasks", number, key),
@@ -88,18 +89,23 @@ def _problems_of_tasks(mission: Mission) -> Iterator[Problem]:
             )
 
 
-def _least_time(task: Task) -> float:
-    """Return how long a task takes its team by what is believed, but for carrying its load."""
-    return task.duration + task.unload
+def _what_is_left(rotas: Sequence[Rota]) -> set[tuple[float, ...]]:
+    """Return how long each rota goes on working at moments at which a shift of some begins.
+
+    Rows that are alike are one, as those of shifts that come again together are.
+    """
+    have_turns = {rota.every for rota in rotas if rota}
+    turns = TURNS_LOOKED_AT if len(have_turns) > 1 else 2
+    openings = [islice(rota.since(0.0), turns * max(1, len(rota.shifts))) for rota in rotas]
+    moments = {opens for shifts in openings for opens, _ in shifts}
+    return {tuple(_left(rota, moment) for rota in rotas) for moment in moments}
 
 
-def _at_work_together(
-    rotas: Sequence[Rota], moments: Sequence[float], takes: float
-) -> list[list[Rota]]:
-    """Return the rotas that have all of a span in one shift, for spans from some moments on."""
-    found: list[list[Rota]] = []
-    for moment in moments:
-        some = [rota for rota in rotas if rota.fits(moment, takes) <= moment * (1 + SAME)]
-        if some not in found:
-            found.append(some)
-    return found
+def _left(rota: Rota, moment: float) -> float:
+    """Return how long a shift still lasts at a moment, with what rounding takes; -1 without one."""
+    if not rota:
+        return math.inf
+    closes = max(
+        (ends for begins, ends in islice(rota.since(moment), 2) if begins <= moment), default=None
+    )
+    return -1.0 if closes is None else closes - moment + SAME * max(1.0, moment)

@@ -15,8 +15,8 @@ from teamformer.planning.continuous_bounds.relaxations import bound_by_chains_an
 def bound_in_time(truth: Mission) -> float:
     """Return a time before which no plan is over, whoever knows the truth; 0 if nothing is sure.
 
-    Tasks that are called off or optional need not be done. Where robots are lost, nobody has to be
-    home.
+    Optional tasks and those that are called off need not be done. Where robots are lost, nobody
+    has to be home.
     """
     known = _what_has_to_be_done(truth)
     if not known.possible_tasks:
@@ -34,6 +34,5 @@ def _what_has_to_be_done(truth: Mission) -> Known:
     """Return what is known of a mission at its start, with the tasks that have to be done."""
     is_lost = any(robot.absences for robot in truth.robots)
     mission = as_believed(truth, ends=None) if is_lost else truth
-    must = (k for k, it in enumerate(truth.tasks) if it.cancelled is None and not it.optional)
-    tasks = tuple(must)
+    tasks = tuple(k for k, t in enumerate(truth.tasks) if t.cancelled is None and not t.optional)
     return replace(known_at_start(mission), open_tasks=tasks)

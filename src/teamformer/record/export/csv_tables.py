@@ -16,7 +16,7 @@ from teamformer.mission.parts.roads import Roads
 from teamformer.record.happenings import events
 from teamformer.record.phases import IDLE, LOADING, OFF, PHASES, SERVING
 from teamformer.record.record import Record
-from teamformer.record.task_times import cancelled_steps, known_steps, lateness
+from teamformer.record.task_times import cancelled_steps, known_steps, lateness, missed_tasks
 from teamformer.record.telling.whole import told_of
 from teamformer.world.rules.constants import NEVER, NOBODY
 
@@ -117,11 +117,12 @@ def _tasks(record: Record) -> Iterable[Row]:
     """Yield what each task is, what details show of it, and what became of it."""
     more = _in_details(TASK_KEYS, record.true_mission.tasks)
     places = (*_place_columns(record, ""), "duration", *_place_columns(record, "to_"))
+    missed, can_miss = missed_tasks(record), record.mission.until is not None
     became = [f"{what}_{'at' if record.is_continuous else 'in_step'}" for what in BECAME]
     yield (
         *("task", "needs", *places, "unload", "after", "not_before", "due"),
         *(key.name for key in more),
-        *("appears", *became, "late_by", "done_by"),
+        *("appears", *became, "late_by", "done_by", *(["missed"] if can_miss else [])),
     )
     done = {event.task: event for event in events(record) if event.kind == "done"}
     known, late = known_steps(record), lateness(record)
@@ -135,7 +136,8 @@ def _tasks(record: Record) -> Iterable[Row]:
         ended = _number_or_none(None if event is None else event.at)
         end = (ended, _number_or_none(late.get(task.name)), ", ".join(who))
         said = (getattr(task, key.field) for key in more)
-        yield (*_wanted(record, task), *said, appears, called_off, began, *end)
+        why = [missed[number][1] if number in missed else ""] if can_miss else []
+        yield (*_wanted(record, task), *said, appears, called_off, began, *end, *why)
 
 
 BECAME = ("cancelled", "begun", "done")

@@ -10,7 +10,7 @@ from teamformer.base.errors import MissionError, Problem, TeamformerError
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe
 from teamformer.record.record import Record
-from teamformer.record.task_times import cost_of_record, lateness
+from teamformer.record.task_times import cost_of_record, lateness, missed_tasks
 from teamformer.record.teams import completions
 from teamformer.trials.advice.changes import LEFT_OUT
 from teamformer.trials.advice.suggestions import Advice, Suggestion
@@ -82,6 +82,7 @@ def outcome(record: Record) -> Told:
     """Return what came of a trial: when it ended, who did what, what was late."""
     end, mission = record.end, record.true_mission
     late = (f"{task} by {steps:g}" for task, steps in lateness(record).items())
+    missed = (f"{mission.tasks[k].name}: {why}" for k, (_, why) in missed_tasks(record).items())
     done = (
         f"step {step}: {mission.tasks[task].name} by "
         f"{', '.join(mission.robots[robot].name for robot in robots)}"
@@ -97,6 +98,7 @@ def outcome(record: Record) -> Told:
         "tasks_done": f"{end.tasks_done} of {len(mission.tasks)}",
         "never_possible": list(end.blocked_tasks),
         "late": cut(late, "the page has all"),
+        **({} if mission.until is None else {"missed": cut(missed, "the page has all")}),
         "done": cut(done, "the page has all"),
     }
 

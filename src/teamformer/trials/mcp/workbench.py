@@ -105,6 +105,7 @@ class Workbench:
         return {
             **{key: row[key] for key in ("makespan", "bound", "proven", "cost") if key in row},
             "late": cut((f"{task} by {by:g}" for task, by in row["late"].items()), "see the page"),
+            **({"left_out": cut(row["missed"], "see the page")} if "missed" in row else {}),
             "routes": routes(row),
             "why_so_late": made.why_so_late,
             "page": self.folder.name(into / "plan.html"),

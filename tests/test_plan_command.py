@@ -90,13 +90,24 @@ def test_plans_keep_the_instance_s_own_rules(
         assert row["makespan"] == pytest.approx(10 * math.hypot(0.8, 0.55) + 2.25, abs=1e-6)
 
 
-def test_the_page_shows_every_robot_and_task(imported: Path, tmp_path: Path) -> None:
-    words = ("--method", "plan", "--out", str(tmp_path / "page"))
-    assert teamformer("plan", str(imported), *words) == 0
-    page = (tmp_path / "page" / "plan.html").read_text(encoding="utf-8")
-    assert all(f">r{n}</text>" in page for n in range(4))
-    assert page.count('<g class="task" ') == 4  # t0 by two robots
-    assert "http" not in page.replace("http-equiv", "")
+@pytest.mark.parametrize("mission", ["imported", FOUR])
+def test_a_plan_is_a_record_like_any_other(
+    mission: str, imported: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is judged, exported, shown, and begun with; its critical path is that of the plan."""
+    file, folder = imported if mission == "imported" else Path(mission), tmp_path / "out"
+    record = str(folder / "record.json")
+    row = plan(file, capsys, "--time-limit", "0.5", "--out", str(folder))
+    assert teamformer("check", record, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["critical_path"] == row["critical_path"]
+    assert teamformer("export", record, str(tmp_path / "tables")) == 0
+    assert teamformer("view", record, str(tmp_path / "page.html")) == 0
+    assert (tmp_path / "page.html").read_text() == (folder / "record.html").read_text()
+    assert (tmp_path / "tables" / "tasks.csv").read_text().count("\n") == 1 + len(
+        read_mission(file).tasks
+    )
+    again = plan(file, capsys, "--time-limit", "0", "--from", record)
+    assert again["makespan"] <= row["makespan"]
 
 
 def test_a_mission_in_continuous_time_is_run_as_it_is_planned(
@@ -116,6 +127,28 @@ def test_real_robots_refuse_continuous_time(
     said = capsys.readouterr().err
     assert "missions in continuous time are not played in steps" in said
     assert f"{imported}:" in said
+
+
+WHOLE = """
+teamformer: 1
+time: continuous
+world: {grid: [9, 1]}
+capabilities: [a, b]
+robots: [{name: r, at: [0, 0], can: [a]}, {name: s, at: [8, 0], can: [b]}]
+tasks:
+  - {name: one, at: [2, 0], needs: [a], duration: 3}
+  - {name: two, at: [4, 0], needs: [a, b], duration: 5}
+  - {name: three, at: [8, 0], needs: [b], duration: 2}
+"""
+
+
+def test_a_bound_of_whole_times_is_whole(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By r: 4 to walk and 3 at `one`, then 5 at `two`: 12; or s does `three` later, at 18."""
+    (tmp_path / "whole.yaml").write_text(WHOLE)
+    row = plan(tmp_path / "whole.yaml", capsys, "--time-limit", "1")
+    assert (row["makespan"], row["bound"], row["proven"]) == (12, 12, True)
 
 
 def test_missions_in_steps_are_planned_too(capsys: pytest.CaptureFixture[str]) -> None:

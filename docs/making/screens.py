@@ -152,7 +152,7 @@ def continuous(take: Callable[..., None]) -> None:
     text = (ROOT / "examples" / "four-robots.yaml").read_text(encoding="utf-8")
     mission.write_text(f"time: continuous\n{text}", encoding="utf-8")
     teamformer("plan", mission, "--time-limit", 2, "--out", FOLDER / "plan")
-    take(f"file://{FOLDER}/plan/plan.html")
+    take(f"file://{FOLDER}/plan/record.html#view=gantt")
 
 
 def crowd(robots: int, tasks: int) -> Callable[..., None]:

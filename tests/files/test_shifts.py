@@ -15,7 +15,7 @@ from teamformer.files.mission_files import mission_from_tree, read_mission, writ
 from teamformer.mission.checks.rules import rules_not_played
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
-from teamformer.mission.parts.shifts import ALWAYS, Rota, closes_first, fits_all
+from teamformer.mission.parts.shifts import ALWAYS, Rota, fits_all
 
 DAY = Rota(((8, 12), (13, 17)), 24)
 ONCE = Rota(((0, 4), (6, 10)))
@@ -74,12 +74,10 @@ def test_shifts_are_counted_from_a_moment() -> None:
         assert later.walked(begin, spent) == DAY.walked(begin + 20, spent) - 20
 
 
-def test_when_somebody_works_and_the_first_has_to_go() -> None:
+def test_when_somebody_works_and_for_how_long() -> None:
     assert [DAY.is_at_work(now) for now in (0, 8, 11.9, 12, 13, 17, 32)] == [
         *(False, True, True, False, True, False, True)
     ]
-    assert closes_first([DAY, ALWAYS, Rota(((0, 11),))], 9) == 11
-    assert closes_first([ALWAYS], 9) == math.inf
     assert DAY.worked(0, 48) == 16
     assert DAY.worked(9, 14) == 4
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from fleets import pair, walked
 from teamformer.fleet.messages import READY, SERVE
 from teamformer.fleet.rehearsal.checking.checker import Checker
-from teamformer.fleet.rehearsal.trace import Accepted, Event, Finished, Said, Worked
+from teamformer.fleet.rehearsal.checking.trace import Accepted, Event, Finished, Said, Worked
 from teamformer.world.rules.constants import NOBODY
 
 GOOD: list[Event] = [

@@ -10,11 +10,11 @@ from fleets import PLANNER, Watched, pair, plan_of, trio
 from small_worlds import make, robot, task
 from teamformer.files.mission_files import read_mission
 from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.rehearsal.checking.trace import Trace
 from teamformer.fleet.rehearsal.faults import Crash, Faults
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, play, set_stage
-from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.model import Absence
 from teamformer.record.happenings import events

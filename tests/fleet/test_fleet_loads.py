@@ -17,12 +17,12 @@ from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import READY, SERVE, Beat, FactsNote, LoadFact, Message, Word
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.rehearsal.checking.checker import Checker
+from teamformer.fleet.rehearsal.checking.trace import Event, Finished, Said, Trace, Worked
 from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import play
-from teamformer.fleet.rehearsal.trace import Event, Finished, Said, Trace, Worked
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane

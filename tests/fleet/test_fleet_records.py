@@ -12,10 +12,10 @@ from fleets import PLANNER, Watched, plan_of, trio
 from small_worlds import make, robot, task
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
+from teamformer.fleet.rehearsal.checking.trace import Trace
 from teamformer.fleet.rehearsal.faults import Crash, Faults, Order
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
-from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.record.files.reading import record_from_tree
 from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record, Step, TaskAt, TeamAt

@@ -11,10 +11,10 @@ from fleets import plan_of
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.rehearsal.checking.trace import Trace
 from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell, draw_faults, losses_of
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
-from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.mission.model import Absence, Arrivals, Breakdown, Delays, Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import Roads
@@ -226,3 +226,24 @@ def test_breakdowns_and_tasks_at_random_are_drawn_as_in_the_simulator() -> None:
         (task.appears, task.at) for task in truth.tasks[1:]
     ]
     assert arrived
+
+
+def test_who_cannot_come_to_the_base_is_met_where_it_was() -> None:
+    """No road leads back from the ward: a robot that was there, or went there, stays there."""
+    one_way = Roads(("dock", "ward"), {"ground": ((0, 4), (FAR, 0))})
+    source = ring([Task("t", DOCK, {"a": 1})])
+    fleet = FleetMission(replace(source, world=one_way))
+    assert fleet.place_to_wait(0, DOCK, {}) is None
+    assert fleet.place_to_wait(0, DOCK, {1: DOCK}) == DOCK
+    assert fleet.place_to_wait(0, DOCK, {1: (1, 2.5)}) == WARD
+    assert fleet.place_to_wait(0, WARD, {1: DOCK}) is None  # it cannot get back itself
+    assert fleet.reach(0, fleet.tasks[0])
+    assert not fleet.reach(0, fleet.tasks[0], WARD)
+
+
+def test_radios_reach_as_far_as_the_shorter_way_takes() -> None:
+    """From lab to dock it is 1, the other way 6.5; two on one road are apart by their times."""
+    fleet = FleetMission(ring([Task("t", WARD, {"a": 1})]))
+    assert fleet.apart(DOCK, LAB) == fleet.apart(LAB, DOCK) == 1
+    assert fleet.apart((1, 3.0), (1, 1.0)) == 2
+    assert fleet.apart((1, 3.0), DOCK) == 3 + 3.5

@@ -17,10 +17,10 @@ from teamformer.fleet.agent.sight import Company, companies, view_of
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import Word
 from teamformer.fleet.methods import policy_of
+from teamformer.fleet.rehearsal.checking.trace import Said, Trace, Worked
 from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.rehearse import play
-from teamformer.fleet.rehearsal.trace import Said, Trace, Worked
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.view import View

@@ -18,13 +18,13 @@ from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import OPERATOR, PlanNote, TaskFact
 from teamformer.fleet.rehearsal.benchmark import bench_fleet, summarise
+from teamformer.fleet.rehearsal.checking.trace import Sent, Trace, Walked, Worked
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import faults_of, judge, play, set_stage
 from teamformer.fleet.rehearsal.shrink import shrink
-from teamformer.fleet.rehearsal.trace import Sent, Trace, Walked, Worked
 from teamformer.mission.model import Absence
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane

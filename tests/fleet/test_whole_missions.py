@@ -25,12 +25,7 @@ from teamformer.fleet.messages import (
     TaskFact,
 )
 from teamformer.fleet.rehearsal.checking.checker import Checker
-from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Withdrawal
-from teamformer.fleet.rehearsal.outcome import Outcome
-from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
-from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
-from teamformer.fleet.rehearsal.trace import (
+from teamformer.fleet.rehearsal.checking.trace import (
     OFF,
     Event,
     Finished,
@@ -40,6 +35,11 @@ from teamformer.fleet.rehearsal.trace import (
     Walked,
     Worked,
 )
+from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Withdrawal
+from teamformer.fleet.rehearsal.outcome import Outcome
+from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
+from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
 from teamformer.mission.checks.rules import rules_of_fleets
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid

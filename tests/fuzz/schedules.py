@@ -9,7 +9,15 @@ from hypothesis import strategies as st
 from drawing import now_and_then, pick
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
-from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Order, Spell, Withdrawal
+from teamformer.fleet.rehearsal.faults import (
+    Crash,
+    Cut,
+    Faults,
+    Order,
+    Spell,
+    Withdrawal,
+    losses_of,
+)
 
 MOMENTS = (0.0, 1.0, 3.7, 10.0, 25.0)
 LENGTHS = (5.0, 0.5, 12.0, 35.0)
@@ -19,7 +27,7 @@ LENGTHS = (5.0, 0.5, 12.0, 35.0)
 def schedules(draw: st.DrawFn, mission: FleetMission) -> Faults:
     """Return a schedule of faults: every kind of them, none in the simplest case."""
     robots = mission.robots
-    across = max(mission.source.world.width, mission.source.world.height)
+    across = mission.across
 
     def share(*values: float) -> float:
         return pick(draw, values) if now_and_then(draw, 3) else 0.0
@@ -60,10 +68,8 @@ def _cuts(draw: st.DrawFn, robots: int) -> Iterator[Cut]:
 
 def _crashes(draw: st.DrawFn, mission: FleetMission) -> Iterator[Crash]:
     """Return the losses that the file says, and others."""
+    yield from losses_of(mission)
     for number, robot in enumerate(mission.source.robots):
-        for away in robot.absences:
-            back = None if away.back is None else (away.back - 1) * mission.step
-            yield Crash(number, (away.lost - 1) * mission.step, back, keeps_facts=True)
         if not robot.absences and now_and_then(draw):
             at = pick(draw, MOMENTS)
             back = at + pick(draw, LENGTHS) if now_and_then(draw, 2) else None

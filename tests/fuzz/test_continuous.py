@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,8 +17,11 @@ from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.record.critical_path.of_plan import path_of_plan
-from teamformer.trials.planned import PlannedMission
+from teamformer.record.files.writing import save_record
+from teamformer.record.referee import judge
+from teamformer.record.telling.whole import path_of_record
+from teamformer.trials.continuous_trial import carry_out
+from teamformer.trials.routes import routes_of
 from teamformer.trials.start_plan import read_start_plan
 from tiny import (
     MOST_PLANS_IN_STEPS,
@@ -125,13 +127,13 @@ def test_central_is_never_worse_than_the_shared_plan(mission: Any) -> None:
 
 @fuzzed(15, "plan FILE --from PLAN --time-limit 0", mission=continuous_missions(), method=METHODS)
 def test_what_begins_with_a_plan_is_never_worse(mission: Any, method: str, folder: Path) -> None:
-    """Whoever made that plan: it is written, read, judged as any other, and given back if best."""
+    """Whoever made that plan: its record is read, judged as any plan, and given back if best."""
     source = mission_from_tree(mission)
     made = planned(source, method)
     if made is None:
         return
     file = folder / "plan.json"
-    file.write_text(json.dumps(PlannedMission(**vars(made), mission=source).row))
+    save_record(carry_out(source, made, method), file)
     posed = pose_mission(source)
     again = plan_continuous(posed, "central", 0.0, read_start_plan(file, source))
     assert again is not None
@@ -159,16 +161,32 @@ def test_no_tiny_mission_has_a_better_plan(mission: Any) -> None:
 
 @fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)
 def test_the_critical_path_adds_up(mission: Any, method: str) -> None:
-    """It goes forward, but where a start that is linked with a later one waits for that."""
     source = mission_from_tree(mission)
     made = planned(source, method)
     if made is None or not made.makespan:
         return
-    path = path_of_plan(source, made)
+    record = carry_out(source, made, method)
+    path = path_of_record(record)
     ends = [stretch.end for stretch in path]
     assert [stretch.begin for stretch in path] == [0, *ends[:-1]]
     assert ends[-1] == made.makespan
     for stretch in path:
-        assert stretch.end > stretch.begin or stretch.doing == "linked"
+        assert stretch.end > stretch.begin
         if stretch.doing in ("waiting", "idle"):
             raise AssertionError(f"nobody knows why: {stretch}")
+
+
+@fuzzed(25, PLAN, mission=continuous_missions(), method=METHODS)
+def test_a_plan_is_carried_out_as_it_was_made(mission: Any, method: str) -> None:
+    source = mission_from_tree(mission)
+    made = planned(source, method)
+    if made is None:
+        return
+    record = carry_out(source, made, method)
+    assert judge(record).findings == ()
+    assert record.end.makespan == pytest.approx(made.makespan, abs=NEAR)
+    for route, planned_route in zip(routes_of(record), made.routes, strict=True):
+        assert [stop.task for stop in route.stops] == [it.task for it in planned_route.stops]
+        for stop, it in zip(route.stops, planned_route.stops, strict=True):
+            times = (it.arrive, it.start, it.end)
+            assert (stop.arrive, stop.start, stop.end) == pytest.approx(times, abs=NEAR)

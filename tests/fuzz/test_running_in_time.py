@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import strategies as st
 
+from charging_missions import charged_mission
 from clock_missions import RandomPlans, draw_mission
 from clock_promises import check_promises
 from missions import continuous_missions, optional_missions
@@ -25,15 +26,20 @@ from teamformer.trials.trial import bound_of, run_trial
 from watching import fuzzed
 
 NEAR = 1e-9
+NOT_WITH_BATTERIES = ("delays", "places", "mixed", "all")
+"""What may happen that does not go with batteries yet."""
+
 FAMILIES = [
     name if incident is None else f"{name}-{incident}"
     for name in CONTINUOUS_FAMILIES
     for incident in (None, *INCIDENTS)
+    if name != "charging" or incident not in NOT_WITH_BATTERIES
 ]
 RUN = "run FILE --seed {seed}"
 SEEDS = st.integers(0, 10**6)
 """Of what happens, and of plans at random."""
 
+CHARGED = SEEDS.map(lambda seed: mission_to_tree(charged_mission(seed)))
 DRAWN = SEEDS.map(lambda seed: mission_to_tree(draw_mission(seed)))
 
 
@@ -50,6 +56,16 @@ def test_a_run_takes_as_long_as_its_plan(mission: Any) -> None:
         assert record.end.makespan == pytest.approx(made.makespan, rel=NEAR, abs=NEAR)
         assert record.end.broken_links == ()
     check_promises(source, record.true_mission, record.events)
+
+
+@fuzzed(10, "run FILE", mission=CHARGED)
+def test_robots_that_charge_take_as_long_as_their_plan(mission: Any) -> None:
+    source = mission_from_tree(mission)
+    made = plan_continuous(pose_mission(source), "plan", 0)
+    record = run_trial(source, SharedPlan()).record
+    assert made is not None
+    assert record.end.makespan == pytest.approx(made.makespan, rel=NEAR, abs=NEAR)
+    assert judge(record).findings == ()
 
 
 @fuzzed(25, "run FILE", mission=optional_missions())

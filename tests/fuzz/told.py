@@ -5,10 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import math
-import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from html import unescape
 from operator import add
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -354,37 +352,6 @@ TOLD_BY_PAGE = """(tree) => {
   return { lines, bars, stories, marks, said, needs, halfway, curves,
     end: [end.status, end.makespan, done] };
 }"""
-
-
-def routes_in_page(page: Path) -> list[tuple[str, list[str]]]:
-    """Return the rows of a plan's page: a robot, and what the tasks beside its name are said to be.
-
-    A task is beside the first name that is not above the top of its bar.
-    """
-    text = page.read_text(encoding="utf-8")
-    names = r'y="([\d.]+)" text-anchor="end">(?:<title>(.*?)</title>.*?|(.*?))</text>'
-    rows = [
-        (float(y), unescape(whole or short), list[str]())
-        for y, whole, short in re.findall(names, text)
-    ]
-    tasks = r'<title>([^<]*)</title><rect [^>]*?y="([\d.]+)"'
-    for said, top in re.findall(tasks, text):
-        next(row for row in rows if row[0] >= float(top))[2].append(unescape(said))
-    return [(name, stops) for _, name, stops in rows]
-
-
-def routes_told(row: Tree) -> list[tuple[str, list[str]]]:
-    """Return what a plan's page is to say, by what `plan --json` says."""
-    return [
-        (
-            route["robot"],
-            [
-                f"{it['task']}: there {it['arrive']:g}, from {it['start']:g} to {it['end']:g}"
-                for it in route["stops"]
-            ],
-        )
-        for route in row["routes"]
-    ]
 
 
 def lines_of_plan(row: Tree, ends_home: bool) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import combinations
 
 import numpy as np
@@ -73,25 +73,34 @@ class Stay:
 
 def fastest_makespan(mission: Mission) -> int | None:
     """Return the least makespan of all orders and crews, None if none is in time."""
+    least = least_cost(mission, lambda ends: max(ends.values(), default=0))
+    return None if least == math.inf else int(least)
+
+
+def least_cost(mission: Mission, cost: Callable[[Mapping[int, int]], float]) -> float:
+    """Return the least cost of all orders and crews, infinite if none is in time.
+
+    `cost` is of the ends of tasks by number, and does not fall as more tasks end.
+    """
     world = PlainWorld(mission)
     crews = [list(world.crews(task)) for task in world.tasks]
     best = math.inf
 
-    def extend(left: frozenset[int], stays: list[Stay], makespan: int) -> None:
+    def extend(left: frozenset[int], stays: list[Stay], ends: dict[int, int]) -> None:
         nonlocal best
-        if makespan >= best:
+        if cost(ends) >= best:
             return
         if not left:
-            best = makespan
+            best = cost(ends)
         for k in left:
             for crew in crews[k]:
                 after = list(stays)
                 end = serve(world, world.tasks[k], crew, after)
                 if all(end < last_step(world.robots[r]) for r in crew):
-                    extend(left - {k}, after, max(makespan, end))
+                    extend(left - {k}, after, {**ends, k: end})
 
-    extend(frozenset(range(len(world.tasks))), [Stay(r.at) for r in world.robots], 0)
-    return None if best == math.inf else int(best)
+    extend(frozenset(range(len(world.tasks))), [Stay(r.at) for r in world.robots], {})
+    return best
 
 
 def last_step(robot: Robot) -> float:

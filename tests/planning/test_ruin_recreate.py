@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from plain_plans import fastest_makespan, find_faults, tiny_world
+from plain_plans import fastest_makespan, find_faults, least_cost, tiny_world
 from random_worlds import random_world
 from small_worlds import make, robot, task
 from teamformer.files.drawn.generate import Spec, generate
@@ -30,6 +33,45 @@ def test_finds_the_fastest_schedule_of_tiny_worlds(seed: int) -> None:
         assert schedule is not None
         assert find_faults(mission, schedule) == []
         assert schedule.makespan == fastest_makespan(mission)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_finds_the_cheapest_schedule_of_tiny_worlds(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for _ in range(40):
+        drawn = tiny_world(rng)
+        due = rng.integers(2, 8, len(drawn.tasks)).tolist()
+        wanted = [replace(one, between=(0, by)) for one, by in zip(drawn.tasks, due, strict=True)]
+        mission = replace(drawn, tasks=tuple(wanted), cost={"makespan": 1.0, "tardiness": 2.0})
+
+        def cost(ends: Mapping[int, int], due: list[int] = due) -> float:
+            late = sum(max(0, end - due[task]) for task, end in ends.items())
+            return max(ends.values(), default=0) + 2.0 * late
+
+        search = ThresholdSearch(relax(mission), seed)
+        search.go_by_price()
+        search.run(400)
+        schedule = search.best
+        assert schedule is not None
+        assert find_faults(mission, schedule) == []
+        assert cost(dict(enumerate(schedule.end))) == least_cost(mission, cost)
+
+
+def test_by_what_plans_cost_a_task_that_is_due_comes_first() -> None:
+    """From 8 by 5 to 13 it takes 11 steps, and 13 the other way round; what is at 13 is due in 7.
+
+    So the one costs 11 and twice 4, the other 13.
+    """
+    tasks = [replace(task("a", 13), between=(0, 7)), task("a", 5)]
+    problem = relax(make([robot("a", 8)], tasks, cost={"makespan": 1.0, "tardiness": 2.0}))
+    search = ThresholdSearch(problem, seed=0)
+    search.run(20)
+    assert search.best is not None
+    assert (search.best.order, search.best.makespan) == ((1, 0), 11)
+    search.go_by_price()
+    search.run(20)
+    assert search.best is not None
+    assert (search.best.order, search.best.makespan) == ((0, 1), 13)
 
 
 @pytest.mark.parametrize("seed", range(3))

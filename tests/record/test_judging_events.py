@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 from hand_logs import ANN, BEAM, BOB, CRATE, EVENTS, RECORD, way
-from plan_logs import record_of
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.record.files.reading import record_from_tree
 from teamformer.record.files.writing import record_to_tree
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
+from teamformer.trials.continuous_trial import carry_out
 from teamformer.world.continuous.events import Event, PlanMade, PlannedTask
 from test_telling_events import clinic
 
@@ -136,7 +136,7 @@ def test_records_of_plans_are_legal_and_read_back() -> None:
     mission = clinic()
     plan = plan_continuous(pose_mission(mission), "plan", 0.2, None)
     assert plan is not None
-    record = record_of(mission, plan)
+    record = carry_out(mission, plan, "plan")
     read = record_from_tree(record_to_tree(record), "it")
     assert said(read) == []
     tree: Any = record_to_tree(record)

@@ -17,6 +17,7 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.solve import plan_together, solve
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.record.referee import judge
 from teamformer.trials.planned import plan_mission
 from teamformer.trials.start_plan import read_start_plan
 from typed import teamformer
@@ -191,3 +192,15 @@ def test_only_central_begins_with_a_plan(
 
 def _continuous(mission: Mission) -> Mission:
     return replace(mission, time="continuous")
+
+
+def test_a_plan_counts_with_tasks_that_appear_later() -> None:
+    """Robot r is at `late` after 6, when it appears; its record is of a plan made in advance."""
+    late = Task("late", (6, 0), {"a": 1}, appears=6, duration=2)
+    mission = Mission(
+        "late", Grid(9, 1), ("a",), (Robot("r", (0, 0), {"a": 1}),), (late,), time="continuous"
+    )
+    made = plan_mission(mission, "plan", 0.0)
+    assert made is not None
+    assert made.makespan == 8
+    assert judge(made.record).findings == ()

@@ -97,9 +97,10 @@ def test_nothing_outside_is_read_or_written(bench: Workbench, name: str) -> None
 def test_a_result_is_not_written_through_a_link_that_leads_out(bench: Workbench) -> None:
     bench.write_mission("a.yaml", TINY)
     secret = bench.folder.root.parent / "secret.yaml"
-    (bench.folder.root / "out").mkdir()
-    for name in ("record.html", "plan.json"):
-        (bench.folder.root / "out" / name).symlink_to(secret)
+    for folder in ("out", "plan"):
+        (bench.folder.root / folder).mkdir()
+    for folder in ("out", "plan"):
+        (bench.folder.root / folder / "record.html").symlink_to(secret)
     for act in (bench.run_mission, bench.plan_mission):
         with pytest.raises(TeamformerError, match="this is not in"):
             act("a.yaml", seconds=0.1)  # type: ignore[operator]
@@ -144,13 +145,14 @@ def test_a_change_is_one_that_advise_measures(bench: Workbench) -> None:
     assert error.value.hint == "did you mean 'one more robot like r1' or 'without robot r1'?"
 
 
-def test_a_plan_has_its_page_and_all_of_it_in_a_file(bench: Workbench) -> None:
+def test_a_plan_is_a_record_with_its_page(bench: Workbench) -> None:
     bench.write_mission("a.yaml", TINY)
     told = bench.plan_mission("a.yaml", seconds=0.2, out="plans/a")
     assert (told["makespan"], told["proven"]) == (6, True)
     assert told["routes"] == ["r1: t1 6-6"]
-    plan = json.loads((bench.folder.root / "plans" / "a" / "plan.json").read_text())
-    assert plan["makespan"] == 6
+    assert told["page"] == "plans/a/record.html"
+    assert bench.check_record(told["record"]) == {"legal": True, "findings": []}
+    assert bench.explain(told["record"])["why_so_late"] == told["why_so_late"]
 
 
 def test_every_tool_says_what_it_is() -> None:

@@ -11,7 +11,6 @@ from toy_records import Tree, random_mission, toy_record
 
 from browsers import Opened, Opener
 from live_server import serving, serving_editor, small_mission
-from teamformer.viewer.gantt import gantt_page
 from teamformer.viewer.html import comparison_page
 
 axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed")
@@ -115,17 +114,3 @@ def test_the_editor(new_page: Any, tmp_path: Path) -> None:
         page.get_by_role("button", name="New", exact=True).click()
         opened.wait_until("document.querySelector('#problems .hint')")
         assert findings(page) == []
-
-
-def test_the_page_of_a_plan(new_page: Any) -> None:
-    stop = {"task": "weld", "arrive": 2, "start": 3, "end": 6}
-    page = new_page()
-    page.set_content(
-        gantt_page(
-            {
-                **{"mission": "yard", "makespan": 8, "bound": 6, "proven": False},
-                **{"late": {"weld": 1}, "routes": [{"robot": "r1", "back": 8, "stops": [stop]}]},
-            }
-        )
-    )
-    assert findings(page) == []

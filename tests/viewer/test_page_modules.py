@@ -12,7 +12,7 @@ from teamformer.viewer import modules
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "src/teamformer/viewer/page"
-OPENERS = ("main", "live/main", "plan/plan", "folder/folder")
+OPENERS = ("main", "live/main", "folder/folder")
 
 
 def test_types_are_right() -> None:

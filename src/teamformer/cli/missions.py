@@ -148,14 +148,14 @@ def plan(
     time_limit: TimeLimit = 10.0,
     start: Annotated[
         Path | None,
-        typer.Option("--from", help="a plan that central begins with: what `plan --json` printed"),
+        typer.Option("--from", help="a plan that central begins with: what `plan` wrote"),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="folder to write the page plan.html into")
+        Path | None, typer.Option(help="folder to write record.json and record.html into")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Plan a mission without running it: which robot goes where, and when."""
+    """Plan a mission: which robot goes where, and when, if nothing unforeseen happens."""
     from teamformer.cli.verbs.missions.plan import plan as command
 
     raise typer.Exit(command(mission, method, time_limit, start, out, as_json))

@@ -133,14 +133,27 @@ class FleetMission:
         """Say whether the mission ends with its robots home, or at a place."""
         return self.source.ends is not None
 
+    @property
+    def ends_by_places(self) -> bool:
+        """Say whether the mission may be over since robots are home, or have no way on."""
+        return self.ends or isinstance(self.source.world, Roads)
+
     def home_of(self, robot: int) -> Place | None:
         """Return where a robot has to be when the mission is over; None if it may be anywhere."""
         ends = self.source.ends
         return self.source.robots[robot].at if isinstance(ends, str) else ends
 
-    def place_to_wait(self, robot: int, here: Place, is_to_meet: bool) -> Place | None:
-        """Return where a robot goes without a task: to meet others, else home; None: nowhere."""
-        place = self.bases[robot] if is_to_meet else self.home_of(robot)
+    def place_to_wait(self, robot: int, here: Place, missed: Mapping[int, Place]) -> Place | None:
+        """Return where a robot goes without a task: to meet those it misses, else home.
+
+        They meet at its base, or where one is who cannot get there any more. None: nowhere.
+        """
+        base = self.bases[robot]
+        strays = (at for other, at in sorted(missed.items()) if not self.leads(other, at, base))
+        stray = next(((at[0], 0) for at in strays if self.leads(robot, here, at)), base)
+        is_on_roads = isinstance(self.source.world, Roads)
+        meeting = stray if is_on_roads else base
+        place = meeting if missed else self.home_of(robot)
         return place if place is not None and self.leads(robot, here, place) else None
 
     def begin_of(self, moment: float) -> float:

@@ -56,8 +56,8 @@ def make_learner(settings: TrainSettings) -> Learner:
     return Learner(
         policy,
         critic,
-        torch.optim.Adam(policy.parameters(), rate),
-        torch.optim.Adam(critic.parameters(), rate),
+        torch.optim.Adam(policy.parameters(), rate, fused=True),
+        torch.optim.Adam(critic.parameters(), rate, fused=True),
         settings.device,
     )
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
@@ -10,7 +11,7 @@ from typing import Protocol
 from teamformer.mission.checks.links import groups_of, linked_with
 from teamformer.mission.keys.mission_keys import TIMES
 from teamformer.mission.model import Mission, Robot
-from teamformer.mission.parts.capabilities import covers, total
+from teamformer.mission.parts.capabilities import Counts, covers, total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.reach import totals_there
 from teamformer.mission.parts.roads import Roads
@@ -64,6 +65,8 @@ class Known:
     came_from: tuple[Place, ...] = ()  # where each robot last did something: who forms with whom
     started: Mapping[int, float] = field(default_factory=dict)  # tasks that have begun, and when
     over: frozenset[int] = frozenset()  # tasks that are done or called off
+    left: tuple[float, ...] = ()  # what each has in its battery once it is free
+    charging: tuple[tuple[int, float], ...] = ()  # chargers where robots charge, and until when
 
     @property
     def step(self) -> int:
@@ -84,15 +87,26 @@ class Known:
         linked directly take different robots.
         """
         tasks = self.mission.tasks
-        have = totals_there(self.mission.world, [self._stands(robot) for robot in self.robots])
         under_way = {task for task, _ in self.under_way}
-        able = {k for k in self.open_tasks if covers(have(tasks[k].at), tasks[k].needs)}
+        able = {k for k in self.open_tasks if covers(self._brought_to(k), tasks[k].needs)}
         before = {task: set(others) for task, others in tasks_before(tasks).items()}
         able -= self._lacking_for_links(able)
         while waiting := {task for task in able & before.keys() if before[task] - able - under_way}:
             able -= waiting
             able -= self._lacking_for_links(able)
         return tuple(k for k in self.open_tasks if k in able)
+
+    def _brought_to(self, task: int) -> Counts:
+        """Return what the robots that are there can bring to a task together."""
+        charging = self.mission.charging
+        if charging is None:
+            return self._brought(self.mission.tasks[task].at)
+        robots = [self._stands(robot) for robot in charging.able(self.robots, task)]
+        return totals_there(self.mission.world, robots)(self.mission.tasks[task].at)
+
+    @cached_property
+    def _brought(self) -> Callable[[Place], Counts]:
+        return totals_there(self.mission.world, [self._stands(robot) for robot in self.robots])
 
     def _stands(self, robot: int) -> Robot:
         """Return a robot as one that starts where it is now; on roads not all ways lead back."""
@@ -131,6 +145,10 @@ def known_at_start(mission: Mission) -> Known:
         teams=mission.starting_teams,
         free_at=(0,) * len(places),
         came_from=places,
+        left=tuple(
+            math.inf if robot.battery is None else robot.battery.starts * robot.battery.lasts
+            for robot in mission.robots
+        ),
     )
 
 

@@ -12,9 +12,9 @@ from teamformer.world.rules.constants import NOBODY
 PHASES = (
     *("walking", "waiting", "forming", "serving"),
     *("loading", "carrying", "unloading"),
-    *("idle", "lost", "off"),
+    *("idle", "lost", "off", "charging"),
 )
-WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, OFF = PHASES
+WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, OFF, CHARGING = PHASES
 """A load is not served: it is loaded where it lies, carried, and unloaded where it goes. Who is off
 is outside its shifts."""
 

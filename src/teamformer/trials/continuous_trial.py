@@ -14,9 +14,10 @@ from teamformer.methods.central.policy import Central
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end
-from teamformer.mission.coordination import Coordinator, heeded_by, times_of
+from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by, times_of
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import truth_until
+from teamformer.planning.problem.routes import MissionPlan
 from teamformer.record.record import Ending, Record
 from teamformer.world.continuous.course import COMPLETED, RUNNING, Course
 from teamformer.world.env import Tally
@@ -85,6 +86,33 @@ def run_continuous(
         compiling_seconds=compiling_seconds() - compiled,
         is_interrupted=is_interrupted,
     )
+
+
+@dataclass(frozen=True)
+class GivenPlan:
+    """A coordinator that keeps to the plan that it is given, whatever happens."""
+
+    plan: Plan
+    heeds: tuple[str, ...] = ()
+    times: tuple[str, ...] = ("continuous",)
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        """Return the plan at the start, and later what is left of it."""
+        return self.plan if plan is None else plan
+
+
+def carry_out(mission: Mission, made: MissionPlan, method: str) -> Record:
+    """Return the record of a plan of a mission in which nothing is uncertain.
+
+    Tasks that appear later are known from the start, as whoever made the plan knew them.
+    """
+    ends = {stop.task: stop.end for route in made.routes for stop in route.stops}
+    plan = Plan(made.order, made.coalitions, tuple(ends[task] for task in made.order))
+    course = Course(mission, mission, GivenPlan(plan), is_told_all=True)
+    course.begin()
+    while course.is_running:
+        course.go_on()
+    return record_of(course, mission, method, 0, made.bound or None)
 
 
 def record_of(

@@ -8,10 +8,12 @@ from teamformer.record.files.writing import record_to_tree, save_record
 from teamformer.record.record import Record
 from teamformer.viewer.html import write_page
 
+WRITTEN = ("record.json", "record.html")
+
 
 def write_record(record: Record, folder: Path) -> tuple[Path, Path]:
     """Write `record.json` and its page `record.html` into a folder; return both paths."""
-    written, page = folder / "record.json", folder / "record.html"
+    written, page = (folder / name for name in WRITTEN)
     save_record(record, written)
     write_page(record_to_tree(record), page)
     return written, page

@@ -1,4 +1,4 @@
-"""Plans of missions that nobody plays: in continuous time, or read off a play of steps."""
+"""Plans of missions, each as the record of what comes of it where nothing happens to it."""
 
 from __future__ import annotations
 
@@ -18,15 +18,17 @@ from teamformer.mission.truth import expected_mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.record.critical_path.of_plan import path_of_plan
 from teamformer.record.critical_path.stretches import Stretch, path_rows
 from teamformer.record.critical_path.words import why_so_late
+from teamformer.record.files.writing import record_to_tree
+from teamformer.record.record import Record
 from teamformer.record.task_times import cost_of_record, lateness
 from teamformer.record.telling.whole import path_of_record
+from teamformer.trials.continuous_trial import carry_out
 from teamformer.trials.memory import refuse_too_large
 from teamformer.trials.routes import routes_of
 from teamformer.trials.trial import run_trial
-from teamformer.viewer.gantt import gantt_page
+from teamformer.viewer.html import record_page
 from teamformer.viewer.notebook_page import Page
 
 CENTRAL = "central"
@@ -37,7 +39,7 @@ DIGITS = 6
 
 @dataclass(frozen=True)
 class PlannedMission(MissionPlan):
-    """A plan of a mission, with the chain that its end hangs on, the first stretch first.
+    """A plan of a mission, and the record of its being carried out.
 
     >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
     >>> print(*made.why_so_late[:1])  # doctest: +ELLIPSIS
@@ -46,8 +48,17 @@ class PlannedMission(MissionPlan):
     400
     """
 
-    mission: Mission = field(kw_only=True, repr=False)
-    critical_path: tuple[Stretch, ...] = ()
+    record: Record = field(kw_only=True, repr=False)
+
+    @property
+    def mission(self) -> Mission:
+        """Return what was planned: an uncertain mission as it is expected."""
+        return self.record.mission
+
+    @property
+    def critical_path(self) -> tuple[Stretch, ...]:
+        """Return the chain that the plan's end hangs on, the first stretch first."""
+        return path_of_record(self.record)
 
     @property
     def why_so_late(self) -> list[str]:
@@ -56,7 +67,7 @@ class PlannedMission(MissionPlan):
 
     def show(self, height: int = 620) -> Page:
         """Return the plan as a page; a notebook shows it in a frame `height` pixels high."""
-        return Page(gantt_page(self.row), height)
+        return Page(record_page(record_to_tree(self.record)), height)
 
     @property
     def row(self) -> dict[str, Any]:
@@ -107,24 +118,23 @@ def plan_mission(
 ) -> PlannedMission | None:
     """Return the plan that a method makes in so many seconds; None if it finds none.
 
-    `central` may begin with a plan of all tasks, `start`. A mission in steps is planned by
-    `central`, for what is to be expected, and the routes are read off its play. Raises what
+    `central` may begin with a plan of all tasks, `start`. What is uncertain is planned as it is
+    expected, and the plan is carried out so; in steps that is how `central` plans. Raises what
     `refuse_unplannable` raises, and `UndoableError` for a mission that no plan can do in full.
     """
     refuse_unplannable(mission, method)
     if start is not None and method != CENTRAL:
         raise TeamformerError(f"method '{method}' cannot begin with a plan", f"use {CENTRAL}")
+    expected = expected_mission(mission)
     if mission.time == "continuous":
         refuse_too_large(mission, load_method(SHARED))
         warm_up()
-        made = plan_continuous(pose_mission(expected_mission(mission)), method, seconds, start)
+        made = plan_continuous(pose_mission(expected), method, seconds, start)
         if made is None:
             return None
-        return PlannedMission(
-            **vars(made), mission=mission, critical_path=path_of_plan(mission, made)
-        )
+        return PlannedMission(**vars(made), record=carry_out(expected, made, method))
     player = load_method(method, seconds) if start is None else Central(seconds, start=start)
-    trial = run_trial(expected_mission(mission), player)
+    trial = run_trial(expected, player)
     end, bound = trial.record.end, trial.record.lower_bound or 0
     if end.blocked_tasks:
         raise UndoableError(
@@ -136,7 +146,7 @@ def plan_mission(
         return None
     number_of = {task.name: number for number, task in enumerate(mission.tasks)}
     return PlannedMission(
-        mission=mission,
+        record=trial.record,
         makespan=end.makespan,
         bound=bound,
         is_proven=end.makespan <= bound and judged_by(mission) is None,
@@ -144,7 +154,6 @@ def plan_mission(
         late={number_of[name]: by for name, by in lateness(trial.record).items()},
         curve=() if trial.plan is None else trial.plan.curve,
         cost=cost_of_record(trial.record),
-        critical_path=path_of_record(trial.record),
     )
 
 

@@ -1,39 +1,45 @@
-"""The plan that a search is to begin with, as `teamformer plan --json` writes it."""
+"""The plan that a search is to begin with: a record, or what `teamformer plan --json` writes."""
 
 from __future__ import annotations
 
 import json
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.file_access import read_text
+from teamformer.files.trees.mission import RECORD
 from teamformer.mission.checks.links import linked_with
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
 from teamformer.mission.parts.reach import can_reach
-from teamformer.mission.precedence import keep_precedence, tasks_before
+from teamformer.mission.precedence import tasks_before
+from teamformer.planning.problem.routes import order_of_starts
+from teamformer.record.files.reading import read_record
+from teamformer.record.record import Record
+from teamformer.trials.routes import routes_of
 
 LARGEST = 100_000_000
 """Bytes that a file with a plan may have."""
 
-HINT = "`teamformer plan MISSION --json > FILE` writes one"
+HINT = "`teamformer plan MISSION --json > FILE` writes one, and so does `--out FOLDER`"
 
 
 def read_start_plan(path: Path, mission: Mission) -> Plan:
     """Return the plan in a file: who does each task of a mission, and in what order.
 
+    A record is a plan, too: of what was done in it.
     The order is that of the `start` of each task. Tasks that the plan leaves out come last, by as
     few robots as can do them. Raises `TeamformerError` for a file without a plan, and for a plan
     with unknown names, with robots that cannot do their task, or with one that does two tasks whose
     starts are linked.
     """
     try:
-        rows = _rows(json.loads(read_text(path, LARGEST, HINT)))
+        tree = json.loads(read_text(path, LARGEST, HINT))
+        rows = _rows_of_record(read_record(path)) if RECORD in tree else _rows(tree)
     except (ValueError, TypeError, KeyError, RecursionError):
         raise TeamformerError(f"{path}: this is no plan", HINT) from None
     try:
@@ -51,6 +57,15 @@ def _rows(tree: Any) -> list[Row]:
         (str(route["robot"]), str(stop["task"]), float(stop["start"]))
         for route in tree["routes"]
         for stop in route["stops"]
+    ]
+
+
+def _rows_of_record(record: Record) -> list[Row]:
+    robots, tasks = record.true_mission.robots, record.true_mission.tasks
+    return [
+        (robots[route.robot].name, tasks[stop.task].name, stop.start)
+        for route in routes_of(record)
+        for stop in route.stops
     ]
 
 
@@ -77,22 +92,9 @@ def _plan_of(rows: list[Row], mission: Mission) -> Plan:
         if not coalition:
             taken = set[int]().union(*(robots[other] for other in linked[number]))
             coalition |= _able(mission, number, taken)
-    order = _order_of([(robot, task_of[task]) for robot, task, _ in rows], start, mission)
+    stops = [(robot_of[robot], task_of[task]) for robot, task, _ in rows]
+    order = order_of_starts(stops, dict(enumerate(start)), tasks_before(mission.tasks))
     return Plan(tuple(order), tuple(tuple(sorted(robots[task])) for task in order))
-
-
-def _order_of(
-    stops: Sequence[tuple[str, int]], start: Sequence[float], mission: Mission
-) -> list[int]:
-    """Return the order of the starts; what starts at one moment is in the order of the routes."""
-    order = sorted(range(len(start)), key=start.__getitem__)
-    before = tasks_before(mission.tasks)
-    as_routes = {task: list(before.get(task, ())) for task in order}
-    for (robot, task), (other_robot, next_one) in pairwise(stops):
-        if robot == other_robot and start[task] == start[next_one] and task != next_one:
-            as_routes[next_one].append(task)
-    kept = keep_precedence(order, as_routes)
-    return kept if len(kept) == len(order) else keep_precedence(order, before)
 
 
 def _refuse_linked(mission: Mission, robots: Sequence[set[int]]) -> None:

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from teamformer.base.whole_files import write_whole
-from teamformer.viewer.gantt import tick_step
 from teamformer.viewer.html import plain_page
 
 ROW, BAR = 24, 14
@@ -152,3 +151,14 @@ def _rect(looks: str, begin: float, end: float, scale: _Scale, height: int) -> s
     return (
         f'<rect class="{looks}" x="{left:.2f}%" y="{top}" width="{width:.2f}%" height="{height}"/>'
     )
+
+
+def tick_step(length: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, so that up to a dozen fit into a length."""
+    step = 1e-9
+    while length / step > 12:
+        for factor in (2, 2.5, 2):
+            step *= factor
+            if length / step <= 12:
+                break
+    return step

@@ -21,12 +21,6 @@ def plain_page(title: str, style: str, body: str) -> str:
     return _small_page(title, style, body, f"style-src {_fingerprint(style)}")
 
 
-def plan_page(title: str, style: str, body: str, plan: Mapping[str, object]) -> str:
-    """Return the page of a plan, with the plan and the scripts that tell of it."""
-    held = f'<script type="application/json" id="plan">{_json_for_html(plan)}</script>'
-    return script_page(title, style, f"{body}{held}", "plan/plan")
-
-
 def script_page(title: str, style: str, body: str, opener: str, allowed: str = "") -> str:
     """Return a small page that the module `opener` works on, with whatever else is `allowed`."""
     script = joined(opener)

@@ -12,7 +12,11 @@ from teamformer.base.array_types import Ints
 from teamformer.planning.bounds.tours import empty_tables, narrow_starts
 from teamformer.planning.continuous.cp_sat import solve_exactly
 from teamformer.planning.continuous.solve import plan_together, solve
-from teamformer.planning.continuous_bounds.makespan import improving_bounds, refuter_of
+from teamformer.planning.continuous_bounds.makespan import (
+    grain_of,
+    improving_bounds,
+    refuter_of,
+)
 from teamformer.planning.continuous_bounds.relaxations import bound_by_chains_and_work, relax
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 
@@ -164,3 +168,22 @@ def test_a_capability_that_nobody_needs_or_has_bounds_nothing() -> None:
     )
     assert list(improving_bounds(problem, lambda: 11)) == [11]
     assert list(itertools.islice(improving_bounds(problem, lambda: 12), 3)) == [11, 11, 11]
+
+
+def test_a_bound_is_a_sum_of_the_problem_s_times() -> None:
+    """All times are multiples of 1000 but the way of 10,500, which no plan of 9000 has room for."""
+    ways = [[[0, 10_500], [4000, 0], [4000, 2000]]]
+    problem = pose_problem(
+        ways=ways,
+        home=[[0, 0, 0]],
+        pace=[0],
+        origin=[2],
+        counts=[[1]],
+        needs=[[1], [1]],
+        duration=[1000, 2000],
+    )
+    assert grain_of(problem, 9000) == 1000
+    assert grain_of(problem, 10_500) == 500
+    bounds = list(itertools.islice(improving_bounds(problem, lambda: 9000), 20))
+    assert bounds[-1] == 9000
+    assert all(bound % 1000 == 0 for bound in bounds)

@@ -1,8 +1,9 @@
-"""Families of missions in continuous time: `roads`, `clock`, `shifts`, `optional`.
+"""Families of missions in continuous time: `roads`, `clock`, `shifts`, `optional`, `charging`.
 
-All have order and windows; those of `roads`, on the lanes of sites, and of `clock` have loads, too.
+All have order; those of `roads`, on the lanes of sites, and of `clock` have windows and loads, too.
 Those of `clock` are on a plane and have linked starts, forming, ways home, tasks that appear and a
 cost. Robots of `shifts` work in shifts with breaks. Most tasks of `optional` may be left out.
+Robots of `charging` have batteries.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +22,7 @@ from teamformer.mission.checks.optional import find_hopeless_until
 from teamformer.mission.checks.windows import find_hopeless_windows
 from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import total
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND
@@ -59,6 +62,16 @@ EVERY = 300.0
 
 MUST, WEIGHTS, UNTIL = 2, (1.0, 1.0, 2.0, 3.0, 5.0), (80.0, 200.0)
 """Of `optional`: how many tasks must be done, what others weigh, and when the mission is over."""
+
+LASTS_FOR, FILLS_IN, SERVING_SPENDS = (100.0, 200.0), (0.1, 0.3), (0.2, 0.5)
+"""Metres that a battery lasts at speed 1, the share of that in which it fills, and what a second at
+a task takes."""
+
+WAITING_SPENDS, WITH_BATTERY = (0.0, 0.0, 0.05), 0.8
+"""What a second of waiting takes, and the share of robots that have a battery."""
+
+CHARGERS, CHARGER_ROOM = (3, 6), (1, 1, 2)
+"""How many there are, ends included, and the room of one."""
 
 
 @dataclass(frozen=True)
@@ -103,13 +116,13 @@ def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
         tasks = _with_windows(rng, _in_order(rng, tasks))
         late = [replace(t, appears=int(rng.integers(1, 90))) for t in tasks]
         tasks = [late[n] if rng.random() < LATE else task for n, task in enumerate(tasks)]
-        more = {
+        more: dict[str, Any] = {
             "forming": float(rng.integers(0, 5)),
             "ends": "home" if rng.random() < 0.5 else None,
         }
         cost = {"makespan": 1.0, "tardiness": 2.0, "travel": 0.05}
-        mission = _mission(name, world, robots, tasks)
-        return replace(mission, cost=cost if rng.random() < 0.5 else None, **more)  # type: ignore[arg-type]
+        more["cost"] = cost if rng.random() < 0.5 else None
+        return _mission(name, world, robots, tasks, **more)
 
     return _first_sound(draw)
 
@@ -147,14 +160,56 @@ def draw_optional(rng: np.random.Generator, name: str) -> Mission:
             for number, task in enumerate(tasks)
         ]
         tasks = _with_windows(rng, _in_order(rng, tasks))
-        more = {
+        more: dict[str, Any] = {
             "until": round(float(rng.uniform(*UNTIL)), 1),
             "ends": "home" if rng.random() < 0.5 else None,
             "cost": {"makespan": 1.0, "missed": 20.0} if rng.random() < 0.5 else None,
         }
-        return replace(_mission(name, Plane(WIDTH, HEIGHT), robots, tasks), **more)  # type: ignore[arg-type]
+        return _mission(name, Plane(WIDTH, HEIGHT), robots, tasks, **more)
 
     return _first_sound(draw)
+
+
+def draw_charging(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission of robots with batteries, and chargers; some tasks come after others."""
+
+    def draw() -> Mission:
+        starts = [_spot(rng) for _ in range(2)]
+        robots = [_with_battery(rng, robot) for robot in _draw_robots(rng, starts)]
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        tasks = _in_order(rng, tasks)
+        late = [replace(task, appears=int(rng.integers(1, 90))) for task in tasks]
+        tasks = [late[n] if rng.random() < LATE else task for n, task in enumerate(tasks)]
+        number = int(rng.integers(CHARGERS[0], CHARGERS[1] + 1))
+        chargers = tuple(Charger(_spot(rng), int(rng.choice(CHARGER_ROOM))) for _ in range(number))
+        forming, ends = float(rng.integers(0, 5)), "home" if rng.random() < 0.5 else None
+        return Mission(
+            name,
+            Plane(WIDTH, HEIGHT),
+            CAPABILITIES,
+            tuple(robots),
+            tuple(tasks),
+            time="continuous",
+            forming=forming,
+            ends=ends,
+            chargers=chargers,
+        )
+
+    return _first_sound(draw)
+
+
+def _with_battery(rng: np.random.Generator, robot: Robot) -> Robot:
+    if rng.random() >= WITH_BATTERY:
+        return robot
+    lasts = round(float(rng.uniform(*LASTS_FOR)) / robot.speed)
+    battery = Battery(
+        lasts=lasts,
+        fills=round(lasts * float(rng.uniform(*FILLS_IN)), 1),
+        starts=round(float(rng.uniform(0.5, 1)), 2),
+        serving=round(float(rng.uniform(*SERVING_SPENDS)), 2),
+        waiting=float(rng.choice(WAITING_SPENDS)),
+    )
+    return replace(robot, battery=battery)
 
 
 CONTINUOUS_FAMILIES = {
@@ -162,6 +217,7 @@ CONTINUOUS_FAMILIES = {
     "clock": ContinuousFamily(draw_by_the_clock),
     "shifts": ContinuousFamily(draw_in_shifts),
     "optional": ContinuousFamily(draw_optional),
+    "charging": ContinuousFamily(draw_charging),
 }
 
 
@@ -189,8 +245,11 @@ def _first_sound(draw: Callable[[], Mission]) -> Mission:
     raise AssertionError
 
 
-def _mission(name: str, world: World, robots: Sequence[Robot], tasks: Sequence[Task]) -> Mission:
-    return Mission(name, world, CAPABILITIES, tuple(robots), tuple(tasks), time="continuous")
+def _mission(
+    name: str, world: World, robots: Sequence[Robot], tasks: Sequence[Task], **more: Any
+) -> Mission:
+    made = (tuple(robots), tuple(tasks))
+    return Mission(name, world, CAPABILITIES, *made, time="continuous", **more)
 
 
 def _spot(rng: np.random.Generator) -> Place:

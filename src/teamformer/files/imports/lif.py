@@ -49,14 +49,14 @@ def read(path: Path) -> list[Mission | Site]:
     return [Site(name, world, robots, tasks).complete()]
 
 
-class Layout(NamedTuple):
+class LaidOutGraph(NamedTuple):
     """What the vehicles of a site call its nodes and edges, and where nodes are, in metres."""
 
     positions: Mapping[str, Place]
     edges: Mapping[tuple[str, str], Mapping[str, str]]  # by both ends, then by how vehicles move
 
 
-def read_layout(path: Path) -> Layout:
+def read_layout(path: Path) -> LaidOutGraph:
     """Return the nodes and edges of a LIF file, by the names that a mission made of it has."""
     tree = read_json(path)
     layouts = [part for _, part in tree["layouts"].parts()]
@@ -69,7 +69,9 @@ def read_layout(path: Path) -> Layout:
     for edge, vehicle in rows:
         ends = edge["startNodeId"].text(), edge["endNodeId"].text()
         edges.setdefault(ends, {})[mover_of(vehicle, types)] = edge["edgeId"].text()
-    return Layout({name: _position(node) for name, node in zip(numbers, nodes, strict=True)}, edges)
+    return LaidOutGraph(
+        {name: _position(node) for name, node in zip(numbers, nodes, strict=True)}, edges
+    )
 
 
 def _numbers(nodes: list[TreePart]) -> Numbers:

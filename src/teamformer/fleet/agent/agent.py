@@ -319,12 +319,12 @@ class Agent:
     @property
     def _has_served(self) -> bool:
         """Say whether this robot has done its part of the task that it serves."""
-        is_it = self.service.is_at_work_on(self.command.task)
-        return is_it and self._report.has_served and self._report.leg == self.command.leg
+        is_it = self._report.has_served and self._report.leg == self.command.leg
+        return is_it and self.service.is_at_work_on(self.command.task)
 
     @property
     def _is_bound(self) -> bool:
-        """Say whether it is with its task, wherever that is: it carries or has brought it."""
+        """Say whether it is with its task: it carries or has brought it."""
         return self.carries or self._has_served
 
     def _has_load(self, key: int) -> bool:
@@ -350,15 +350,14 @@ class Agent:
             duration=duration,
             pace=pace,
         )
-        if new != command:
-            self.command = new
+        self.command = command if new == command else new
 
     def _place_to_be(self, now: float) -> Place | None:
         """Return where to go; None for staying where it is, or with the load that it carries."""
         service, command, goal = self.service, self.command, self.service.goal
-        place: Place | None = None
         if self.carries and command.task == goal:
             return None
+        place: Place | None = None
         if self._has_served and command.task == goal:
             return command.place
         if self._has_load(goal) and now < service.promised:
@@ -366,8 +365,7 @@ class Agent:
         if self.membership.is_stuck and (goal == NOBODY or self._has_load(goal)):
             place = self._wanted  # it goes on trying
         elif goal == NOBODY:
-            is_to_meet = self._misses_somebody(now) and not (self.is_over and self.mission.ends)
-            place = self.mission.place_to_wait(self.me, self._place, is_to_meet)
+            place = self.mission.place_to_wait(self.me, self._place, self._missed(now))
         elif now >= service.formed:
             is_here = command.task == goal and command.place is None and self._is_at(goal)
             place = None if is_here else self.knowledge.place_of(goal)
@@ -375,10 +373,12 @@ class Agent:
             return command.place  # forming where it stands
         return place
 
-    def _misses_somebody(self, now: float) -> bool:
-        """Say whether somebody is out of hearing: then who has nothing to do goes to the base."""
+    def _missed(self, now: float) -> dict[int, Place]:
+        """Return who is out of hearing, and where it is or goes to by its word."""
         seen, patience = self.membership.seen, 2 * self.mission.timers.near
-        return any(now - seen[robot] > patience for robot in self.watched)
+        watched = frozenset[int]() if self.is_over and self.mission.ends else self.watched
+        missed = (robot for robot in watched if now - seen[robot] > patience)
+        return {robot: self.knowledge.heads_to(robot) for robot in missed}
 
     def _listen(self, now: float) -> None:
         """In a large fleet, listen to neighbours and to those that this robot is to meet."""

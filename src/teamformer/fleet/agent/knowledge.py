@@ -180,6 +180,11 @@ class Knowledge:
         at = self.loads.get(key) or self.tasks[key]
         return at.x, at.y
 
+    def heads_to(self, robot: int) -> Place:
+        """Return where a robot goes to, or is, by its newest word."""
+        word = self.words[robot]
+        return self.place_of(word.goal) if word.goal in self.tasks else (word.x, word.y)
+
     def see_load(self, key: int, place: Place) -> bool:
         """Note that a load lies elsewhere than was believed; say whether that is so."""
         if place == self.place_of(key):

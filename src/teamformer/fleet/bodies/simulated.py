@@ -31,3 +31,13 @@ class WorkUnderWay(NamedTuple):
     team: int
     end: float
     part: int = SERVICE
+
+
+@dataclass(frozen=True)
+class Done:
+    """A task was done at a time by a team: those robots were at work on it."""
+
+    at: float
+    key: int
+    team: int
+    robots: tuple[int, ...]

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from teamformer.fleet.bodies.body import Command, Report
@@ -19,6 +18,7 @@ from teamformer.fleet.bodies.simulated import (
     CARRIED,
     SERVICE,
     UNLOADING,
+    Done,
     SimulatedRobot,
     WorkUnderWay,
 )
@@ -54,16 +54,6 @@ class Lifted(NamedTuple):
     task: int
     robots: tuple[int, ...]
     place: Place
-
-
-@dataclass(frozen=True)
-class Done:
-    """A task was done at a time by a team: those robots were at work on it."""
-
-    at: float
-    key: int
-    team: int
-    robots: tuple[int, ...]
 
 
 class FleetWorld:
@@ -107,6 +97,10 @@ class FleetWorld:
             if key in before:
                 self._look_at_services(other)
 
+    def is_served(self, key: int) -> bool:
+        """Say whether robots are at work on a task."""
+        return key in self._services
+
     @property
     def is_over(self) -> bool:
         """Say whether every task is done or called off."""
@@ -137,8 +131,7 @@ class FleetWorld:
 
     def command(self, robot: int, command: Command) -> set[int]:
         """Let a robot obey from now on; return the robots that sense something new."""
-        body = self.robots[robot]
-        touched: set[int] = set()
+        body, touched = self.robots[robot], set[int]()
         if body.is_dead or command == body.command:
             return touched
         old, body.command = body.command, command
@@ -192,8 +185,7 @@ class FleetWorld:
         """Return where a task is, or where its load is now."""
         if key in self._ways_of_loads:
             return self._ways_of_loads[key].place(self.now, self._map)
-        task = self.tasks[key]
-        return self._lies.get(key, (task.x, task.y))
+        return self._lies.get(key, (self.tasks[key].x, self.tasks[key].y))
 
     def kill(self, robot: int) -> set[int]:
         """Let a robot break down where it is."""
@@ -228,8 +220,10 @@ class FleetWorld:
                 yield robot
 
     def _is_at_work(self, robot: int, key: int) -> bool:
-        body = self.robots[robot]
-        return body.command.serve and body.command.task == key and not body.is_dead
+        """Say whether a robot serves a task, and has a way on with its load, if it has one."""
+        body, to = self.robots[robot], self.tasks[key].to
+        is_told = body.command.serve and body.command.task == key and not body.is_dead
+        return is_told and (to is None or self.mission.leads(robot, self.place_of(key), to))
 
     def _set_still(self, robot: int, is_dead: bool, is_stuck: bool = False) -> set[int]:
         body = self.robots[robot]

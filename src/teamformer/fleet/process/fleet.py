@@ -14,7 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from teamformer.fleet.agent.planning import first_plan
-from teamformer.fleet.bodies.world import Done
+from teamformer.fleet.bodies.simulated import Done
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.methods import PLAN, planner_of
 from teamformer.fleet.process.local_agent import MODULE, Start, write_start

@@ -9,7 +9,8 @@ from msgspec import DecodeError, ValidationError
 
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.remote import SILENCE, decode_order, encode
-from teamformer.fleet.bodies.world import Done, FleetWorld
+from teamformer.fleet.bodies.simulated import Done
+from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import CallOff, Offer, Post
 from teamformer.fleet.transports.zenoh_mesh import ZenohTransport

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence, Set
 
+from msgspec.structs import replace
+
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
@@ -58,12 +60,30 @@ class EndingWatch:
         able, lost, left = self._able(), self._lost_orders(now, held), self._left(now)
         forgotten = self._withdrawn(now) - held - self._world.done.keys()
         tasks = left | {key: self._world.tasks[key] for key in forgotten}
+        is_served = self._world.is_served
         can_do, places = self._mission.can_do, {robot: self._world.place(robot) for robot in able}
-        cannot = {key for key, task in tasks.items() if not can_do(able, task, places)} | lost
+        idle = {key: self._as_it_lies(it) for key, it in tasks.items() if not is_served(key)}
+        cannot = {key for key, it in idle.items() if not can_do(able, it, places)} | lost
         before = self._mission.before
         while more := {key for key in left if before.get(key, set()) & cannot} - cannot:
             cannot |= more
         return [task for key, task in left.items() if key in cannot]
+
+    def _as_it_lies(self, task: TaskFact) -> TaskFact:
+        """Return a task with its load where that lies."""
+        x, y = self._world.place_of(task.key)
+        return replace(task, x=x, y=y)
+
+    def makespan(self, alive: Sequence[int]) -> float | None:
+        """Return when the last task was done, or when robots were home if the mission ends there.
+
+        None if nothing was done.
+        """
+        times = [done.at for done in self._world.done.values()]
+        if self._mission.ends and times:
+            ways = (self._world.robots[robot].journey.way for robot in alive)
+            times += [way[-1].at for way in ways if len(way) > 1]
+        return max(times, default=None)
 
     def undone(self, now: float, held: Set[int]) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Return the names of tasks that can be done and are not, and of those that cannot be."""

@@ -7,6 +7,7 @@ something new and when it is due, not otherwise.
 from __future__ import annotations
 
 import math
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.agent import Agent
@@ -19,12 +20,20 @@ from teamformer.fleet.messages import OPERATOR, Beat, Message, Notice, Post
 from teamformer.fleet.operator import AGAIN, Operator
 from teamformer.fleet.planner import FleetPlanner
 from teamformer.fleet.rehearsal.agenda import Agenda
+from teamformer.fleet.rehearsal.checking.trace import (
+    Accepted,
+    Broke,
+    Finished,
+    Said,
+    Sent,
+    Trace,
+    Worked,
+)
 from teamformer.fleet.rehearsal.ending import EndingWatch
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.late_reports import EVERY, LateReports
 from teamformer.fleet.rehearsal.network import RehearsedNetwork
 from teamformer.fleet.rehearsal.outcome import Outcome
-from teamformer.fleet.rehearsal.trace import Accepted, Broke, Finished, Said, Sent, Trace, Worked
 from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
@@ -59,10 +68,9 @@ class Rehearsal:
         self._planner, self._make_policy = planner, make_policy
         self._post = Post(mission.number, robots)
         self._network = RehearsedNetwork(self._post, faults, self._deliver, mission.apart)
-        self._skew = faults.skew or (0.0,) * robots
-        self._drift = faults.drift or (0.0,) * robots
-        self._tick = 0
-        self.now = 0.0  # the true time in seconds
+        calm = (0.0,) * robots
+        self._skew, self._drift = faults.skew or calm, faults.drift or calm
+        self._tick, self.now = 0, 0.0  # the true time in seconds
         self._agenda = Agenda()
         self._wake = [0] * robots  # when each is to be ticked next
         self._due = [0.0] * robots  # what each will be awake for, by its own clock
@@ -72,16 +80,14 @@ class Rehearsal:
         self._saved: list[Remembered | None] = [None] * robots
         self._saved_version = [(-1, -1)] * robots
         self._reports = [
-            LateReports(lag, faults.stutter, self._network.chance)
-            for lag in faults.lag or (0.0,) * robots
+            LateReports(lag, faults.stutter, self._network.chance) for lag in faults.lag or calm
         ]
         self._touched = set(range(robots))  # whose bodies sense something new
         self._sensed = [self.world.report(robot) for robot in range(robots)]
         self._said: list[tuple[int, ...]] = [()] * robots
         self._worked = [(NOBODY, NOBODY)] * robots
         self._moves = 0
-        self._finished = 0
-        self._is_to_look = True  # something has changed that a mission can end with
+        self._finished, self._is_to_look = 0, True  # something a mission can end with has changed
         self._operators = [Operator(order.task, robots) for order in faults.orders]
         self._operators += [
             Operator(mission.tasks[off.task], robots, calls_off=True) for off in faults.withdrawals
@@ -149,7 +155,7 @@ class Rehearsal:
     def _advance(self) -> set[int]:
         """Let the world go on to now."""
         awake = self.world.advance(self.now)
-        self._is_to_look |= self.mission.ends and bool(awake)  # somebody may be home
+        self._is_to_look |= self.mission.ends_by_places and bool(awake)
         self._note_moves()
         if len(self.world.done) > self._finished:
             for done in list(self.world.done.values())[self._finished :]:
@@ -237,11 +243,8 @@ class Rehearsal:
 
     def _receivers(self, robot: int) -> list[int]:
         """Return who listens to a robot."""
-        return [
-            other
-            for other, agent in enumerate(self.agents)
-            if agent is not None and robot in agent.watched
-        ]
+        agents = enumerate(self.agents)
+        return [other for other, it in agents if it is not None and robot in it.watched]
 
     def _deliver(self, at: float, sender: int, receiver: int, message: Message) -> None:
         tick = max(self._tick + 1, math.ceil(at / TICK))
@@ -285,8 +288,8 @@ class Rehearsal:
                 self._put(spell.begin, what, spell.robot)
                 if spell.end is not None:
                     self._put(spell.end, ending, spell.robot)
-        times = [*(it.at for it in faults.orders), *(it.at for it in faults.withdrawals)]
-        for number, at in enumerate(times):
+        times = [it.at for it in faults.orders], [it.at for it in faults.withdrawals]
+        for number, at in enumerate(chain(*times)):
             self._put(at, "order", number)
         for at in self.mission.off_at.values():
             self._put(at, "over", 0)  # the mission may end with it
@@ -381,13 +384,9 @@ class Rehearsal:
         alive = [r for r, agent in enumerate(self.agents) if agent is not None]
         seconds = self._robot_seconds + sum(self.now - self._alive_since[r] for r in alive)
         undone, impossible = self._ending.undone(self.now, self._held())
-        times = [done.at for done in world.done.values()]
-        if self.mission.ends and times:
-            ways = (world.robots[robot].journey.way for robot in alive)
-            times += [way[-1].at for way in ways if len(way) > 1]  # when they were home
         return Outcome(
             status=status,
-            makespan=max(times, default=None),
+            makespan=self._ending.makespan(alive),
             end=self.now,
             tasks_done=len(world.done),
             blocked_tasks=undone if status == "blocked" else impossible,

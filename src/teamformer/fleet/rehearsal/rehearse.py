@@ -12,10 +12,10 @@ from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
 from teamformer.fleet.rehearsal.checking.checker import Checker
+from teamformer.fleet.rehearsal.checking.trace import Trace
 from teamformer.fleet.rehearsal.faults import Faults, draw_faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.trace import Trace
 from teamformer.mission.parts.roads import Roads
 
 SLACK = 300.0

@@ -57,7 +57,7 @@ class SampledPlans:
 
 
 @dataclass
-class _States:
+class _Drawn:
     """The same, as it grows position by position."""
 
     features: list[Array] = field(default_factory=list)
@@ -76,7 +76,7 @@ def sample_plans(
     logarithm of what plans of one mission cost.
     """
     forecasts = [one for mission in missions for one in forecasts_of(mission, settings.plans)]
-    given, record = [one.given for one in forecasts], _States()
+    given, record = [one.given for one in forecasts], _Drawn()
     draw = by_chance(rng, settings.heat)
 
     def watch(rows: list[int], position: int, features: Array, scores: Array) -> Array:
@@ -107,7 +107,7 @@ def _gains(cost: Array) -> tuple[Array, float]:
     return (gain / max(spread, 1e-9)).ravel(), spread
 
 
-def _as_tensors(record: _States, gain: Array) -> SampledPlans:
+def _as_tensors(record: _Drawn, gain: Array) -> SampledPlans:
     features, count = np.concatenate(record.features), np.concatenate(record.count)
     is_offer = np.arange(features.shape[1]) < count[:, None]
     of_state = gain[np.concatenate(record.plan)]

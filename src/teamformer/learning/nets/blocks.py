@@ -34,10 +34,11 @@ class Attention(nn.Module):
         """
         query = self._by_head(self.query(asking))  # (teams, heads, steps, d / heads)
         keys, values = memory
-        alike = query @ keys.transpose(2, 3) * self.scale  # (teams, heads, steps, tokens)
+        alike = keys @ (query * self.scale).transpose(2, 3)  # (teams, heads, tokens, steps)
         if is_seen is not None:
-            alike = alike.masked_fill(~is_seen, REFUSED)
-        found = alike.softmax(dim=-1) @ values  # plain, since exported it runs faster so
+            alike = alike.masked_fill(~is_seen.transpose(2, 3), REFUSED)
+        share = alike.softmax(dim=2).transpose(2, 3)  # over another axis than the last it is faster
+        found = share @ values  # plain, since exported it runs faster so
         out: Tensor = self.out(found.transpose(1, 2).flatten(2))
         return out
 

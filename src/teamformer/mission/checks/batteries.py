@@ -93,11 +93,13 @@ def rules_not_run_with_batteries(mission: Mission) -> Iterator[Problem]:
     """Return what a mission in continuous time has that batteries do not go with yet."""
     if not has_batteries(mission.robots):
         return
-    number, name = _first_with_battery(mission)
-    message = f"robot '{name}' has a battery, and no mission with batteries is run yet; drop it"
-    yield Problem(("robots", number, "battery"), message)
+    _, name = _first_with_battery(mission)
     rest = f"which does not go with the battery of robot '{name}' yet; drop one of the two"
     yield from told_once(mission, _found_beside_batteries(mission), lambda _: rest)
+    if mission.arrivals is not None:
+        yield Problem(("arrivals",), f"tasks appear at random, {rest}")
+    if mission.until is not None:
+        yield Problem(("until",), f"until is given, {rest}")
     if mission.cost is not None:
         yield Problem(("cost",), f"the mission has a cost, {rest}")
 
@@ -106,6 +108,8 @@ def _found_beside_batteries(mission: Mission) -> Iterator[Found]:
     for number, robot in enumerate(mission.robots):
         if robot.delays is not None:
             yield ("robots", number, "delays"), f"robot '{robot.name}' may stand still"
+        if robot.shifts:
+            yield ("robots", number, "shifts"), f"robot '{robot.name}' works in shifts"
     for number, task in enumerate(mission.tasks):
         has = {
             "to": (task.to, "has a load"),

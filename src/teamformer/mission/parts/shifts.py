@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -90,6 +90,11 @@ class Rota:
             done += end - start
         return end if done >= spent - SAME * max(1.0, abs(end)) else math.inf
 
+    def ends_leg(self, begin: float, spent: float) -> float:
+        """Return when it is at the next place that stands between two, be its last shift over."""
+        end = self.walked(begin, spent)
+        return begin + spent if math.isinf(end) else end
+
     def goes_on(self, now: float) -> float:
         """Return the first moment at or after one at which it works; infinite if it never does."""
         if not self.shifts:
@@ -159,12 +164,6 @@ def fits_all(rotas: Sequence[Rota], earliest: float, takes: float) -> float:
             return start
         earliest = start
     return math.inf if bound else earliest
-
-
-def closes_first(rotas: Iterable[Rota], now: float) -> float:
-    """Return when the first of the shifts ends in which some robots are; infinite without any."""
-    ends = [closes for rota in rotas for opens, closes in _next_two(rota, now) if opens <= now]
-    return min((end for end in ends if end > now), default=math.inf)
 
 
 def _next_two(rota: Rota, now: float) -> list[Shift]:

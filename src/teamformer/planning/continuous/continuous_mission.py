@@ -19,6 +19,12 @@ from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.shifts import rotas_of
+from teamformer.planning.continuous.batteries import (
+    batteries_of,
+    by_ability,
+    charged_clock,
+    kinds_apart,
+)
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.tables import (
     distances,
@@ -52,13 +58,19 @@ from teamformer.world.rules.waits import Waits, waits_at
 STRAIGHT = 1 - 1e-9
 """A way is shorter than another if it is by more than what rounding makes of equal ones."""
 
+WHOLE = 1e-6
+"""By how much of a tick a time may be off that counts as whole."""
+
 NO_WAY = 1000
 """Where no way is, it takes this many times longer than everything."""
 
 
 @dataclass(frozen=True)
 class ContinuousMission:
-    """What is left of a mission, as it is, and in ticks, of which there are `scale` in a unit."""
+    """What is left of a mission, as it is, and in ticks, of which there are `scale` in a unit.
+
+    A time in ticks is off by no more than `rounding`: by nothing if all times are whole ticks.
+    """
 
     source: Mission
     now: float  # from when on ticks are counted
@@ -66,6 +78,7 @@ class ContinuousMission:
     tasks: tuple[int, ...]
     clock: TaskClock  # its times as they are
     scale: float
+    rounding: int
     problem: CoalitionProblem
 
     def tell(self, solution: Solution) -> MissionPlan:
@@ -74,8 +87,7 @@ class ContinuousMission:
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         """
         timed = self.time(self.in_time(solution.plan))
-        rounding = rounding_of(len(self.tasks))
-        bound = self.now + max(0.0, (solution.bound - rounding) / self.scale)
+        bound = self.now + max(0.0, (solution.bound - self.rounding) / self.scale)
         if timed.missed:
             bound = self.now
         return replace(
@@ -161,13 +173,14 @@ class ContinuousMission:
         has_shifts = len(self.clock.rotas) > 0
         kept = [task for task in found.order.tolist() if found.size[task] > 0]
         order = [task for task in kept if not has_shifts or math.isfinite(ends[task])]
+        is_done = all(math.isfinite(ends.get(task, math.inf)) for task in order)  # nobody runs dry
         return Plan(
             order=tuple(self.tasks[task] for task in order),
             coalitions=tuple(
                 tuple(self.robots[r] for r in sorted(found.coalition[task, : found.size[task]]))
                 for task in order
             ),
-            ends=tuple(ends[task] for task in order),
+            ends=tuple(ends[task] for task in order) if is_done else (),
             made_from=made_from,
         )
 
@@ -218,6 +231,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     late = round(NO_WAY * (busy + longest_wait) * scale)
     counts = count_table([robot.can for robot in robots], mission)
     needs = count_table([task.needs for task in tasks], mission)
+    counts, needs = by_ability(mission, numbers, chosen, counts, needs)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
     takes = np.array([task.duration + task.unload for task in tasks]) + carried
     due = [
@@ -240,15 +254,21 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         spares=SPARES if _may_spare_pay(mission, tasks, ways, home, pace, takes) else 0,
         site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
         ready=ticks(ready),
-        apart=[different.index(robot.rota) for robot in robots],
+        apart=kinds_apart(known, numbers, [different.index(robot.rota) for robot in robots]),
         rotas=rotas_in_ticks(
             later, lambda when: round(when * scale), late, rounding_of(len(tasks))
         ),
     )
+    charging = charged_clock(known, numbers, chosen)
+    if charging is not None:
+        problem = problem._replace(batteries=batteries_of(charging, problem, places, now, ticks))
     if mission.until is not None:
         problem = problem._replace(misses=_misses(mission, now, tasks, ticks, problem))
     if judged_by(mission) is not None or gaps:
         problem = problem._replace(links=_links(mission, tasks, len(robots), gaps, scale))
+    rotas = rotas_of(robots)
+    times = (ways, home, carry, takes, ready, np.subtract(release, now), mission.forming)
+    is_exact = not rotas and all(_are_whole(np.multiply(part, scale)) for part in times)
     clock = TaskClock(
         tasks=tasks,
         ways=ways,
@@ -262,8 +282,9 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         before=before,
         gaps=gaps,
         forming=mission.forming,
-        rotas=rotas_of(robots),
+        rotas=rotas,
         cost=mission.cost,
+        charging=charging,
     )
     return ContinuousMission(
         source=mission,
@@ -272,6 +293,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         tasks=tuple(chosen),
         clock=clock,
         scale=scale,
+        rounding=0 if is_exact else rounding_of(len(tasks)),
         problem=problem,
     )
 
@@ -304,6 +326,12 @@ def _renumbered(
         gap._replace(task=number_of[gap.task], other=number_of[gap.other]) for gap in waits.gaps
     ]
     return before, gaps
+
+
+def _are_whole(ticks: Floats) -> bool:
+    """Say whether times are whole ticks, but for what a product of two fractions is off by."""
+    finite = ticks[np.isfinite(ticks)]
+    return bool((np.abs(finite - np.rint(finite)) < WHOLE).all())
 
 
 def rounding_of(tasks: int) -> int:

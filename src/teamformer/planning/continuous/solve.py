@@ -11,6 +11,7 @@ from functools import partial
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous_bounds.cost import least_cost
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
+from teamformer.planning.problem.batteries import are_charged, charged_totals
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.links import have_weights, is_bounded
@@ -29,6 +30,11 @@ beginning: the second time it begins at a good plan, and much heat would leave l
 FEW_IF_WEIGHED, SECONDS_EACH_IF_WEIGHED = 100, 15.0
 """If plans have a cost, a search of fewer tasks than this anneals again after so many seconds; with
 more it anneals once in all the time there is."""
+
+
+CHARGED_SEARCHES, CHARGED_PARTS = 4, 7
+"""Where robots have batteries, so many annealings share the rounds, and of each plans are judged
+after so many parts."""
 
 
 @dataclass(frozen=True)
@@ -60,11 +66,40 @@ def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
     tasks that are linked: different robots do them. There is no clock in it, and the same sums of
     the same numbers, so that it is the same on every machine.
     """
+    if are_charged(problem.batteries):
+        return _plan_charged(problem, seed)
     search = ArcSearch(problem, seed)
     if not search.begin_anew():
         return None
     search.anneal_shared()
     return _without_riders(problem, _found(search))
+
+
+def _plan_charged(
+    problem: CoalitionProblem,
+    seed: int,
+    start: CoalitionPlan | None = None,
+    is_over: Callable[[], bool] = lambda: False,
+) -> Solution | None:
+    """Return the best of several plans, judged with queues at chargers, which searches leave out.
+
+    A few annealings share the rounds; after each part of one its plans are judged. With a `start`
+    they begin there, less hot.
+    """
+    best = None if start is None else _timed(problem, start)
+    for number in range(CHARGED_SEARCHES):
+        search = ArcSearch(problem, seed + number)
+        if start is None or not search.begin_at(start):
+            start = None
+            if not search.begin_anew():
+                return None
+        for _ in search.anneal_in_parts(CHARGED_SEARCHES, CHARGED_PARTS, start is not None):
+            for plan in (search.best, search.present):
+                found = _timed(problem, plan)
+                best = found if best is None or found.rank < best.rank else best
+            if is_over():
+                return best
+    return best and _without_riders(problem, best)
 
 
 def plan_again(problem: CoalitionProblem, start: CoalitionPlan, seed: int = 0) -> Solution | None:
@@ -73,11 +108,28 @@ def plan_again(problem: CoalitionProblem, start: CoalitionPlan, seed: int = 0) -
     It is never worse than that, unless robots wait in it for one another for ever. The search is
     shorter than a first one and begins less hot. None where `plan_together` finds none.
     """
+    if are_charged(problem.batteries):
+        return _mend_charged(problem, start, seed)
     search = ArcSearch(problem, seed)
     if not search.begin_at(start) and not search.begin_anew():
         return None
     search.anneal_again()
     return _without_riders(problem, _found(search))
+
+
+def _mend_charged(problem: CoalitionProblem, start: CoalitionPlan, seed: int) -> Solution | None:
+    """Return the plan after news where robots have batteries: by one annealing.
+
+    If somebody runs dry in it, it is searched for anew.
+    """
+    search, best = ArcSearch(problem, seed), _timed(problem, start)
+    if search.begin_at(start):
+        search.anneal_again()
+        for plan in (search.best, search.present):
+            found = _timed(problem, plan)
+            best = found if found.rank < best.rank else best
+    anew = _plan_charged(problem, seed) if math.isinf(best.worth) else None
+    return _without_riders(problem, best if anew is None else anew)
 
 
 def solve(
@@ -135,6 +187,8 @@ NEVER_DONE = (math.inf, math.inf)
 
 
 def _timed(problem: CoalitionProblem, plan: CoalitionPlan) -> Solution:
+    if are_charged(problem.batteries):
+        return Solution(plan, charged_totals(problem, plan))
     total = schedule_of(problem, plan).total
     return Solution(plan, (int(total[MAKESPAN] + total[MISSED]), int(total[COST])))
 
@@ -177,6 +231,9 @@ def _search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
     If plans have a cost it begins anew each time: what the best plan costs says too little of how
     hot to begin, as it is not left any more then.
     """
+    if are_charged(problem.batteries):
+        _search_charged(problem, seed, race)
+        return
     search, is_weighed = ArcSearch(problem, seed), have_weights(problem.links)
     if not is_weighed:
         search.begin_at(race.plan.plan)
@@ -196,6 +253,18 @@ def _search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
         )
         if not is_weighed:
             search.begin_at_best()
+
+
+def _search_charged(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
+    """Search again and again, anew and from the best plan in turns."""
+    number = 0
+    while not race.is_over:
+        start = race.plan.plan if number % 2 else None
+        own = 1000 * seed + CHARGED_SEARCHES * number
+        found = _plan_charged(problem, own, start, lambda: race.is_over)
+        if found is not None:
+            race.offer(found)
+        number += 1
 
 
 def _coolings(problem: CoalitionProblem, seconds: float) -> Sequence[int]:

@@ -12,6 +12,7 @@ from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.model import Task
 from teamformer.mission.parts.shifts import Rota
+from teamformer.planning.continuous.batteries import ChargedClock
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
 from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, time_tasks
@@ -38,6 +39,7 @@ class TaskClock:
     forming: float
     rotas: Sequence[Rota]  # (robots,) when each works; empty where all always do
     cost: Mapping[str, float] | None
+    charging: ChargedClock | None = None  # if robots have batteries
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times; one in which robots wait for one another has no end."""
@@ -55,6 +57,9 @@ class TaskClock:
             forming=self.forming,
             rotas=self.rotas,
         )
+        if self.charging is not None:
+            charged = self.charging.time(rules, order, robots_of)
+            return self._tell(order, charged.timed, rules, charged.back)
         return self._tell(order, time_tasks(rules, order, robots_of), rules)
 
     def _place(self, robot: int, before: int) -> int:
@@ -69,8 +74,17 @@ class TaskClock:
         carried = max((float(self.carry[self.pace[robot], task]) for robot in robots), default=0.0)
         return wanted.duration + carried + wanted.unload
 
-    def _tell(self, order: Sequence[int], timed: Timed, rules: StartRules) -> MissionPlan:
-        """Return the plan that starts tasks at these times."""
+    def _tell(
+        self,
+        order: Sequence[int],
+        timed: Timed,
+        rules: StartRules,
+        back: Sequence[float] | None = None,
+    ) -> MissionPlan:
+        """Return the plan that starts tasks at these times; `back` if robots are not home at once.
+
+        What they travel has no detours to chargers in it: nobody has a cost beside a battery.
+        """
         travel = 0.0
         stops: list[list[Stop]] = [[] for _ in self.free]
         late, ends = {}, {}
@@ -85,10 +99,11 @@ class TaskClock:
         rows = zip(stops, self.origin.tolist(), self.free, strict=True)
         last = [(made[-1].task, made[-1].end) if made else (at, free) for made, at, free in rows]
         home = self.home[np.arange(len(last)), [place for place, _ in last]]
-        back = [
-            rules.arrival(robot, left, float(way))
-            for robot, ((_, left), way) in enumerate(zip(last, home, strict=True))
-        ]
+        if back is None:
+            back = [
+                rules.arrival(robot, left, float(way))
+                for robot, ((_, left), way) in enumerate(zip(last, home, strict=True))
+            ]
         parts = {
             "makespan": max(back),
             "travel": travel + float(home.sum()),

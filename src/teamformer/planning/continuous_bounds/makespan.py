@@ -33,9 +33,10 @@ def improving_bounds(problem: CoalitionProblem, upper: Callable[[], int]) -> Ite
     That is the makespan of the best plan known so far, or more.
     Destructive improvement (Klein and Scholl 1999): a makespan that is refuted is too short.
     Makespans are bisected, again and again with more nodes. The same bound may come repeatedly.
+    Between multiples of the problem's grain there is no makespan, so bounds are such multiples.
     """
-    relaxation = relax(problem)
-    bound = min(upper(), bound_by_chains_and_work(problem, relaxation))
+    relaxation, grain = relax(problem), grain_of(problem, upper())
+    bound = min(upper(), _up(bound_by_chains_and_work(problem, relaxation), grain))
     yield bound
     refuter = refuter_of(problem, relaxation)
     nodes, open_from = 0, upper()  # so many nodes have not refuted `open_from`, if it is less
@@ -47,12 +48,31 @@ def improving_bounds(problem: CoalitionProblem, upper: Callable[[], int]) -> Ite
             continue
         makespan = most - 1 if is_near else (bound + open_from) // 2
         if refuter.refutes(makespan, nodes):
-            bound = makespan + 1
+            bound = min(most, _up(makespan + 1, grain))
         elif is_near:
             nodes = max(1, MORE_NODES * nodes)
         else:
             open_from = makespan
         yield bound
+
+
+def grain_of(problem: CoalitionProblem, most: int) -> int:
+    """Return ticks of which the makespan of every plan that takes `most` or less is a multiple.
+
+    Makespans are sums of the problem's times; longer ones than `most` play no part in them.
+    """
+    parts = (
+        *(problem.ways, problem.home, problem.duration, problem.slower, problem.release),
+        *(problem.ready, problem.forming, problem.links.gap),
+        *(problem.rotas.shifts, problem.rotas.every),
+    )
+    times = np.concatenate([part.ravel() for part in parts])
+    return max(1, int(np.gcd.reduce(times[np.abs(times) <= most])))
+
+
+def _up(ticks: int, grain: int) -> int:
+    """Return the next multiple of a grain that is not less."""
+    return -(-ticks // grain) * grain
 
 
 def refuter_of(problem: CoalitionProblem, relaxation: Relaxation) -> Refuter:

@@ -9,6 +9,7 @@ import numpy as np
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.covers import list_covers
+from teamformer.planning.problem.batteries import Batteries
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     NOBODY,
@@ -71,6 +72,7 @@ class ArcProblem(NamedTuple):
     weights: Ints  # (5,) in steps: of makespan and ends, the divisor, and if there are prices;
     # last by how much a search may be led on that a task is missed no more, 0 if none can be
     links: Links  # as in the coalition problem
+    batteries: Batteries  # as there
     rotas: Rotas  # the same
 
 
@@ -139,6 +141,7 @@ def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcP
         together=np.zeros((0, 0), np.int32) if steps is None else steps.together,
         weights=_weights(problem, steps),
         links=problem.links,
+        batteries=problem.batteries,
         rotas=problem.rotas,
     )
 

@@ -30,7 +30,9 @@ from teamformer.planning.graph.arc_problem import (
     most_seats,
     takes_with,
 )
+from teamformer.planning.graph.charging import charged_home, is_charged, left_after, there_charged
 from teamformer.planning.graph.worth import WORTH, missed, missed_leads, priced
+from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.problem.constants import SPREAD, TICKS
@@ -84,6 +86,7 @@ class Graph(NamedTuple):
     ways: Records  # (seats of a node,) WAY, room for the ways that lead from a node
     there: Ints  # (seats of a node,) room for the steps in which groups are there
     worth: Records  # (tasks,) WORTH
+    left: Ints  # (seats,) what who leaves a seat has in its battery; empty if nobody has one
 
 
 def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:
@@ -132,6 +135,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
         ways=np.zeros(widest, WAY).view(np.recarray),
         there=np.zeros(widest, np.int64),
         worth=worth,
+        left=np.zeros(len(seats) if are_charged(problem.batteries) else 0, np.int64),
     )
 
 
@@ -158,6 +162,8 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
         kind = graph.seats[seat].kind
         there = max(there, walked(problem.rotas, kind, graph.nodes[place].end, way))
         comes_apart |= problem.site[place] != first_site
+    if is_charged(problem):
+        there = there_charged(problem, graph, first_seat, node.taken)
     if comes_apart and problem.forming[0] > 0:
         there = fitted(problem, graph, task, first_seat, there, problem.forming[0])
         there += problem.forming[0]
@@ -231,6 +237,8 @@ def tail_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> in
 @kernel
 def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
     """Return when a home is reached."""
+    if is_charged(problem):
+        return charged_home(problem, graph, robot)
     home = len(graph.seats) - len(graph.back) + robot
     last, kind = graph.seats[graph.seats[home].prev].node, graph.seats[home].kind
     return walked(problem.rotas, kind, graph.nodes[last].end, problem.home[kind, last])
@@ -293,11 +301,16 @@ def time_anew(problem: ArcProblem, graph: Graph) -> None:
         order[gap] = task
     for depot in range(tasks, problem.ways.shape[1]):
         _send(problem, graph, depot)
+    for robot in range(len(problem.batteries.left)):
+        graph.left[tasks * problem.most[0] + robot] = problem.batteries.left[robot]
     for task in order:
         if nodes[task].is_load:
             nodes[task].duration = takes(problem, graph, task)
         start = start_of(problem, graph, task, nodes[task].first)
         nodes[task].end, nodes[task].key = start + nodes[task].duration, 2 * start + 1
+        if is_charged(problem):
+            for seat in range(nodes[task].first, nodes[task].first + nodes[task].taken):
+                graph.left[seat] = left_after(problem, graph, seat, start)
         _send(problem, graph, task)
     for robot in range(len(graph.back)):
         graph.back[robot] = back_of(problem, graph, robot)

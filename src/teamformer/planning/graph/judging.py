@@ -16,6 +16,7 @@ from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, may_miss
+from teamformer.planning.graph.charging import is_charged, left_after
 from teamformer.planning.graph.graph import (
     AIM,
     BACK_SUM,
@@ -42,7 +43,7 @@ from teamformer.planning.problem.constants import TICKS
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
 
-PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN, DURATION = range(9)
+PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN, DURATION, LEFT = range(10)
 """What an entry of the log has changed."""
 
 ARRIVING, PARTING = 1, 2
@@ -70,6 +71,7 @@ class ArcChange(NamedTuple):
 def empty_trial(graph: Graph, timed_again: int = 0) -> ArcChange:
     """Return room for a change; `timed_again` is how often tasks may be timed more than once."""
     room = 10 * len(graph.seats) + 5 * len(graph.nodes) + len(graph.back) + timed_again
+    room += 2 * len(graph.left)
     number = np.zeros(8, np.int64)
     number[CHAINED] = NOBODY
     return ArcChange(
@@ -162,6 +164,8 @@ def propagate(problem: ArcProblem, graph: Graph, trial: ArcChange, limit: int) -
                 is_fit = fit_duration(problem, graph, trial, task)
             start = start_of(problem, graph, task, node.first)
             end = start + node.duration
+            if is_charged(problem):
+                is_fit = spend(problem, graph, trial, task, start) and is_fit
         if end == node.end and is_fit and not is_parting:
             continue
         if node.key > number[PAST] and start + node.tail > limit and node.taken > 0:
@@ -174,6 +178,19 @@ def propagate(problem: ArcProblem, graph: Graph, trial: ArcChange, limit: int) -
             continue
         follow_on(problem, graph, trial, task)
     return True
+
+
+@kernel
+def spend(problem: ArcProblem, graph: Graph, trial: ArcChange, task: int, start: int) -> bool:
+    """Note what robots have left after a task that starts then; say whether they had it before."""
+    is_same = True
+    for seat in range(graph.nodes[task].first, graph.nodes[task].first + graph.nodes[task].taken):
+        left = left_after(problem, graph, seat, start)
+        if left != graph.left[seat]:
+            record(trial, LEFT, seat, graph.left[seat])
+            graph.left[seat] = left
+            is_same = False
+    return is_same
 
 
 @kernel
@@ -294,6 +311,8 @@ def undo(graph: Graph, trial: ArcChange) -> None:
             graph.nodes[index].taken = old
         elif trial.log[entry].what == DURATION:
             graph.nodes[index].duration = old
+        elif trial.log[entry].what == LEFT:
+            graph.left[index] = old
         else:
             graph.back[index] = old
 

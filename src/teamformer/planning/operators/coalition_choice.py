@@ -13,6 +13,7 @@ import numpy as np
 from teamformer.base.array_types import Array, Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
+from teamformer.planning.graph.charging import is_charged, reach
 from teamformer.planning.graph.graph import Graph, leave
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.planning.problem.constants import TICKS
@@ -163,6 +164,8 @@ def _consider(
     place, pace = seats[tail].node, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
     comes = walked(problem.rotas, kind, nodes[place].end, way)
+    if is_charged(problem):
+        comes = reach(problem, graph, kind, tail, task)[0]
     if place == choice.number[FELLOWS_FROM] and seats[head].node == choice.number[FELLOWS_TO]:
         comes -= TOGETHER
     found, best = choice.found[which], choice.candidates[which]

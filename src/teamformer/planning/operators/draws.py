@@ -5,6 +5,7 @@ from __future__ import annotations
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, takes_with
+from teamformer.planning.graph.charging import comes_to
 from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.ledger import Ledger
@@ -12,7 +13,6 @@ from teamformer.planning.graph.worth import late_by
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.links import MAX_TARDINESS, TARDINESS
-from teamformer.planning.problem.rotas import walked
 from teamformer.world.rules.chance import draw_below
 
 ON_CHAIN = 65  # percent
@@ -92,10 +92,7 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
         if is_in_steps(graph):
             comes = graph.comes[tail]
         else:
-            place = graph.seats[tail].node
-            pace = problem.kinds[graph.seats[seat].kind].pace
-            way = problem.ways_to[pace, task, place]
-            comes = walked(problem.rotas, graph.seats[seat].kind, nodes[place].end, way)
+            comes = comes_to(problem, graph, graph.seats[seat].kind, tail, task)
         if comes > there:
             latest, there = seat, comes
     return latest, NOBODY
@@ -150,8 +147,7 @@ def cut_beside_near(
         if problem.useful[nodes[task].need, problem.kinds[kind].type] == 0:
             continue
         pace = problem.kinds[kind].pace
-        way = problem.ways_to[pace, task, place]
-        comes = walked(problem.rotas, kind, nodes[place].end, way)
+        comes = comes_to(problem, graph, kind, tail, task)
         takes = takes_with(problem, pace, task)
         latest = limit - takes - leave(problem, graph, kind, task, head)
         if comes <= latest:

@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Int32s, Ints
+from teamformer.planning.problem.batteries import Batteries, no_batteries
 from teamformer.planning.problem.constants import NEVER
 from teamformer.planning.problem.links import Links, no_links
 from teamformer.planning.problem.misses import Misses, no_misses
@@ -60,6 +61,7 @@ class CoalitionProblem(NamedTuple):
     links: Links  # of starts, and what plans cost; empty where the makespan alone counts
     misses: Misses  # what is missed if the mission is over before a task is done
     rotas: Rotas  # when the robots of each kind work; empty where all always do
+    batteries: Batteries  # of no kinds where nobody has one
 
 
 def pose_problem(
@@ -123,6 +125,7 @@ def pose_problem(
         links=no_links() if links is None else links,
         misses=no_misses() if misses is None else misses,
         rotas=no_rotas() if rotas is None else of_kinds(rotas, apart[first]),
+        batteries=no_batteries(),
     )
 
 

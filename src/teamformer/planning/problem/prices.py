@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from teamformer.base.array_types import Ints
+from teamformer.base.array_types import Array, Ints
+from teamformer.base.kernels.jit import kernel
 from teamformer.mission.checks.costs import judged_by
 from teamformer.mission.model import Mission, Task
 from teamformer.world.rules.constants import NEVER
@@ -52,3 +53,20 @@ def prices_of(mission: Mission, tasks: Sequence[Task]) -> Prices:
         ends=price(wanted["completion"] * by_task),
         whole=price([wanted["makespan"], wanted["max_tardiness"]]),
     )
+
+
+@kernel
+def price_of_end(prices: Prices, task: int, end: int) -> int:
+    """Return what it costs that a task ends in a step, and is late then."""
+    late = max(0, end - prices.due[task])
+    return prices.ends[task] * end + prices.late[task] * late
+
+
+@kernel
+def price_of_ends(prices: Prices, ends: Array) -> int:
+    """Return what it costs that tasks end in such steps (tasks,), and how late the latest is."""
+    price, latest = np.int64(0), np.int64(0)
+    for task in range(len(prices.due)):
+        price += price_of_end(prices, task, ends[task])
+        latest = max(latest, ends[task] - prices.due[task])
+    return price + prices.whole[1] * latest

@@ -6,7 +6,6 @@ no plan is that can be carried out; so those that cannot are compared by what is
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -82,7 +81,7 @@ def longest_pauses(rotas: Sequence[Rota], busy: float, tasks: int) -> float:
     latest = max(rota.shifts[-1][1] for rota in bound)
     turns = (tasks + 1) * max(rota.every for rota in bound)
     share = min(rota.share for rota in bound)
-    return max(0.0, latest) + turns + (0.0 if math.isinf(share) else busy * (1 / share - 1))
+    return max(0.0, latest) + turns + busy * (1 / share - 1)
 
 
 @kernel

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+
+from teamformer.mission.precedence import keep_precedence
 
 
 @dataclass(frozen=True)
@@ -44,9 +48,10 @@ class MissionPlan:
 
     @property
     def order(self) -> tuple[int, ...]:
-        """Return the tasks in the order in which they begin."""
-        begins = {stop.task: stop.start for route in self.routes for stop in route.stops}
-        return tuple(sorted(begins, key=lambda task: (begins[task], task)))
+        """Return the tasks in the order in which they begin; see `order_of_starts`."""
+        stops = [(route.robot, stop) for route in self.routes for stop in route.stops]
+        begins = {stop.task: stop.start for _, stop in stops}
+        return tuple(order_of_starts([(robot, stop.task) for robot, stop in stops], begins))
 
     @property
     def coalitions(self) -> tuple[tuple[int, ...], ...]:
@@ -56,3 +61,23 @@ class MissionPlan:
             for stop in route.stops:
                 robots.setdefault(stop.task, []).append(route.robot)
         return tuple(tuple(sorted(robots[task])) for task in self.order)
+
+
+def order_of_starts(
+    stops: Sequence[tuple[int, int]],
+    start: Mapping[int, float],
+    before: Mapping[int, Sequence[int]] | None = None,
+) -> list[int]:
+    """Return tasks in the order of their starts; what starts at one moment is as in the routes.
+
+    `stops` has each robot's tasks, as pairs of robot and task, in the order of its route. Routes
+    that contradict one another, or the tasks that come `before` each, do not count.
+    """
+    order = sorted(start, key=lambda task: (start[task], task))
+    before = before or {}
+    as_routes = {task: list(before.get(task, ())) for task in order}
+    for (robot, task), (other_robot, next_one) in pairwise(stops):
+        if robot == other_robot and start[task] == start[next_one] and task != next_one:
+            as_routes[next_one].append(task)
+    kept = keep_precedence(order, as_routes)
+    return kept if len(kept) == len(order) else keep_precedence(order, before)

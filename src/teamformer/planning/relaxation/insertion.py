@@ -13,6 +13,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import allocating_kernel, kernel
+from teamformer.planning.problem.prices import SHARES, price_of_end
 from teamformer.planning.problem.relaxed_problem import Relaxed, least_brought
 from teamformer.planning.relaxation.relaxed_plan import (
     arrival_at,
@@ -58,6 +59,7 @@ class InsertionRoom(NamedTuple):
     best: Array  # (robots,) the best coalition so far
     spare: Array  # (caps,) what the coalition has beyond what is needed
     is_versatile: Array  # (1,) whether some robot brings more than one count of anything
+    by_price: Array  # (1,) whether plans are judged by what they cost
     random: Array  # (1,) state of the random numbers
 
 
@@ -75,6 +77,7 @@ def empty_workspace(problem: Relaxed, seed: int) -> InsertionRoom:
         best=np.zeros(robots, np.int32),
         spare=np.zeros(caps, np.int32),
         is_versatile=np.array([problem.counts.sum(axis=1).max() > 1]),
+        by_price=np.zeros(1, np.bool_),
         random=np.array([first_state(seed)]),
     )
 
@@ -106,7 +109,7 @@ def insert_task(
     robots, asked, candidates = timing.robots, workspace.asked, workspace.candidates
     counts, pick, random = problem.counts, workspace.pick, workspace.random
     steps, cells, visits, coalition = problem.steps, problem.cells, timing.visits, plan.coalition
-    earliest, duration = problem.appears[task] + 1, problem.duration[task]
+    earliest, duration, prices = problem.appears[task] + 1, problem.duration[task], problem.prices
     best_cost, best_gap, best_size = np.int64(IMPOSSIBLE), NOBODY, 0
     is_new = True
     for gap in range(plan.placed[0] + 1):
@@ -116,8 +119,11 @@ def insert_task(
             if workspace.is_versatile[0]:
                 count_spares(problem.needs, counts, pick, size, task, workspace.spare)
                 size = _drop_spares(counts, pick, size, workspace.spare)
-            through, detour = _judge_coalition(robots, pick, size, earliest, duration)
+            through, detour, own = _judge_coalition(robots, pick, size, earliest, duration)
             cost = STEP * max(through, makespan) + through + detour
+            if workspace.by_price[0]:
+                price = prices.whole[0] * max(through, makespan) + price_of_end(prices, task, own)
+                cost = STEP * price // SHARES + through + detour
             if cost < best_cost:
                 best_cost, best_gap, best_size = cost, gap, size
                 for seat in range(size):
@@ -316,7 +322,7 @@ def _pick_robot(
 
 @kernel
 def _judge_coalition(robots: Array, pick: Array, size: int, earliest: int, duration: int) -> Any:
-    """Return the steps of the longest chain through the task, and the steps more to walk."""
+    """Return the steps of the longest chain through the task, those more to walk, and its end."""
     ready, remains, detour, lost = earliest, 0, 0, FAR
     for seat in range(size):
         ready = max(ready, robots[pick[seat]].arrival)
@@ -324,8 +330,8 @@ def _judge_coalition(robots: Array, pick: Array, size: int, earliest: int, durat
         detour += robots[pick[seat]].detour
         lost = min(lost, robots[pick[seat]].lost)
     if size == 0 or ready + duration >= lost:
-        return IMPOSSIBLE, 0
-    return ready + duration + remains, detour
+        return IMPOSSIBLE, 0, 0
+    return ready + duration + remains, detour, ready + duration
 
 
 @kernel

@@ -53,6 +53,7 @@ class Timing(NamedTuple):
     """When a plan's tasks start, and what its robots do around each."""
 
     start: Array  # (tasks,) steps
+    end: Array  # (tasks,) the same
     tail: Array  # (tasks,) steps from its start to the last end that hangs on it
     robots: Array  # (robots,) ROBOT
     visits: Array  # (tasks, width) VISIT: what each robot of the coalition does after the task
@@ -74,6 +75,7 @@ def empty_timing(problem: Relaxed, plan: RelaxedPlan) -> Timing:
     """Return room for the times of a plan, which plain Python can use as well as kernels."""
     robots, tasks = len(problem.pace), len(problem.appears)
     timing = Timing(
+        np.zeros(tasks, np.int32),
         np.zeros(tasks, np.int32),
         np.zeros(tasks, np.int32),
         np.zeros(robots, ROBOT).view(np.recarray),
@@ -170,7 +172,7 @@ def start_tasks(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> tuple[An
             robot = plan.coalition[task, seat]
             walked += serve(robots, steps, cells, robot, task, end)
             late += end >= problem.lost[robot]
-        timing.start[task] = start
+        timing.start[task], timing.end[task] = start, end
         makespan = max(makespan, end)
     return makespan, walked, late
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, needs_compiling
+from teamformer.planning.problem.prices import price_of_ends
 from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.relaxation.insertion import empty_workspace
 from teamformer.planning.relaxation.relaxed_plan import (
@@ -47,17 +48,32 @@ class ThresholdSearch:
         self._timing = empty_timing(problem, self._plan)
         self._workspace = empty_workspace(problem, seed)
         self._torn = np.zeros(len(problem.appears), np.int32)
-        self._costs = np.full(2, ENDLESS, np.int64)  # of the plan it stands at, of the best
+        self._costs = np.array([ENDLESS, ENDLESS, 0])  # of the plan it stands at, of the best;
+        # and the price of a step, 0 where the makespan counts
         if start is not None:
             self.restart(start)
 
     def restart(self, start: RelaxedSchedule) -> None:
         """Go on from another schedule."""
         overwrite_plan(make_plan(self.problem, start.order, start.coalitions), self._plan)
-        self._costs[0] = cost_of(self.problem, self._plan, self._timing)
+        self._costs[0] = cost_of(self.problem, self._plan, self._timing, self._costs[2])
         if self._costs[0] < self._costs[1]:
             overwrite_plan(self._plan, self._best)
             self._costs[1] = self._costs[0]
+
+    def go_by_price(self) -> None:
+        """Search by what plans cost from now on; the mission has prices.
+
+        As much as the first plan takes or costs is worth the same, so that it is as hot.
+        """
+        self.run(1)
+        makespan, _, late = start_tasks(self.problem, self._best, self._timing)
+        if late or self._best.placed[0] < len(self._best.size):
+            return
+        price = _price_of(self.problem, self._timing, makespan)
+        self._costs[2], self._workspace.by_price[0] = max(1, price // makespan), True
+        overwrite_plan(self._best, self._plan)
+        self._costs[:2] = cost_of(self.problem, self._best, self._timing, self._costs[2])
 
     def run(self, rounds: int, hot: float = HOT, cool: float = 0.0) -> None:
         """Search for some rounds; plans may be worse by `hot` steps at first, `cool` in the end.
@@ -101,7 +117,8 @@ def _search(
 ) -> None:
     """Ruin and recreate for a number of rounds.
 
-    `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both.
+    `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both,
+    and the price of a step.
     `spare` and `torn` are room to work in; `hot` is what a change may cost at first and `cool` in
     the end.
     """
@@ -109,7 +126,7 @@ def _search(
         copy_plan(plan, spare)
         count = ruin(problem, spare, timing, workspace, torn)
         recreate(problem, spare, timing, workspace, torn, count)
-        cost = cost_of(problem, spare, timing)
+        cost = cost_of(problem, spare, timing, costs[2])
         if cost <= costs[0] + (hot * (rounds - made) + cool * made) // rounds:
             copy_plan(spare, plan)
             costs[0] = cost
@@ -119,8 +136,16 @@ def _search(
 
 
 @entry
-def cost_of(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> Any:
-    """Return what the search minimises."""
+def cost_of(problem: Relaxed, plan: RelaxedPlan, timing: Timing, step: int) -> Any:
+    """Return what the search minimises: by the price of a step, or the makespan if that is 0."""
     makespan, walked, late = start_tasks(problem, plan, timing)
-    undone = late + len(plan.size) - plan.placed[0]
-    return np.int64(makespan) * STEP * len(timing.robots) + walked + undone * UNDONE
+    undone, share = late + len(plan.size) - plan.placed[0], STEP * len(timing.robots)
+    if step > 0:
+        return _price_of(problem, timing, makespan) * share // step + walked + undone * UNDONE
+    return np.int64(makespan) * share + walked + undone * UNDONE
+
+
+@entry
+def _price_of(problem: Relaxed, timing: Timing, makespan: int) -> Any:
+    """Return what a plan costs whose tasks have been started."""
+    return problem.prices.whole[0] * makespan + price_of_ends(problem.prices, timing.end)

@@ -64,6 +64,8 @@ def copy_graph(graph: Graph, into: Graph) -> None:
         into.total[index] = graph.total[index]
     for index in range(len(graph.comes)):
         into.comes[index] = graph.comes[index]
+    for index in range(len(graph.left)):
+        into.left[index] = graph.left[index]
 
 
 @entry

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from random import Random
 from typing import Any
 
@@ -11,10 +11,12 @@ import numpy as np
 
 from teamformer.planning.dispatch.futures import first_plan
 from teamformer.planning.graph.arc_problem import StepRules, pose_arcs
+from teamformer.planning.graph.charging import RESCUE
 from teamformer.planning.graph.graph import COST, LEADS, empty_graph, lay, plan_of
 from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledger, room_for_change
 from teamformer.planning.operators.room import empty_room
 from teamformer.planning.operators.table import shares_of
+from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats, without_tasks
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 from teamformer.planning.problem.links import have_weights
@@ -40,6 +42,9 @@ these, and is cooled down by the second so many times, to a sixtieth."""
 QUENCHED = 40
 """Rounds for each task without heat, before the first annealing: what a plan costs then says how
 hot it begins."""
+
+QUENCHED_IF_CHARGED = 500
+"""The same where robots have batteries."""
 
 WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task then, and so many at most: about a second."""
@@ -115,9 +120,9 @@ class ArcSearch:
         """Return the optional tasks that the plan has end too late."""
         if not can_miss(self.problem.misses):
             return []
-        tasks: Any = self.graph.nodes[: len(self.problem.needs)]
-        worth = self.graph.worth
-        late = (worth.is_optional > 0) & (tasks.taken > 0) & (tasks.end > worth.until)
+        nodes, worth, tasks = self.graph.nodes, self.graph.worth, len(self.problem.needs)
+        is_late = (nodes.taken[:tasks] > 0) & (nodes.end[:tasks] > worth.until)
+        late = is_late & (worth.is_optional > 0)
         return [int(task) for task in np.flatnonzero(late)]
 
     def begin_at_best(self) -> None:
@@ -154,6 +159,8 @@ class ArcSearch:
             way = float(ways.mean()) if ways.size else 0.0
             return max(1, int(self.problem.duration.mean() + way / 2))
         visits, total = max(1, int(self.graph.nodes.taken.sum())), self.graph.total
+        if int(total[COST]) >= RESCUE and are_charged(self.problem.batteries):  # somebody runs dry
+            return max(1, int(self.problem.duration.mean()) + int(self.arcs.ways[0].mean()))
         return max(1, int(total[COST] - total[LEADS]) * len(self.problem.counts) // visits)
 
     def _is_late(self, cost: float) -> bool:
@@ -186,6 +193,18 @@ class ArcSearch:
         else:
             self.anneal(max(cold, hot // LESS_HOT), cold, 0, rounds, rounds)
 
+    def anneal_in_parts(self, searches: int, parts: int, is_again: bool) -> Iterator[None]:
+        """Make one of so many parts of the rounds of the shared plan, and stop after each of these.
+
+        It begins with a quench, after which hardly anybody runs dry; `is_again` is less hot.
+        """
+        self.quench(QUENCHED_IF_CHARGED)
+        rounds, (hot, cold) = sum(self._shared_rounds) // searches, self.heats
+        heats = (max(cold, hot / LESS_HOT) if is_again else hot, cold)
+        for part in range(parts):
+            self.anneal(*heats, rounds * part // parts, rounds * (part + 1) // parts, rounds)
+            yield
+
     @property
     def _shared_rounds(self) -> list[int]:
         """Return how many rounds each annealing of the shared plan takes."""
@@ -201,9 +220,9 @@ class ArcSearch:
             self.anneal(heat, heat, 0, rounds // COOLINGS, rounds // COOLINGS)
             heat *= COOLER
 
-    def quench(self) -> None:
-        """Take whatever is better, without heat, for some rounds."""
-        rounds = QUENCHED * len(self.problem.needs)
+    def quench(self, rounds_each: int = QUENCHED) -> None:
+        """Take whatever is better, without heat, for some rounds for each task."""
+        rounds = rounds_each * len(self.problem.needs)
         self.anneal(0, 0, 0, rounds, rounds)
 
     def anneal_until(
@@ -239,6 +258,11 @@ class ArcSearch:
     def rank(self) -> tuple[float, float]:
         """Return what the best plan is compared by: what it is judged by, then what leads on."""
         return float(self._ledger.cost[BEST]), float(self._ledger.lead[BEST])
+
+    @property
+    def present(self) -> CoalitionPlan:
+        """Return the plan where it stands."""
+        return plan_of(self.problem, self.arcs, self.graph)
 
     @property
     def best(self) -> CoalitionPlan:

@@ -16,7 +16,7 @@ import numpy as np
 
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
-from teamformer.planning.problem.prices import SHARES, SMOOTH
+from teamformer.planning.problem.prices import SHARES, SMOOTH, price_of_ends
 from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.step_times.groups import Groups, gather_at_start
@@ -54,22 +54,11 @@ def time_plan(
         total += groups.end[task]
     cost, everything, smooth = step * makespan, np.int64(STEP * tasks), np.int64(STEP_OF_END)
     if has_prices:
-        cost += price_of_ends(problem, groups)
+        cost += price_of_ends(problem.prices, groups.end)
         everything, smooth = np.int64(SHARES * tasks), np.int64(SMOOTH)
     if groups.losses[0]:
         cost += LATE * everything * count_late(problem, plan, groups)
     return cost, cost + smooth * total + STEP_WALKED * walked
-
-
-@kernel
-def price_of_ends(problem: Relaxed, groups: Groups) -> int:
-    """Return what it costs when tasks end, and by how much they are late."""
-    prices, price, latest = problem.prices, np.int64(0), np.int64(0)
-    for task in range(len(prices.due)):
-        late = max(0, groups.end[task] - prices.due[task])
-        price += prices.ends[task] * groups.end[task] + prices.late[task] * late
-        latest = max(latest, late)
-    return price + prices.whole[1] * latest
 
 
 @kernel

@@ -10,7 +10,12 @@ from teamformer.base.array_types import Array
 from teamformer.planning.crews.deal import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
-from teamformer.planning.problem.relaxed_problem import Relaxed, steps_from_starts, walked_cells
+from teamformer.planning.problem.relaxed_problem import (
+    Relaxed,
+    has_prices,
+    steps_from_starts,
+    walked_cells,
+)
 from teamformer.planning.relaxation.threshold import ThresholdSearch
 from teamformer.world.rules.constants import FAR, NOBODY
 
@@ -85,8 +90,10 @@ def _regions(is_way: Array) -> tuple[Array, Array]:
 
 
 def plan_from_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> CoalitionPlan | None:
-    """Return coalitions that are good where joining is free, as teams."""
+    """Return coalitions that are good where joining is free, by the cost if plans have one."""
     search = ThresholdSearch(problem, seed)
+    if has_prices(problem):
+        search.go_by_price()
     search.run(rounds)
     schedule = search.best
     if schedule is None:

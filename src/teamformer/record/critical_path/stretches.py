@@ -17,8 +17,8 @@ DOINGS = (*PHASES, *NOT_TO_BE_DONE)
 """Until a task is known (`unknown`) or may begin (`closed`), what robots do does not matter, nor
 what they did before `news` had a robot turn round.
 
-A `linked` stretch lies between the starts of two tasks in continuous time; it is negative where the
-later one decides when the earlier one starts.
+A `linked` stretch is in continuous time: a task waits for another one, with which its start is
+linked.
 """
 
 DIGITS = 6

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from teamformer.record.event_rules.charging import freed
 from teamformer.record.event_rules.names import need
 from teamformer.record.event_rules.standing import Standing
 from teamformer.world.continuous.events import Event
 from teamformer.world.rules.constants import NOBODY
 
-FROM_OUTSIDE = ("lost", "back", "rests", "works", "appear", "cancel", "missed")
+FROM_OUTSIDE = ("lost", "back", "rests", "works", "appear", "cancel", "missed", "empty")
 """Events without a cause."""
 
-AT_ONCE = ("plan", "walk", "form", "serve", "know", "broken")
+AT_ONCE = ("plan", "walk", "form", "serve", "know", "broken", "charge")
 """Events that happen as soon as what they hang on."""
 
 PARTS = ("formed", "lift", "unload", "done", "overdue")
@@ -48,6 +49,10 @@ def _cause_of(now: Standing, event: Event) -> int:
     if event.kind == "plan":
         return now.count - 1
     since = [now.robots[robot].since for robot in event.robots]
+    if event.kind == "charged":
+        return since[0]
+    if event.kind == "charge":
+        since += freed(now, event)
     if event.kind == "found":
         return since[0]
     if event.kind == "moved":

@@ -35,6 +35,11 @@ def lost(now: Standing, event: Event) -> None:
     """Take in that a robot is lost."""
     robot = one(event)
     _from_outside(now, (event.at, "lost", robot))
+    stand_still(now, robot, event)
+
+
+def stand_still(now: Standing, robot: int, event: Event) -> None:
+    """Take in that a robot stands still from now on."""
     it = now.robots[robot]
     stub = now.turns_at(robot)
     need(event.place == stub[-1].place, f"it is lost at {now.names.place(stub[-1].place)}")
@@ -58,7 +63,7 @@ def back(now: Standing, event: Event) -> None:
     it = now.robots[robot]
     need(event.place == it.way[-1].place, f"it is back at {now.names.place(it.way[-1].place)}")
     it.is_lost = False
-    later = now.truth.robots[robot].rota.walked(now.now, it.rest) - it.way[-1].at
+    later = now.truth.robots[robot].rota.ends_leg(now.now, it.rest) - it.way[-1].at
     if it.is_walking:
         it.way = tuple(Passed(at + later, place) for at, place in it.way)
         it.walk = now.count

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 from teamformer.mission.coordination import NEWS
-from teamformer.record.event_rules import from_outside, missing, ways, work
+from teamformer.mission.parts.charging import has_batteries
+from teamformer.record.event_rules import charging, from_outside, missing, ways, work
 from teamformer.record.event_rules.causes import judge_cause
 from teamformer.record.event_rules.ending import wrong_endings
 from teamformer.record.event_rules.names import BrokenRuleError
@@ -38,12 +39,16 @@ TAKE: Mapping[str, Callable[[Standing, Event], None]] = {
     "found": from_outside.found,
     "moved": from_outside.moved,
     "overdue": from_outside.overdue,
+    "charge": charging.charge,
+    "charged": charging.charged,
+    "empty": charging.empty,
 }
 """What is checked of an event of each kind, and what it changes."""
 
 IN_THE_NEWS = {
     "appear": "task appeared",
     "lost": "robot lost",
+    "empty": "robot lost",
     "back": "robot back",
     "know": "needs known",
     "overdue": "service overdue",
@@ -57,11 +62,15 @@ def take(now: Standing, event: Event) -> None:
     """Take in the next event; raises `BrokenRuleError` for one that the rules do not allow."""
     if event.at > now.now:
         settle(now, event.at)
+        if isinstance(now.charges, charging.Charges):
+            charging.pass_time(now, now.charges, event.at)
         now.now, now.news, now.plans, now.opened = event.at, {}, 0, {}
     judge_cause(now, event)
     if event.kind != "over":
         if event.kind not in TAKE:
             raise BrokenRuleError(f"nothing like '{event.kind}' happens in continuous time")
+        if isinstance(now.charges, charging.Charges):
+            charging.notice(now, now.charges, event)
         TAKE[event.kind](now, event)
     _note(now, event)
     if event.kind in IN_THE_NEWS and not (event.kind == "know" and "start" in now.news):
@@ -90,6 +99,8 @@ def judge_events(record: Record) -> Iterator[tuple[float, str]]:
     if record.heeds != tuple(word for word in NEWS if word in record.heeds):
         yield -1, "heeds has news twice or not in order"
     now = Standing(record)
+    if has_batteries(record.mission.robots):
+        now.charges = charging.Charges(now)
     for number, event in enumerate(record.events):
         try:
             take(now, event)

@@ -22,13 +22,13 @@ def take_plan(now: Standing, event: Event) -> None:
     need(bool(plan.reasons) and known.issuperset(own), _wrong_reasons(now, own))
     if IDLE not in own:
         need(set(heard(now)) <= set(own), _wrong_reasons(now, own))
+    is_foreseen = now.record.method == "central" or not now.record.heeds  # by who plans in advance
     tasks = [row.task for row in plan.tasks]
     need(len(set(tasks)) == len(tasks), "the plan has a task twice")
     for task, robots, end in plan.tasks:
         name = now.names.task(task)
         need(task not in now.over, f"the plan has {name}, which is over")
-        need(now.is_open(task) or now.record.method == "central",
-                   f"the plan has {name}, which is not open")  # fmt: skip
+        need(now.is_open(task) or is_foreseen, f"the plan has {name}, which is not open")
         need(list(robots) == sorted(set(robots)), f"the robots of {name} are not in order")
         for robot in robots:
             it = now.robots[robot]

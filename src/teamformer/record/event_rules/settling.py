@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from teamformer.record.event_rules.charging import Charges, is_charging_first, settle_charges
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import BrokenRuleError, need
 from teamformer.record.event_rules.standing import Standing, has_to_form, is_due, is_too_late
@@ -18,6 +19,8 @@ def settle(now: Standing, later: float) -> None:
         )
     need(now.plans > 0 or not heard(now), _no_plan(now))
     _settle_robots(now)
+    if now.charges is not None:
+        settle_charges(now, later)
     _settle_tasks(now)
     _settle_works(now, later)
     _settle_end(now, later)
@@ -56,6 +59,8 @@ def _settle_robots(now: Standing) -> None:
     for robot, it in enumerate(now.robots):
         if it.is_lost or it.work != NOBODY or _scouts(now, robot):
             continue
+        if isinstance(now.charges, Charges) and is_charging_first(now, now.charges, robot):
+            continue
         task = now.next_task(robot)
         goal = now.home_of(robot) if task == NOBODY else now.place_of(task)
         if it.task != task and (task != NOBODY or it.is_walking):
@@ -63,7 +68,7 @@ def _settle_robots(now: Standing) -> None:
             raise BrokenRuleError(f"{now.names.robot(robot)} is to {what}, and does not")
         if goal is None or it.way[-1].place == goal:
             continue
-        if math.isinf(now.lengths.between(it.way[-1].place, goal, robot)):
+        if now.never_gets(robot, goal):
             continue
         what = "home" if task == NOBODY else f"to {now.names.task(task)}"
         raise BrokenRuleError(f"{now.names.robot(robot)} is to go {what}, and does not")

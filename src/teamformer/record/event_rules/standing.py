@@ -106,6 +106,9 @@ class Standing:
         self.opened: dict[int, list[int]] = {}  # events of this moment that let tasks begin
         self.over_by: dict[int, int] = {}  # the event with which each task was over
         self.breaks: dict[int, int] = {}  # tasks whose service breaks off now, and by which event
+        self.charges: object = None  # what is left in batteries, if there are any
+        self.dry: set[int] = set()  # robots that have run dry
+        self.at_chargers: dict[int, int] = {}  # robots that go to a charger, or are there for it
 
     def place_of(self, task: int) -> Place:
         """Return where a task is believed to be, or its load lies."""
@@ -148,7 +151,7 @@ class Standing:
     def is_at(self, robot: int, place: Place) -> bool:
         """Say whether a robot stands at a place, and is neither lost nor at work."""
         it = self.robots[robot]
-        is_free = not it.is_lost and it.work == NOBODY
+        is_free = not it.is_lost and it.work == NOBODY and robot not in self.at_chargers
         return is_free and not it.is_walking and it.way[0].place == place
 
     def team_of(self, task: int) -> tuple[int, ...]:
@@ -198,6 +201,12 @@ class Standing:
     def takes(self, robot: int, here: Place, goal: Place) -> float:
         """Return how long a robot takes for a way, if nothing holds it up."""
         return self.lengths.between(here, goal, robot) / self.truth.robots[robot].speed
+
+    def never_gets(self, robot: int, goal: Place) -> bool:
+        """Say whether no way leads a robot to a place, or none before its last shift is over."""
+        start = self.turns_at(robot)[-1]
+        takes = self.takes(robot, start.place, goal)
+        return math.isinf(takes) or math.isinf(self.lengths.when((robot,), start.at, takes))
 
     def turns_at(self, robot: int) -> tuple[Passed, ...]:
         """Return what a new way of a robot begins with."""
@@ -263,6 +272,8 @@ def expect(event: Event, until: float) -> None:
 
 def is_due(now: Standing, kind: str, which: int) -> bool:
     """Say whether what is to come from outside still is."""
+    if kind in ("lost", "back"):
+        return which not in now.dry
     return kind not in ("cancel", "opens") or which not in now.over
 
 

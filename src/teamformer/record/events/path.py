@@ -15,6 +15,7 @@ from teamformer.record.critical_path.stretches import (
 )
 from teamformer.record.phases import (
     CARRYING,
+    CHARGING,
     FORMING,
     IDLE,
     LOADING,
@@ -34,6 +35,7 @@ LASTS = {
     "serve": SERVING,
     "lift": CARRYING,
     "unload": UNLOADING,
+    "charge": CHARGING,
 }
 """What goes on from an event until one that hung on it."""
 
@@ -94,9 +96,10 @@ def _between(record: Record, cause: Event, event: Event) -> str:
 def _who(events: Sequence[Event], cause: Event, event: Event, follows: int) -> int:
     """Return the robot that a stretch is told of: the one that the path goes on with, if it can be.
 
-    A team forms from when its last robot is there, so forming is told of that one.
+    So a team forms, and serves, from when its last robot is there, and both are told of that one.
     """
-    if cause.kind == "form" and cause.cause != NOBODY:
-        return (*events[cause.cause].robots, NOBODY)[0]
     robots = cause.robots or event.robots
-    return follows if follows in robots else (*robots, NOBODY)[0]
+    before = events[cause.cause].robots if cause.cause != NOBODY else ()
+    come = [robot for robot in before if robot in robots]
+    chosen = come or robots
+    return follows if follows in chosen else (*chosen, NOBODY)[0]

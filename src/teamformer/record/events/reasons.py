@@ -15,6 +15,7 @@ from teamformer.record.events.runs import Runs
 from teamformer.record.phases import (
     AT_WORK,
     CARRYING,
+    CHARGING,
     FORMING,
     LOST,
     OFF,
@@ -27,6 +28,7 @@ from teamformer.world.rules.constants import NOBODY
 
 IN_THE_NEWS = {
     "lost": "{robots} lost",
+    "empty": "{robots} has run dry",
     "back": "{robots} back",
     "appear": "{task} appears",
     "cancel": "{task} called off",
@@ -84,6 +86,8 @@ class Explainer:
             return ("its team brings all that the load takes, and stays until it is unloaded",)
         if phase in AT_WORK:
             return ("its team brings all that the task needs, and stays until that is done",)
+        if phase == CHARGING:
+            return ("it charges until it is full: else it could not do what comes next",)
         if phase == WAITING:
             return (self._why_waiting(task),)
         if task == NOBODY:

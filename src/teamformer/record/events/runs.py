@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from teamformer.record.phases import (
     CARRYING,
+    CHARGING,
     FORMING,
     IDLE,
     LOADING,
@@ -32,10 +33,13 @@ BEGINS = {
     "broken": IDLE,
     "lost": LOST,
     "back": IDLE,
+    "charge": CHARGING,
+    "charged": IDLE,
+    "empty": LOST,
 }
 """What an event has its robots do from then on; `arrive` and `cancel` depend on the task."""
 
-OF_NO_TASK = (IDLE, LOST)
+OF_NO_TASK = (IDLE, LOST, CHARGING)
 
 
 class Runs:

@@ -64,6 +64,6 @@ def tracks_of(record: Record, drawn_at: Callable[[Place], Place]) -> list[Track]
             if event.kind in HAVE_WAYS:
                 way = [Passed(at, drawn_at(place)) for at, place in event.way]
                 tracks[robot].set_out(event.at, way)
-            elif event.kind == "lost":
+            elif event.kind in ("lost", "empty"):
                 tracks[robot].stop(event.at)
     return tracks

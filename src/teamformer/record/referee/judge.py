@@ -8,10 +8,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 from teamformer.mission.coordination import NEWS
+from teamformer.record.event_rules.fleet_events import judge_fleet_events
 from teamformer.record.event_rules.judging import judge_events
 from teamformer.record.record import FLEET, Record
 from teamformer.record.referee.ending import judge_ending, judge_start
-from teamformer.record.referee.fleet_events import judge_fleet_events
 from teamformer.record.referee.fleets import judge_fleet
 from teamformer.record.referee.playing import Play
 from teamformer.record.referee.truth import judge_truth

@@ -35,7 +35,9 @@ class NumpyNetwork:
         known = {**self._graph.constants, **dict(zip(self._graph.inputs, values, strict=True))}
         for node in self._graph.nodes:
             given = [known[name] if name else None for name in node.inputs]
-            known[node.outputs[0]] = OPERATIONS[node.operation](*given, **node.settings)
+            made = OPERATIONS[node.operation](*given, **node.settings)
+            outputs = made if isinstance(made, list) else [made]
+            known.update(zip(node.outputs, outputs, strict=True))
         return [known[name] for name in self._graph.outputs]
 
 
@@ -91,11 +93,32 @@ def _normalise(x: Array, scale: Array, bias: Any = None, **s: Any) -> Array:
     return np.asarray(centred / spread * scale + (0 if bias is None else bias))
 
 
+def _min(x: Array, axes: Any = None, keepdims: int = 1, **_: Any) -> Array:
+    return np.asarray(x.min(axis=_axes(axes), keepdims=bool(keepdims)))
+
+
+def _split(x: Array, sizes: Any = None, axis: int = 0, num_outputs: int = 1) -> list[Array]:
+    """Return parts of given sizes, or of equal ones of which the last may be smaller."""
+    if sizes is None:
+        size = -(-x.shape[axis] // num_outputs)
+        return np.split(x, [size * part for part in range(1, num_outputs)], axis=axis)
+    return np.split(x, np.cumsum(sizes)[:-1], axis=axis)
+
+
+def _slice(x: Array, begins: Array, ends: Array, axes: Any = None, steps: Any = None) -> Array:
+    places = range(len(begins)) if axes is None else axes.tolist()
+    strides = [1] * len(begins) if steps is None else steps.tolist()
+    parts = [slice(None)] * x.ndim
+    for axis, begin, end, step in zip(places, begins.tolist(), ends.tolist(), strides, strict=True):
+        parts[axis] = slice(begin, end, step)  # ONNX cuts what is beyond the end, too
+    return x[tuple(parts)]
+
+
 def _where(condition: Array, yes: Array, no: Array) -> Array:
     return np.asarray(np.where(condition, yes, no))
 
 
-OPERATIONS: dict[str, Callable[..., Array]] = {
+OPERATIONS: dict[str, Callable[..., Array | list[Array]]] = {
     "Add": lambda a, b: a + b,
     "And": lambda a, b: a & b,
     "Cast": lambda x, to, **_: x.astype(DTYPES[to]),
@@ -103,6 +126,7 @@ OPERATIONS: dict[str, Callable[..., Array]] = {
     "Concat": lambda *parts, axis: np.concatenate(parts, axis=axis),
     "Constant": lambda value: value,
     "Div": lambda a, b: a / b if a.dtype.kind == "f" else a // b,
+    "Einsum": lambda *parts, equation: np.einsum(equation, *parts),
     "Equal": lambda a, b: a == b,
     "Expand": lambda x, shape: x * np.ones(shape.astype(int), dtype=x.dtype),
     "Gather": lambda x, index, axis=0: np.take(x, index, axis=axis),
@@ -110,18 +134,26 @@ OPERATIONS: dict[str, Callable[..., Array]] = {
     "Greater": lambda a, b: a > b,
     "Identity": lambda x: x,
     "LayerNormalization": _normalise,
+    "LeakyRelu": lambda x, alpha=0.01: np.where(x < 0, np.float32(alpha) * x, x),
+    "Less": lambda a, b: a < b,
+    "LessOrEqual": lambda a, b: a <= b,
     "MatMul": lambda a, b: a @ b,
     "Mul": lambda a, b: a * b,
     "Neg": lambda x: -x,
     "Not": lambda x: ~x,
     "Or": lambda a, b: a | b,
+    "Range": lambda begin, end, step: np.arange(begin.item(), end.item(), step.item(), begin.dtype),
     "ReduceMax": _max,
     "ReduceMean": _mean,
+    "ReduceMin": _min,
     "ReduceSum": _sum,
     "Relu": lambda x: np.maximum(x, 0),
     "Reshape": _reshape,
+    "Shape": lambda x, start=0, end=None: np.array(x.shape[start:end], np.int64),
     "Sigmoid": lambda x: 1 / (1 + np.exp(-x)),
+    "Slice": _slice,
     "Softmax": _softmax,
+    "Split": _split,
     "Sqrt": np.sqrt,
     "Squeeze": _squeeze,
     "Sub": lambda a, b: a - b,

@@ -16,10 +16,10 @@ from teamformer.mission.orders import in_order
 from teamformer.mission.truth import expected_mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
-from teamformer.record.critical_path.of_plan import path_of_plan
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.task_times import cost_of_record
 from teamformer.record.telling.whole import path_of_record
+from teamformer.trials.continuous_trial import carry_out
 from teamformer.trials.trial import run_trial
 
 
@@ -96,7 +96,7 @@ def _planned(
         return None, ()
     if made is None:
         return None, ()
-    path = path_of_plan(mission, made) if with_path else ()
+    path = path_of_record(carry_out(mission, made, method)) if with_path else ()
     return made.makespan if made.cost is None else made.cost, path
 
 

@@ -176,15 +176,16 @@ def compare(
 
 
 def plan(mission: Mission, seconds: float = 10.0, method: str = "central") -> PlannedMission | None:
-    """Return a plan of who goes where and when, without playing it; None if none was found.
+    """Return a plan of who goes where and when; None if none was found.
 
     The plan has `makespan`, `bound`, `is_proven`, `order`, `coalitions`, `routes` and
     `critical_path`, in the mission's unit of time; in continuous time also `cost` (None without
     one) and `late`, by how much tasks are late. The bound is 0 where none was worked out: for a
-    cost, and by `plan` and `reactive`. A plan has no record to check. `method` is `central`, which
-    searches for `seconds`. In continuous time it can also be `plan`, the plan that every robot
-    computes for itself, or `reactive`. Raises `TeamformerError` if tasks can never be done because
-    robots are lost.
+    cost, and by `plan` and `reactive`. Its `record` is of the plan carried out.
+
+    `method` is `central`, which searches for `seconds`. In continuous time it can also be `plan`,
+    the plan that every robot computes for itself, or `reactive`. Raises `TeamformerError` if tasks
+    can never be done because robots are lost.
 
     >>> made = tf.plan(tf.load("examples/four-robots.yaml"), seconds=1)
     >>> made.bound <= made.makespan <= 27

@@ -36,9 +36,8 @@ from teamformer.trials.mcp.telling import (
     summary,
 )
 from teamformer.trials.mcp.work_folder import WorkFolder
-from teamformer.trials.outputs import write_record
+from teamformer.trials.outputs import WRITTEN, write_record
 from teamformer.viewer.advice_page import write_advice
-from teamformer.viewer.gantt import write_gantt
 from teamformer.viewer.html import write_comparison, write_page
 
 MISSIONS = (".yaml", ".yml", ".json")
@@ -88,28 +87,27 @@ class Workbench:
         return {"right": True} | self._state(mission)
 
     def plan_mission(
-        self, file: str, method: str = "central", seconds: float = 10.0, out: str = "out"
+        self, file: str, method: str = "central", seconds: float = 10.0, out: str = "plan"
     ) -> Told:
-        """Plan a mission without playing it: who goes where, when, and why it takes so long.
+        """Plan a mission: who goes where, when, and why it takes so long if all goes as foreseen.
 
         METHOD is central; in continuous time also plan or reactive. SECONDS is how long central
-        may search. The folder OUT gets the Gantt chart plan.html and plan.json with everything.
+        may search. The folder OUT gets record.json and its page record.html, as of a run.
         """
         mission, limit = self._mission(file), _seconds(seconds)
         made = trials.plan(mission, limit, method)
         if made is None:
             raise TeamformerError("no plan was found in this time", "try again with more seconds")
-        into, row = self.folder.new_folder(out, "plan.html", "plan.json"), made.row
-        write_gantt(row, into / "plan.html")
-        write_whole(into / "plan.json", json.dumps(row, ensure_ascii=False) + "\n")
+        into, row = self.folder.new_folder(out, *WRITTEN), made.row
+        kept, page = write_record(made.record, into)
         return {
             **{key: row[key] for key in ("makespan", "bound", "proven", "cost") if key in row},
             "late": cut((f"{task} by {by:g}" for task, by in row["late"].items()), "see the page"),
             **({"left_out": cut(row["missed"], "see the page")} if "missed" in row else {}),
             "routes": routes(row),
             "why_so_late": made.why_so_late,
-            "page": self.folder.name(into / "plan.html"),
-            "plan": self.folder.name(into / "plan.json"),
+            "record": self.folder.name(kept),
+            "page": self.folder.name(page),
         }
 
     def run_mission(
@@ -128,7 +126,7 @@ class Workbench:
         """
         chosen = _method(method) if method else None
         record = trials.run(self._mission(file), chosen, seed, _seconds(seconds)).record
-        into = self.folder.new_folder(out, "record.json", "record.html")
+        into = self.folder.new_folder(out, *WRITTEN)
         kept, page = write_record(record, into)
         verdict = judge(record)
         return outcome(record) | {

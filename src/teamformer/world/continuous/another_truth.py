@@ -10,10 +10,10 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.shifts import rotas_of
 from teamformer.world.continuous.body import CARRYING, SERVING, TeamWork, turning
 from teamformer.world.continuous.delays import StandingStill
-from teamformer.world.continuous.moving import ARRIVE, EXPECT, FINISH, LOOK, WAKE
+from teamformer.world.continuous.moving import ARRIVE, EXPECT, FINISH, FULL, LOOK, WAKE
 from teamformer.world.continuous.world import PhysicalWorld
 
-FROM_INSIDE = (ARRIVE, FINISH, EXPECT, LOOK, WAKE)
+FROM_INSIDE = (ARRIVE, FINISH, EXPECT, LOOK, WAKE, FULL)
 """What is on the agenda because of what has happened in the world."""
 
 

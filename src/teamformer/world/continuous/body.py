@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left
 from dataclasses import dataclass
 
@@ -33,6 +34,12 @@ class RealRobot:
     rest: float = 0.0  # of a lost robot: how long it is from the next place
     since: int = NOBODY  # the latest event of it
     set_out: int = NOBODY  # the event with which it set out
+    left: float = math.inf  # in its battery at `left_at`
+    left_at: float = 0.0
+    charger: int = NOBODY  # that it goes to, or queues or charges at
+    charges_for: int = NOBODY  # the task for which it charges
+    at_charger: float = math.inf  # since when it queues
+    is_charging: bool = False
 
     @property
     def is_walking(self) -> bool:

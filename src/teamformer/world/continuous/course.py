@@ -31,7 +31,6 @@ from teamformer.world.guidance.guide import refuse_unfit
 from teamformer.world.rules.constants import NOBODY
 
 COMPLETED, INFEASIBLE, LIMIT, TOO_LATE = "completed", "infeasible", "step limit", "too late"
-
 RUNNING = "running"
 
 
@@ -93,7 +92,7 @@ class Course:
     def go_on(self) -> None:
         """Go to the next moment and do what follows."""
         if self.world.next_time > self.mission.step_limit:
-            self.world.now = max(self.world.now, float(self.mission.step_limit))
+            self.world.be_at(max(self.world.now, float(self.mission.step_limit)))
             self._end(LIMIT)
             return
         self._act(self.world.advance())
@@ -103,7 +102,7 @@ class Course:
         while self.is_running and min(self.world.next_time, self.mission.step_limit) <= when:
             self.go_on()
         if self.is_running:
-            self.world.now = when
+            self.world.be_at(when)
 
     def take_over(self, plan: Plan) -> None:
         """Go by a plan that an operator has chosen."""
@@ -131,6 +130,7 @@ class Course:
         while happened:
             self._tend(happened)
             happened = self.world.take_happened()  # what it has brought about at this moment
+        self.world.fill_chargers()
         if has_failed(self.world):
             self._end(TOO_LATE)
         elif self._is_over():
@@ -233,17 +233,20 @@ class Course:
     def _send(self, robot: int) -> int:
         """Send a robot to its next task; return that task."""
         world, follower, body = self.world, self.follower, self.world.bodies[robot]
-        if body.is_lost or body.work != NOBODY:
+        if body.is_lost or body.work != NOBODY or body.is_charging:
             return NOBODY
         task = follower.next_task(world, robot)
         goal = follower.goal(world, robot, task)
+        cause = world.cause_among([body.since, self._plan_now()])
+        if world.charges_first(robot, task, goal, cause):
+            return NOBODY
         is_new = task != body.task
         if (
             is_new
             or (goal is None and body.is_walking)
             or (goal and not self._is_bound(robot, goal))
         ):
-            world.set_out(robot, goal, task, world.cause_among([body.since, self._plan_now()]))
+            world.set_out(robot, goal, task, cause)
         return task
 
     def _is_bound(self, robot: int, goal: object) -> bool:
@@ -363,9 +366,10 @@ class Course:
         if self._is_over():
             self._end(COMPLETED)
         elif self.world.next_time > self.mission.step_limit:
-            open_tasks = range(len(self.world.truth.tasks))
-            self.blocked = tuple(task for task in open_tasks if task not in self.world.over)
-            self._end(INFEASIBLE)
+            tasks = range(len(self.world.truth.tasks))
+            self.blocked = tuple(task for task in tasks if task not in self.world.over)
+            if self.blocked:  # else somebody does not get home
+                self._end(INFEASIBLE)
 
     def _gives_up(self, is_asked: bool) -> bool:
         """Let what is left be missed if it is optional and nobody will do it; say whether it was.

@@ -147,6 +147,13 @@ KINDS = {
     "overdue": EventKind(
         ("task", "until"), "a service lasts longer than believed; until: its new expected end"
     ),
+    "charge": EventKind(
+        ("robots", "place", "until"), "a robot begins to charge, and is full at until"
+    ),
+    "charged": EventKind(("robots", "place"), "a robot is full, and leaves its place to others"),
+    "empty": EventKind(
+        ("robots", "place"), "a robot has run dry: it stands still for good, as one that is lost"
+    ),
     "over": EventKind(("status",), "the mission is over, and how"),
 }
 """Every kind of event, by name."""

@@ -62,7 +62,8 @@ def blocked_tasks(world: PhysicalWorld) -> tuple[int, ...]:
     left = [
         replace(robot, at=world.next_place(number).place)
         for number, robot in enumerate(truth.robots)
-        if not world.bodies[number].is_lost or robot.is_due(world.now)
+        if not world.bodies[number].is_lost
+        or (robot.is_due(world.now) and not world.is_dry(number))
     ]
     have = totals_there(truth.world, left)
     return tuple(

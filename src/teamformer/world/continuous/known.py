@@ -37,6 +37,8 @@ def known_of(world: PhysicalWorld, news: tuple[str, ...], foresight: str = "scou
         came_from=tuple(came_from for _, _, came_from in free),
         started=dict(world.started),
         over=frozenset(world.over),
+        left=tuple(world.left_then(robot, at) for robot, (_, at, _) in enumerate(free)),
+        charging=world.charging_now(),
     )
 
 
@@ -97,5 +99,7 @@ def _free(world: PhysicalWorld, robot: int) -> tuple[Place, float, Place]:
         real = world.truth.tasks[task]
         place = world.place_of(task) if real.to is None or work.part == FORMING else real.to
         return place, max(world.now, work.expected), place
+    if body.is_charging:
+        return body.way[0].place, world.events[body.since].until or world.now, body.came_from
     at, place = world.next_place(robot)
     return place, max(world.now, at), body.came_from

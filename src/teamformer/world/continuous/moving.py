@@ -21,7 +21,7 @@ from teamformer.world.continuous.ways import Ways
 from teamformer.world.rules.constants import NOBODY
 
 LOSE, BRING_BACK, CALL_OFF, APPEAR, OPEN, ARRIVE, FINISH, EXPECT, LOOK, WAKE = range(10)
-REST, WORK, CLOSE = range(10, 13)
+REST, WORK, FULL, CLOSE = range(10, 14)
 """What can be on the agenda; of what is due at one moment, what comes from outside is first, but
 for the ends and beginnings of shifts: what is done then is done within them. That the mission
 closes is last."""
@@ -70,7 +70,12 @@ class MovingWorld(ABC):
 
     @property
     def next_time(self) -> float:
-        """Return when something is due next; infinite if nothing ever is."""
+        """Return when something happens next; infinite if nothing ever does."""
+        return self.next_due
+
+    @property
+    def next_due(self) -> float:
+        """Return when something on the agenda is due next; infinite if nothing ever is."""
         while self.agenda and not self.is_due(self.agenda[0]):
             heapq.heappop(self.agenda)
         return self.agenda[0][0] if self.agenda else math.inf
@@ -92,7 +97,7 @@ class MovingWorld(ABC):
     def is_at(self, robot: int, place: Place) -> bool:
         """Say whether a robot stands at a place, and is neither lost nor at work."""
         body = self.bodies[robot]
-        is_free = not body.is_lost and body.work == NOBODY
+        is_free = not body.is_lost and body.work == NOBODY and body.charger == NOBODY
         return is_free and not body.is_walking and body.way[0].place == place
 
     def next_place(self, robot: int) -> Passed:
@@ -120,6 +125,8 @@ class MovingWorld(ABC):
             goal = start.place
         stages = self.ways.stages(start.place, goal, real.moves)
         ahead = self.passing((robot,), start.at, [(p, d / real.speed) for p, d in stages])
+        if ahead and math.isinf(ahead[-1].at):  # its shifts are over before
+            goal, ahead = start.place, ()
         way = (*stub, *with_pauses(real.rota, start, ahead, self.is_plane))
         if len(way) == 1:
             stops = body.is_walking

@@ -15,6 +15,7 @@ from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.world.continuous.body import turning
+from teamformer.world.continuous.charging import ChargingWorld
 from teamformer.world.continuous.moving import (
     APPEAR,
     ARRIVE,
@@ -23,6 +24,7 @@ from teamformer.world.continuous.moving import (
     CLOSE,
     EXPECT,
     FINISH,
+    FULL,
     LOOK,
     LOSE,
     OPEN,
@@ -33,7 +35,6 @@ from teamformer.world.continuous.moving import (
     Happened,
 )
 from teamformer.world.continuous.reasons import why_left_out
-from teamformer.world.continuous.working import WorkingWorld
 from teamformer.world.rules.constants import NOBODY
 
 COPIED = (
@@ -51,7 +52,7 @@ COPIED = (
 """What each world has a copy of."""
 
 
-class PhysicalWorld(WorkingWorld):
+class PhysicalWorld(ChargingWorld):
     """All robots, tasks and loads; `advance` goes to the next moment at which something is due."""
 
     def __init__(self, mission: Mission, truth: Mission, is_all_known: bool = False) -> None:
@@ -73,12 +74,14 @@ class PhysicalWorld(WorkingWorld):
 
     def advance(self) -> Happened:
         """Go to the next moment and let all happen that is due then."""
-        self.now = self._reached = self.next_time
-        while self.next_time <= self.now:
+        self.be_at(self.next_time)
+        self._reached = self.now
+        while self.next_due <= self.now:
             if self.agenda[0][1] == CLOSE and self.happened:
                 break  # what follows from the rest of the moment is done before
             _, what, which, stamp = heapq.heappop(self.agenda)
             self._let_happen(what, which, stamp)
+        self.run_dry()
         return self.take_happened()
 
     def put_what_is_to_come(self) -> None:
@@ -116,13 +119,15 @@ class PhysicalWorld(WorkingWorld):
         if what in (ARRIVE, LOOK):
             body = self.bodies[which]
             return body.is_walking and body.set_out == stamp and not body.is_lost
+        if what == FULL:
+            return self.bodies[which].is_charging and self.bodies[which].since == stamp
         if what in (FINISH, EXPECT):
             return which in self.works and self.works[which].event == stamp
         return which not in self.over if what in (CALL_OFF, OPEN, WAKE) else True
 
     def _let_happen(self, what: int, which: int, stamp: int) -> None:
         if what == LOSE:
-            self._lose(which)
+            self.stand_still(which, "lost")
         elif what == BRING_BACK:
             self._bring_back(which)
         elif what == CALL_OFF:
@@ -144,6 +149,8 @@ class PhysicalWorld(WorkingWorld):
             self.expect_anew(which)
         elif what == LOOK:
             self.look_around(which)
+        elif what == FULL:
+            self.be_full(which)
         elif what == CLOSE:
             self._close()
         elif what in (REST, WORK):
@@ -158,7 +165,8 @@ class PhysicalWorld(WorkingWorld):
             self.begin_shift(robot)
         self._put_next_border(robot, self.now)
 
-    def _lose(self, robot: int) -> None:
+    def stand_still(self, robot: int, kind: str) -> None:
+        """Let a robot be lost, or have run dry, as a kind of event says."""
         body = self.bodies[robot]
         if body.is_lost:
             return
@@ -168,7 +176,8 @@ class PhysicalWorld(WorkingWorld):
         rota = self.truth.robots[robot].rota
         body.way, body.rest = stub, rota.worked(self.now, stub[-1].at)
         body.is_lost, body.task = True, NOBODY
-        number = self.tell("lost", (robot,), NOBODY, NOBODY, place=stub[-1].place)
+        self.leave_charger(robot)
+        number = self.tell(kind, (robot,), NOBODY, NOBODY, place=stub[-1].place)
         body.since = number
         self.note("robot lost", robots=(robot,))
         task, body.work = body.work, NOBODY
@@ -177,12 +186,13 @@ class PhysicalWorld(WorkingWorld):
 
     def _bring_back(self, robot: int) -> None:
         body = self.bodies[robot]
+        if self.is_dry(robot):
+            return
         body.is_lost = False
         place = body.way[-1].place
         number = body.since = self.tell("back", (robot,), NOBODY, NOBODY, place=place)
         if body.is_walking:
-            is_there = self.truth.robots[robot].rota.walked(self.now, body.rest)
-            shift = is_there - body.way[-1].at
+            shift = self.truth.robots[robot].rota.ends_leg(self.now, body.rest) - body.way[-1].at
             self.stand(robot, tuple(p._replace(at=p.at + shift) for p in body.way), number)
         self.note("robot back", robots=(robot,))
 

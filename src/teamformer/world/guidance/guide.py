@@ -211,7 +211,9 @@ def refuse_unfit(known: Known, plan: Plan) -> None:
             _refuse(f"{what}; {there_are}")
         if len(set(robots)) != len(robots):
             _refuse(f"{when} gives task '{name}' to a robot twice")
-        able = (mission.robots[r] for r in robots)
+        charging = mission.charging
+        numbers = robots if charging is None else charging.able(robots, task)
+        able = (mission.robots[r] for r in numbers)
         at = mission.tasks[task].at
         have = total(robot.can for robot in able if can_reach(mission.world, robot, at))
         if robots and not covers(have, mission.tasks[task].needs):

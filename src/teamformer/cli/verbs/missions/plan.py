@@ -1,4 +1,4 @@
-"""`teamformer plan`: who goes where when, without playing the mission."""
+"""`teamformer plan`: who goes where when, if nothing unforeseen happens."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from rich.text import Text
 
 from teamformer.cli.terminal.compiling import compile_ahead
 from teamformer.cli.terminal.console import out, prepare_folder, print_json, say
+from teamformer.cli.terminal.recorded import write_and_say
 from teamformer.files.mission_files import read_mission
 from teamformer.methods.by_name import load_method
 from teamformer.mission.checks.rules import rules_not_planned
 from teamformer.mission.model import Mission
 from teamformer.trials.planned import PlannedMission, plan_mission, refuse_unplannable
 from teamformer.trials.start_plan import read_start_plan
-from teamformer.viewer.gantt import write_gantt
 
 LONGEST_TABLE = 40  # robots
 
@@ -30,7 +30,9 @@ def plan(
     folder: Path | None,
     as_json: bool,
 ) -> int:
-    """Plan a mission and show the plan, in a folder as a page too; return the exit status.
+    """Plan a mission and show the plan; return the exit status.
+
+    A folder gets the record of the plan and its page.
 
     `start` is a file with a plan to begin with.
     """
@@ -45,14 +47,12 @@ def plan(
     if made is None:
         say(f"no plan was found for {mission.name}; a longer --time-limit may find one")
         return 1
-    row = made.row
-    if folder is not None:
-        write_gantt(row, folder / "plan.html")
-        say(f"page: {folder / 'plan.html'}")
     if as_json:
-        print_json(row)
+        print_json(made.row)
     else:
-        _show(made, row)
+        _show(made, made.row)
+    if folder is not None:
+        write_and_say(made.record, folder)
     return 0
 
 

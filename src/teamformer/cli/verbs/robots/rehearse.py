@@ -138,9 +138,9 @@ def _show(row: dict[str, Any], bad: list[Any], options: RehearseOptions) -> None
 
 def _play_again(stage: Any, options: RehearseOptions, schedule: int, as_json: bool) -> int:
     """Play one schedule again, and write its record and page where asked."""
+    from teamformer.fleet.rehearsal.checking.trace import Trace
     from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
     from teamformer.fleet.rehearsal.rehearse import faults_of, play
-    from teamformer.fleet.rehearsal.trace import Trace
 
     faults = faults_of(stage, options.seed, schedule)
     is_recorded = options.folder is not None or options.foxglove is not None

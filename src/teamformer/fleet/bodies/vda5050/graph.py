@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from teamformer.files.imports.lif import Layout, read_layout
+from teamformer.files.imports.lif import LaidOutGraph, read_layout
 from teamformer.fleet.bodies.vda5050.state import State
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.mission.parts.grid import Place
@@ -26,12 +26,14 @@ class RoadGraph:
     have the edge, an edge is called by its ends, as in `dock-gate`.
     """
 
-    def __init__(self, mission: FleetMission, robot: int, layout: Layout | None = None) -> None:
+    def __init__(
+        self, mission: FleetMission, robot: int, layout: LaidOutGraph | None = None
+    ) -> None:
         world = mission.source.world
         assert isinstance(world, Roads), "only these have a graph"
         self._world, self._ways = world, mission.ways
         self._moves, self._pace = mission.source.robots[robot].moves, mission.paces[robot]
-        self._layout = layout or Layout({}, {})
+        self._layout = layout or LaidOutGraph({}, {})
         self._numbers = {name: number for number, name in enumerate(world.places)}
         self._on: tuple[int, int] = (-1, -1)  # the places between which the vehicle drives
         self._driven, self._looked = 0.0, 0.0

@@ -31,8 +31,7 @@ from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import HERE, READY, TaskFact
-from teamformer.fleet.rehearsal.checking.ways import WayChecker
-from teamformer.fleet.rehearsal.trace import (
+from teamformer.fleet.rehearsal.checking.trace import (
     OFF,
     Accepted,
     Broke,
@@ -42,6 +41,7 @@ from teamformer.fleet.rehearsal.trace import (
     Said,
     Worked,
 )
+from teamformer.fleet.rehearsal.checking.ways import WayChecker
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.world.continuous.events import Passed

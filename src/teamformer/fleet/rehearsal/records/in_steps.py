@@ -15,10 +15,18 @@ from dataclasses import replace
 from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Lifted, Walked
 from teamformer.fleet.fleet_mission import place_in
+from teamformer.fleet.rehearsal.checking.trace import (
+    NEEDS,
+    Believed,
+    Event,
+    Finished,
+    Noticed,
+    Said,
+    Sent,
+)
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.trace import NEEDS, Believed, Event, Finished, Noticed, Said, Sent
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
@@ -55,7 +63,13 @@ def record_in_steps(
     writer = SnapshotWriter(true)
     _Teller(true, mission.step, number).tell(writer, events, deeds, lost)
     status, known = STATUSES[outcome.status], true if source.has_surprises else None
-    return fleet_record(source, writer.steps, status, seed, outcome.blocked_tasks, known)
+    return fleet_record(source, writer.steps, status, seed, blocked_of(outcome, tasks), known)
+
+
+def blocked_of(outcome: Outcome, tasks: Sequence[Task]) -> tuple[str, ...]:
+    """Return the tasks of a record that can never be done; others nobody has accepted."""
+    names = {task.name for task in tasks}
+    return tuple(name for name in outcome.blocked_tasks if name in names)
 
 
 def true_tasks_of(rehearsal: Rehearsal, tasks: Sequence[Task]) -> tuple[Task, ...]:

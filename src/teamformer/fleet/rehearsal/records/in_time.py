@@ -10,10 +10,15 @@ from itertools import zip_longest
 from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.world import Walked
 from teamformer.fleet.fleet_mission import place_in
+from teamformer.fleet.rehearsal.checking.trace import NEEDS, Believed, Broke, Event, Noticed, Said
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
-from teamformer.fleet.rehearsal.records.in_steps import STATUSES, tasks_of, true_tasks_of
-from teamformer.fleet.rehearsal.trace import NEEDS, Believed, Broke, Event, Noticed, Said
+from teamformer.fleet.rehearsal.records.in_steps import (
+    STATUSES,
+    blocked_of,
+    tasks_of,
+    true_tasks_of,
+)
 from teamformer.mission.model import Mission, as_believed
 from teamformer.mission.truth import truth_until
 from teamformer.record.record import Record
@@ -34,12 +39,12 @@ def record_in_time(
     source = replace(rehearsal.mission.source, tasks=tasks, teams=(), arrivals=None)
     truth = _truth_of(rehearsal, source, outcome.end)
     seen = EventsSeen()
-    _Teller(rehearsal, truth, number, seen).tell_all(events)
+    _TellerInTime(rehearsal, truth, number, seen).tell_all(events)
     status, end = STATUSES[outcome.status], outcome.end
     if status == "completed":
         end = max([outcome.makespan or 0.0, *seen.over.values()])
     known = truth if source.has_surprises else None
-    return seen.record(source, end, status, seed, outcome.blocked_tasks, known)
+    return seen.record(source, end, status, seed, blocked_of(outcome, tasks), known)
 
 
 def _truth_of(rehearsal: Rehearsal, source: Mission, end: float) -> Mission:
@@ -48,7 +53,7 @@ def _truth_of(rehearsal: Rehearsal, source: Mission, end: float) -> Mission:
     return truth_until(source, as_believed(source, robots=robots, tasks=tasks), end)
 
 
-class _Teller:
+class _TellerInTime:
     """Tells what a trace holds; `number` has the numbers of tasks by their keys."""
 
     def __init__(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from teamformer.fleet.rehearsal.checking.trace import Event
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
 from teamformer.fleet.rehearsal.records.in_steps import record_in_steps
 from teamformer.fleet.rehearsal.records.in_time import record_in_time
-from teamformer.fleet.rehearsal.trace import Event
 from teamformer.record.record import Record
 
 

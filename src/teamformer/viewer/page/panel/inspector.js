@@ -35,6 +35,7 @@ export const ACTIVITIES = {
   leaves: "lost with the next step",
   forms: "forming a team",
   "leads home": "on the way to where they stop",
+  charges: "charging",
   idle: "without assignment",
   off: "off its shift",
 };

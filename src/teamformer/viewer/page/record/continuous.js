@@ -192,11 +192,18 @@ function take(history, event) {
       tell(place ? "left" : "broken", place ? { robots, at: place } : { robots });
       return;
     case "lost":
+    case "empty":
       for (const robot of robots) {
         tracks[robot].stop(at);
         absences[robot].push({ from: at, to: Infinity, place: tracks[robot].placeAt(at) });
       }
-      tell("lost", { robots });
+      tell(kind, { robots });
+      return;
+    case "charge":
+      tell("charges", { robots });
+      return;
+    case "charged":
+      tell("full", { robots });
       return;
     case "back":
       for (const robot of robots) for (const absence of absences[robot].slice(-1)) absence.to = at;

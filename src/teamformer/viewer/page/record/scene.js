@@ -5,7 +5,7 @@ import { exact, missing } from "./counts.js";
 import { isLost, needsAt, sitesAt, stateShown } from "./history.js";
 import { isSamePlace } from "./plane.js";
 import { NOBODY } from "./state.js";
-import { FORMING, IDLE, LOST, OFF, WAITING, WALKING, runAfter, serviceAfter } from "./told.js";
+import { CHARGING, FORMING, IDLE, LOST, OFF, WAITING, WALKING, runAfter, serviceAfter } from "./told.js";
 
 const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"];
 
@@ -92,6 +92,7 @@ function activityToldOf(/** @type {TrialHistory} */ history, /** @type {Team} */
   if (phase === FORMING) return "forms";
   if (phase === WAITING) return "waits";
   if (phase === OFF) return "off";
+  if (phase === CHARGING) return "charges";
   return phase === IDLE ? (team.justDone === NOBODY ? "idle" : "done") : "serves";
 }
 

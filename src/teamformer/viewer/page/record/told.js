@@ -3,8 +3,8 @@
 
 import { NOBODY } from "./state.js";
 
-export const PHASES = ["walking", "waiting", "forming", "serving", "loading", "carrying", "unloading", "idle", "lost", "off"];
-export const [WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, OFF] = PHASES;
+export const PHASES = ["walking", "waiting", "forming", "serving", "loading", "carrying", "unloading", "idle", "lost", "off", "charging"];
+export const [WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, OFF, CHARGING] = PHASES;
 export const AT_WORK = [SERVING, LOADING, CARRYING, UNLOADING];
 
 // What nobody has told is empty.

@@ -70,6 +70,8 @@ export function describeDoing(/** @type {TrialHistory} */ history, /** @type {Te
       return "is lost with the next step";
     case "idle":
       return "has no assignment";
+    case "charges":
+      return "charges until it is full";
     case "off":
       return "is off its shift";
     case "forms":
@@ -208,6 +210,12 @@ function eventText(/** @type {TrialHistory} */ history, /** @type {HistoryEvent}
       return describeSplit(mission, event);
     case "lost":
       return `${robotName(mission, event.robots[0])} is lost`;
+    case "empty":
+      return `${robotName(mission, event.robots[0])} has run dry`;
+    case "charges":
+      return `${robotName(mission, event.robots[0])} charges`;
+    case "full":
+      return `${robotName(mission, event.robots[0])} is full`;
     case "back":
       return `${robotName(mission, event.robots[0])} is back`;
     case "appears":

@@ -23,12 +23,13 @@ export const PHASE_COLOURS = {
   carrying: "carry",
   unloading: "load",
   idle: "line",
+  charging: "task",
   lost: "bad",
   off: "lost",
 };
 
 // How strong a phase is drawn in the colour of its task.
-export const STRENGTHS = { walking: 0.5, waiting: 0.25, forming: 0.75, serving: 1, loading: 0.85, carrying: 1, unloading: 0.85, idle: 1, lost: 0.25, off: 0.35 };
+export const STRENGTHS = { walking: 0.5, waiting: 0.25, forming: 0.75, serving: 1, loading: 0.85, carrying: 1, unloading: 0.85, idle: 1, lost: 0.25, off: 0.35, charging: 0.85 };
 
 // What bars may be coloured by.
 export const BARS = { phase: "What they do", task: "Tasks" };

@@ -1,0 +1,1 @@
+"""Where robots charge before they go on, and when plans are done in which they do."""

@@ -1,0 +1,193 @@
+"""When tasks start where robots have batteries: a plan carried out, moment by moment.
+
+Robots queue at chargers, so who charges when hangs on all that others do: tasks cannot be timed one
+after the other.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from teamformer.world.rules.charging.stops import ChargeRules
+from teamformer.world.rules.constants import NOBODY
+from teamformer.world.rules.starts import FIRST, StartRules, Timed, Visit
+
+AT_CHARGER, FULL, DONE, LEAVE = range(4)
+"""What happens at a moment."""
+
+HOMEWARD = -2
+"""What stands for the task of a robot that goes home."""
+
+
+class ChargeStart(NamedTuple):
+    """How all stands when a plan begins: where robots are, what they have left, who charges."""
+
+    places: Sequence[Hashable]  # by robot, once it is free
+    left: Sequence[float]  # by robot, then
+    taken: Sequence[tuple[int, float]]  # chargers where somebody charges, and until when
+    task_places: Mapping[int, Hashable]
+    homes: Sequence[Hashable | None]  # by robot; None: it may stay where it is
+    spent: Sequence[Sequence[float] | Mapping[int, float]]  # by robot and task: on the service
+
+
+@dataclass
+class ChargedTimes:
+    """Tasks with their times, and when each robot is home; infinite for who never is."""
+
+    timed: Timed
+    back: list[float]
+    charges: list[tuple[int, int, float, float]] = field(default_factory=list)
+    """Each robot that charges, at which charger, from when and until when."""
+
+
+def time_charged(
+    rules: StartRules,
+    charging: ChargeRules,
+    standing: ChargeStart,
+    order: Sequence[int],
+    robots_of: Mapping[int, Sequence[int]],
+) -> ChargedTimes:
+    """Return when tasks start that are done in an order, each by its robots, if these charge."""
+    return _CarriedOut(rules, charging, standing, order, robots_of).play()
+
+
+class _CarriedOut:
+    """A plan that is carried out."""
+
+    def __init__(
+        self,
+        rules: StartRules,
+        charging: ChargeRules,
+        standing: ChargeStart,
+        order: Sequence[int],
+        robots_of: Mapping[int, Sequence[int]],
+    ) -> None:
+        self.rules, self.charging, self.standing = rules, charging, standing
+        self.robots_of, count = robots_of, len(standing.places)
+        never = dict.fromkeys(order, math.inf)
+        takes = {task: rules.takes(task, robots_of[task]) for task in order}
+        self.timed = Timed(never, takes, {task: [] for task in order})
+        self.told = ChargedTimes(self.timed, [math.inf] * count)
+        self.routes: list[list[int]] = [[] for _ in range(count)]
+        for task in reversed(order):
+            for robot in robots_of[task]:
+                self.routes[robot].append(task)
+        self.before = [FIRST] * count  # the latest task of each robot
+        self.left = list(standing.left)
+        self.left_at_task: dict[tuple[int, int], float] = {}
+        self.ended: set[int] = set()
+        self.agenda: list[tuple[float, int, int, int]] = []
+        self.busy = [0] * len(charging.chargers)
+        self.queues: list[list[tuple[float, int]]] = [[] for _ in charging.chargers]
+
+    def play(self) -> ChargedTimes:
+        """Carry the plan out."""
+        for charger, until in self.standing.taken:
+            self.busy[charger] += 1
+            heapq.heappush(self.agenda, (until, FULL, NOBODY, charger))
+        for robot, free in enumerate(self.rules.free):
+            heapq.heappush(self.agenda, (free, LEAVE, robot, NOBODY))
+        while self.agenda:
+            now = self.agenda[0][0]
+            while self.agenda and self.agenda[0][0] <= now:
+                self._happen(*heapq.heappop(self.agenda))
+            for charger in range(len(self.queues)):
+                self._fill(charger, now)
+        return self.told
+
+    def _happen(self, now: float, what: int, which: int, charger: int) -> None:
+        if what == AT_CHARGER:
+            self.queues[charger].append((now, which))
+        elif what == FULL:
+            self.busy[charger] -= 1
+            if which != NOBODY:
+                battery = self.charging.batteries[which]
+                assert battery is not None
+                self.left[which] = battery.lasts
+                self._leave(which, now, self.charging.chargers[charger])
+        elif what == DONE:
+            self._done(which, now)
+        else:
+            self._leave(which, now, self.standing.places[which])
+
+    def _fill(self, charger: int, now: float) -> None:
+        """Let those charge that have waited longest, as far as there is room."""
+        queue = self.queues[charger]
+        queue.sort()
+        while queue and self.busy[charger] < self.charging.rooms[charger]:
+            _, robot = queue.pop(0)
+            battery = self.charging.batteries[robot]
+            assert battery is not None
+            until = now + battery.time_to_full(self.left[robot])
+            self.busy[charger] += 1
+            self.told.charges.append((robot, charger, now, until))
+            heapq.heappush(self.agenda, (until, FULL, robot, charger))
+
+    def _leave(self, robot: int, now: float, here: Hashable) -> None:
+        """Let a robot go to its next task, home, or to a charger first."""
+        charging, route = self.charging, self.routes[robot]
+        battery, task = charging.batteries[robot], route[-1] if route else HOMEWARD
+        goal = self.standing.task_places[task] if route else self.standing.homes[robot]
+        if goal is None:
+            self.told.back[robot] = now
+            return
+        spent = self.standing.spent[robot][task] if route and battery is not None else None
+        charger = charging.stop(robot, here, self.left[robot], goal, spent)
+        if charger != NOBODY:
+            goal = charging.chargers[charger]
+        way = charging.way(robot, here, goal)
+        if battery is not None:
+            if not battery.suffices(self.left[robot], way):
+                return  # it runs dry
+            self.left[robot] = max(0.0, self.left[robot] - way)
+        if charger != NOBODY:
+            heapq.heappush(self.agenda, (now + way, AT_CHARGER, robot, charger))
+        elif route:
+            self._arrive(robot, route.pop(), now + way)
+        else:
+            self.told.back[robot] = now + way
+
+    def _arrive(self, robot: int, task: int, at: float) -> None:
+        self.timed.visits[task].append(Visit(robot, self.before[robot], at))
+        self.left_at_task[robot, task] = self.left[robot]
+        self._start(task)
+
+    def _start(self, task: int) -> None:
+        """Let a task start if all are coming, and what it is after has ended or will."""
+        visits, before = self.timed.visits[task], self.rules.before.get(task, ())
+        if len(visits) < len(self.robots_of[task]) or not self.ended.issuperset(before):
+            return
+        arrive = [visit.arrive for visit in visits]
+        start = max(self.rules.release[task], *arrive)
+        sites = {self.rules.site(visit.robot, visit.before) for visit in visits}
+        if self.rules.forming and len(sites) > 1:
+            start = max(start, max(arrive) + self.rules.forming)
+        start = max([start, *(self.timed.end(other) for other in before)])
+        if all(self._spend(visit, task, start) for visit in visits):
+            self.timed.start[task] = start
+            heapq.heappush(self.agenda, (self.timed.end(task), DONE, task, NOBODY))
+
+    def _spend(self, visit: Visit, task: int, start: float) -> bool:
+        """Let a robot wait and serve; say whether it does not run dry."""
+        battery = self.charging.batteries[visit.robot]
+        if battery is None:
+            return True
+        spent = battery.waiting * (start - visit.arrive)
+        spent += self.standing.spent[visit.robot][task]
+        left = self.left_at_task[visit.robot, task]
+        self.left[visit.robot] = max(0.0, left - spent)
+        return battery.suffices(left, spent)
+
+    def _done(self, task: int, now: float) -> None:
+        self.ended.add(task)
+        for robot in sorted(self.robots_of[task]):
+            self.before[robot] = task
+            self._leave(robot, now, self.standing.task_places[task])
+        for other, before in self.rules.before.items():
+            is_waiting = math.isinf(self.timed.start.get(other, 0.0))
+            if task in before and is_waiting:
+                self._start(other)

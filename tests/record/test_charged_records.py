@@ -1,0 +1,94 @@
+"""Records of missions with batteries: the referee follows them, and finds what is forged."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+import teamformer as tf
+from charging_missions import charged_mission
+from teamformer.mission.model import Absence, Mission
+from teamformer.record.events.whole import tell_events
+from teamformer.record.files.reading import record_from_tree
+from teamformer.record.files.writing import record_to_tree
+from teamformer.record.phases import CHARGING
+from teamformer.record.record import Record
+from teamformer.record.referee import judge
+from teamformer.record.told.told_record import ToldRecord
+from teamformer.world.continuous.events import Event
+
+
+def disturbed(seed: int) -> Mission:
+    """Draw a mission in which robots are lost and back and tasks appear."""
+    mission, rng = charged_mission(seed, tasks=8), random.Random(seed)
+    robots = tuple(
+        replace(robot, absences=(Absence(rng.randint(10, 60), rng.randint(70, 120)),))
+        if rng.random() < 0.5
+        else robot
+        for robot in mission.robots
+    )
+    tasks = tuple(
+        replace(task, appears=rng.randint(1, 90)) if rng.random() < 0.3 else task
+        for task in mission.tasks
+    )
+    return replace(mission, robots=robots, tasks=tasks)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_what_is_played_is_legal(seed: int) -> None:
+    mission = disturbed(seed)
+    record = tf.run(mission).record
+    assert judge(record).findings == ()
+    assert record_from_tree(record_to_tree(record), "a test") == record
+
+
+@cache
+def played() -> Record:
+    """Return a record in which robots charge and queue."""
+    mission = charged_mission(1, tasks=8)
+    return tf.run(mission).record
+
+
+def forged(number: int, **changes: object) -> Record:
+    events = list(played().events)
+    events[number] = events[number]._replace(**changes)
+    return replace(played(), events=tuple(events))
+
+
+def find(kind: str) -> tuple[int, Event]:
+    return next((n, event) for n, event in enumerate(played().events) if event.kind == kind)
+
+
+def test_forged_charges_are_found() -> None:
+    assert judge(played()).findings == ()
+    number, event = find("charge")
+    assert event.until is not None
+    assert judge(forged(number, until=event.until - 1)).findings
+    assert judge(forged(number, place=(1.0, 1.0))).findings
+    number, event = find("charged")
+    assert judge(forged(number, at=event.at - 0.5)).findings
+
+
+def test_who_has_to_charge_may_not_go_on() -> None:
+    """Somebody whose battery is worse than the record says would have had to charge."""
+    record = played()
+    worse = tuple(
+        replace(robot, battery=replace(robot.battery, lasts=robot.battery.lasts * 0.9))
+        if robot.battery
+        else robot
+        for robot in record.mission.robots
+    )
+    mission = replace(record.mission, robots=worse)
+    assert judge(replace(record, mission=mission)).findings
+
+
+def test_it_is_told_who_charges_when() -> None:
+    told: ToldRecord = tell_events(played())
+    events = [event for event in played().events if event.kind == "charge"]
+    runs = [(run.begun, robot) for robot, row in enumerate(told.runs) for run in row
+            if run.phase == CHARGING]  # fmt: skip
+    assert sorted(runs) == sorted((event.at, event.robots[0]) for event in events)
+    assert any("charges until it is full" in text for text in told.texts)

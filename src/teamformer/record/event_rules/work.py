@@ -138,6 +138,19 @@ def done(now: Standing, event: Event) -> None:
     _free(now, event.robots, event.place, NOBODY)
 
 
+def _set_down(now: Standing, task: int, way: tuple[Passed, ...], last: Place) -> Place:
+    """Return where a load lies whose team leaves it: on a map not over an obstacle, nor beyond."""
+    world, origin = now.truth.world, now.place_of(task)
+    if now.is_plane:
+        return last
+    for passed in reversed(way):
+        is_past = passed.at <= now.now or is_near(passed.at, now.now)
+        is_free = world.is_free(passed.place)
+        if is_past and is_free and world.region(passed.place) == world.region(origin):
+            return passed.place
+    return origin
+
+
 def broken(now: Standing, event: Event) -> None:
     """Take in that a team leaves its work."""
     task = event.task
@@ -147,7 +160,7 @@ def broken(now: Standing, event: Event) -> None:
     need(event.robots == work.robots, f"{now.names.robots(work.robots)} are left of its team")
     stub = turning(work.way, now.now, now.is_plane) if work.way else ()
     if work.part == CARRIES:
-        now.lies[task] = stub[0].place
+        now.lies[task] = _set_down(now, task, work.way, stub[0].place)
     lies = now.place_of(task) if work.part in (CARRIES, UNLOADS) else None
     need(
         event.place == lies,

@@ -11,7 +11,6 @@ from teamformer.mission.parts.shifts import fits_all
 from teamformer.world.continuous.body import (
     CARRYING,
     FORMING,
-    SAME,
     SERVING,
     UNLOADING,
     TeamWork,

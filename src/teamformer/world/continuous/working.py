@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
-from teamformer.mission.parts.shifts import fits_all
+from teamformer.mission.parts.shifts import SAME, fits_all
 from teamformer.world.continuous.body import (
     CARRYING,
     FORMING,

@@ -110,6 +110,22 @@ def test_costs_stand_beside_makespans_where_missions_have_them() -> None:
     assert "cost" not in summary_table(summarise(rows_of(SMALL, "plan", [12])))
 
 
+def test_what_is_missed_stands_beside_makespans_where_missions_have_an_end() -> None:
+    """The plan misses 1, 3 and 8, the last in a trial in which a task that must be done was."""
+    rows = [
+        replace(row, missed=missed)
+        for row, missed in zip(
+            rows_of("optional", "plan", [12, 20, None]), (1.0, 3.0, 8.0), strict=True
+        )
+    ]
+    [summary] = summarise(rows)
+    assert (summary.missed.value, summary.missed.count) == (4.0, 3)
+    assert "| makespan | missed | failures |" in summary_table([summary])
+    [line] = csv.DictReader(summary_csv([summary]).splitlines())
+    assert line["missed_mean"] == "4.0"
+    assert "| missed |" not in summary_table(summarise(rows_of(SMALL, "plan", [12])))
+
+
 def test_rows_of_earlier_versions_have_no_cost() -> None:
     [row] = rows_of(SMALL, "plan", [12])
     tree = json.loads(row.to_line())

@@ -110,7 +110,7 @@ def main(kind: str, count: int, seconds: float) -> int:
             return
         tried.add(text)
         if is_continuous:
-            warm_up()
+            warm_up(source)
             gap = gap_in_continuous_time(source, "central" if seconds else "plan", seconds)
         else:
             gap = gap_in_steps(source, seconds)

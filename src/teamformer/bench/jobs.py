@@ -234,6 +234,7 @@ def known_row(job: Job, seed: int, mission: Mission, makespan: float | None) -> 
         completed=makespan is not None,
         makespan=makespan,
         cost=None,
+        missed=None,
         steps=makespan,
         tasks_done=None,
         tasks=len(mission.tasks),
@@ -282,6 +283,7 @@ def _row_in_time(job: Job, seed: int, mission: Mission, method: Method) -> Row:
     return replace(
         known_row(job, seed, mission, end.makespan),
         cost=end.cost,
+        missed=_missed(record.true_mission, end.missed),
         steps=record.length,
         tasks_done=end.tasks_done,
         decisions=trial.plans,
@@ -291,6 +293,13 @@ def _row_in_time(job: Job, seed: int, mission: Mission, method: Method) -> Row:
         lower_bound=record.lower_bound,
         time_limit=limit,
     )
+
+
+def _missed(mission: Mission, names: Sequence[str]) -> float | None:
+    """Return the weight of the tasks that were missed; None if a mission has no `until`."""
+    if mission.until is None:
+        return None
+    return sum(task.weight for task in mission.tasks if task.name in names)
 
 
 def _with_times(row: Row, clock: Stopwatch, place: int) -> Row:

@@ -16,9 +16,10 @@ Key = tuple[str, str, int]
 class Row:
     """A trial, as `run --json` tells it, and everything needed to run it again.
 
-    `cost` is what a completed mission cost, None if it has no cost. `decision_seconds` is by the
-    clock on the wall, `decision_cpu_seconds` what the process used; a trial that ran with others
-    `side_by_side` has its share of theirs, by its `decisions` (rows of views answered).
+    `cost` is what a completed mission cost, None if it has none; `missed` is the weight of tasks
+    that were missed, None without `until`. `decision_seconds` is by the clock on the wall,
+    `decision_cpu_seconds` what the process used; a trial that ran with others `side_by_side` has
+    its share of theirs, by its `decisions` (rows of views answered).
     `list_schedule` is the makespan of the list schedule along the task order, `relaxed` that of the
     planner's schedule; in both joining is free. `code` tells states of this package's files
     apart; `version` is its version, empty in rows older than this field.
@@ -36,6 +37,7 @@ class Row:
     completed: bool
     makespan: float | None
     cost: float | None
+    missed: float | None
     steps: float | None
     tasks_done: int | None
     tasks: int
@@ -70,7 +72,7 @@ class Row:
         return json.dumps(vars(self), ensure_ascii=False) + "\n"
 
 
-LATER: dict[str, Any] = {"version": "", "cost": None}
+LATER: dict[str, Any] = {"version": "", "cost": None, "missed": None}
 """What rows of older versions do not have."""
 
 KINDS: dict[str, tuple[type, ...]] = {

@@ -28,10 +28,10 @@ Between it and `central`, which knows the truth, lies the room that there is to 
 class Summary:
     """One method in one setting.
 
-    `makespan` and `cost` are over completed trials only, as the paper has it; `steps` over all, a
-    failure counting as its step limit. `against` holds, for each baseline, the difference of
-    makespans over the worlds that both completed; `to_central` is that to `central` as a part of
-    its mean, and `cost_to_central` the same of costs.
+    `makespan` and `cost` are over completed trials only, as the paper has it; `missed` and `steps`
+    over all, a failure counting as its step limit. `against` holds, for each baseline, the
+    difference of makespans over the worlds that both completed; `to_central` is that to `central`
+    as a part of its mean, and `cost_to_central` the same of costs.
     `room` is the part of the steps between `HOPEFUL` and `central` that is won, on the worlds that
     all three completed.
     `inference` is the CPU time that deciding took in a trial, `waiting` the time by the clock, both
@@ -47,6 +47,7 @@ class Summary:
     failures: int
     makespan: Mean
     cost: Mean  # of missions that have one
+    missed: Mean  # the weight of what was missed, of missions with `until`
     steps: Mean
     against: Mapping[str, Mean]
     to_central: Mean
@@ -169,6 +170,7 @@ def _summary(
         failures=len(rows) - len(done),
         makespan=_mean(row.makespan for row in done),
         cost=_mean(row.cost for row in done),
+        missed=_mean(row.missed for row in rows),
         steps=_mean(row.steps for row in rows),
         against=against,
         to_central=to_central,

@@ -31,7 +31,7 @@ class TrialInTime:
 
 def play_in_time(mission: Mission, method: Method, seed: int) -> TrialInTime:
     """Run a trial; what an uncertain mission really is is drawn by the seed."""
-    warm_up()
+    warm_up(mission)
     begun = time.process_time()
     trial = run_trial(mission, method, seed)
     return TrialInTime(trial.record, trial.planning_seconds, time.process_time() - begun)

@@ -128,7 +128,7 @@ def plan_mission(
     expected = expected_mission(mission)
     if mission.time == "continuous":
         refuse_too_large(mission, load_method(SHARED))
-        warm_up()
+        warm_up(mission)
         made = plan_continuous(pose_mission(expected), method, seconds, start)
         if made is None:
             return None

@@ -26,6 +26,7 @@ HEADERS = (
 EXPLANATION = """\
 - `makespan`: mean steps over completed trials ± standard error. `cost`: the same of the cost, for
   missions that have one. `with failures`: over all trials; a failure counts as its step limit.
+- `missed`: the weight of the tasks that were missed, over all trials, for missions with `until`.
 - `failures`: how many trials failed, and the 95% interval of the rate (Wilson).
 - `to heuristic`, `to join-all`: mean difference on the same worlds, both completed, with its 95%
   interval (paired, Student's t). `to central`: the same to the central planner, as a part of its
@@ -53,6 +54,7 @@ def cells_of(summary: Summary, headers: Sequence[str] = HEADERS) -> list[str]:
         "failures": f"{summary.failures} ({100 * low:.1f}-{100 * high:.1f}%)",
         "with failures": number(summary.steps.value),
         "cost": plus_minus(summary.cost, summary.cost.error),
+        "missed": plus_minus(summary.missed, summary.missed.error),
         "cost to central": percent_interval(summary.cost_to_central),
         "to central": percent_interval(summary.to_central),
         "to plan": percent_interval(summary.to_plan),
@@ -78,6 +80,8 @@ def headers_for(summaries: Sequence[Summary]) -> list[str]:
         headers.insert(headers.index("inference, s"), "to plan")
     if any(summary.cost.count for summary in summaries):
         headers.insert(headers.index("failures"), "cost")
+    if any(summary.missed.count for summary in summaries):
+        headers.insert(headers.index("failures"), "missed")
     if any(summary.cost_to_central.count for summary in summaries if summary.method != CENTRAL):
         headers.insert(headers.index("inference, s"), "cost to central")
     if any(summary.room.count for summary in summaries):
@@ -120,6 +124,8 @@ def _numbers(summary: Summary) -> dict[str, str | int | float]:
         "makespan_error": summary.makespan.error,
         "cost_mean": summary.cost.value,
         "cost_error": summary.cost.error,
+        "missed_mean": summary.missed.value,
+        "missed_error": summary.missed.error,
         "steps_mean_with_failures": summary.steps.value,
         "illegal_decisions": summary.illegal,
         "inference_cpu_seconds_mean": summary.inference.value,

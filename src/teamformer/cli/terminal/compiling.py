@@ -40,7 +40,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     from teamformer.world.step import step_worlds
 
     if mission is not None and mission.time == "continuous":
-        warm_up()
+        warm_up(mission)
         return
     wanted = {method.name: method for method in methods}
     has_new_planner = "plan" in wanted and needs_compiling(anneal)
@@ -148,11 +148,13 @@ def _compile_everything(smallest: Mission) -> None:
     from teamformer.methods.listings import our_method_names
     from teamformer.mission.parts.grid import Grid
     from teamformer.mission.parts.plane import Plane
+    from teamformer.planning.continuous.rules import warm_up
 
     walled, plane = Grid(2, 2, ("..", ".@")), Plane(2.0, 1.0)
     worlds = [replace(smallest, world=world) for world in (smallest.world, walled, plane)]
     _play(worlds, our_method_names())
     _plan_anew()
+    warm_up(replace(smallest, world=plane, time="continuous", until=9.0))
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ class InHindsight:
         if plan is not None:
             return plan_present(known, plan)
         posed = pose_mission(self._truth)
-        warm_up()
+        warm_up(self._truth)
         return self._search(posed)
 
     def _search(self, posed: ContinuousMission) -> Plan:

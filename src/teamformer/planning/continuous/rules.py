@@ -8,8 +8,11 @@ from dataclasses import replace
 from functools import cache
 from itertools import islice
 
+import numpy as np
+
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.coordination import Plan
+from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, refuse_no_way
 from teamformer.planning.continuous.reactive import dispatch, react
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
@@ -17,6 +20,7 @@ from teamformer.planning.continuous_bounds.makespan import improving_bounds
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.links import have_weights
+from teamformer.planning.problem.misses import Misses
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.schedule import schedule_of
 from teamformer.planning.search.arc_search import ArcSearch
@@ -71,9 +75,24 @@ def _better_one(
     return replace(given, bound=bound, curve=made.curve)
 
 
+def warm_up(mission: Mission | None = None) -> None:
+    """Have everything compiled before the clock starts that plans of a mission need.
+
+    Searches are compiled twice (`may_have_extras`); without a mission, they are as for most.
+    """
+    _compile(False)
+    if mission is not None and _has_extras(mission):
+        _compile(True)
+
+
+def _has_extras(mission: Mission) -> bool:
+    """Say whether plans of a mission have to do with batteries, shifts or missed tasks."""
+    bound = (robot for robot in mission.robots if robot.battery or robot.shifts)
+    return mission.until is not None or any(bound)
+
+
 @cache
-def warm_up() -> None:
-    """Have everything compiled before the clock starts."""
+def _compile(has_extras: bool) -> None:
     problem = pose_problem(
         ways=[[[0, 1], [1, 0], [1, 1]]],
         home=[[1, 1, 0]],
@@ -83,6 +102,11 @@ def warm_up() -> None:
         needs=[[1], [1]],
         duration=[1, 1],
     )
+    if has_extras:
+        ones = np.ones(2, np.int64)
+        problem = problem._replace(
+            misses=Misses(10 * ones[:1], judged=ones, leads=ones, optional=ones)
+        )
     search = ArcSearch(problem, 0)
     search.begin_anew()
     search.anneal(1, 1, 0, 10, 10)

@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.covers import list_covers
-from teamformer.planning.problem.batteries import Batteries
+from teamformer.planning.problem.batteries import Batteries, are_charged
 from teamformer.planning.problem.coalition_problem import (
     NEVER,
     NOBODY,
@@ -18,6 +18,7 @@ from teamformer.planning.problem.coalition_problem import (
 )
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.links import Links, have_weights
+from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.problem.prices import SHARES, Prices
 from teamformer.planning.problem.prices import SMOOTH as SMOOTH_IF_PRICED
 from teamformer.planning.problem.rotas import Rotas
@@ -74,6 +75,7 @@ class ArcProblem(NamedTuple):
     links: Links  # as in the coalition problem
     batteries: Batteries  # as there
     rotas: Rotas  # the same
+    extras: tuple[int, ...]  # empty if nobody has a battery or shifts and no task can be missed
 
 
 def near_of(problem: CoalitionProblem) -> int:
@@ -143,7 +145,25 @@ def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcP
         links=problem.links,
         batteries=problem.batteries,
         rotas=problem.rotas,
+        extras=(1,) * has_extras(problem),
     )
+
+
+def has_extras(problem: CoalitionProblem) -> bool:
+    """Say whether anybody has a battery or works in shifts, or tasks can be missed."""
+    return (
+        are_charged(problem.batteries) or len(problem.rotas.every) > 0 or can_miss(problem.misses)
+    )
+
+
+@kernel
+def may_have_extras(problem: ArcProblem) -> bool:
+    """Say whether a problem has any of these.
+
+    How long a tuple is belongs to its type, so kernels are compiled twice: where this is False what
+    is asked only for the others is left out.
+    """
+    return len(problem.extras) > 0
 
 
 @kernel
@@ -171,18 +191,20 @@ def _weights(problem: CoalitionProblem, steps: StepRules | None) -> Ints:
 
     The ends of tasks only lead the search: so plans of one makespan differ.
     """
-    tasks, gains = len(problem.needs), int(problem.misses.leads.max(initial=0))
+    tasks, gains = len(problem.needs), 2 * int(problem.misses.leads.max(initial=0))
+    if can_miss(problem.misses):
+        gains = max(1, gains)
     if steps is None:
-        return np.array([1, 0, 1, 0, 2 * gains])
+        return np.array([1, 0, 1, 0, gains])
     if len(steps.prices.due) > 0:
-        return np.array([steps.prices.whole[0], SMOOTH_IF_PRICED, SHARES * tasks, 1, 2 * gains])
-    return np.array([100 * tasks, _habits(steps)[SMOOTH], 100 * tasks, 0, 2 * gains])
+        return np.array([steps.prices.whole[0], SMOOTH_IF_PRICED, SHARES * tasks, 1, gains])
+    return np.array([100 * tasks, _habits(steps)[SMOOTH], 100 * tasks, 0, gains])
 
 
 @kernel
 def may_miss(problem: ArcProblem) -> bool:
     """Say whether tasks can be missed."""
-    return problem.weights[4] > 0
+    return may_have_extras(problem) and problem.weights[4] > 0
 
 
 def _habits(steps: StepRules | None) -> tuple[int, ...]:

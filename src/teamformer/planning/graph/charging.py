@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.arc_problem import may_have_extras
 from teamformer.planning.problem.constants import NEVER
 from teamformer.world.rules.constants import NOBODY
 
@@ -23,7 +24,7 @@ RESCUE = 4 * 10**9
 @kernel
 def is_charged(problem: ArcProblem) -> bool:
     """Say whether anybody has a battery."""
-    return len(problem.batteries.lasts) > 0
+    return may_have_extras(problem) and len(problem.batteries.lasts) > 0
 
 
 @kernel

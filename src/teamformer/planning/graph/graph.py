@@ -19,7 +19,6 @@ import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.mission.parts.shifts import MOST_TRIED
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways, start_in_steps
 from teamformer.planning.graph.arc_problem import (
     ArcProblem,
@@ -31,13 +30,20 @@ from teamformer.planning.graph.arc_problem import (
     takes_with,
 )
 from teamformer.planning.graph.charging import charged_home, is_charged, left_after, there_charged
-from teamformer.planning.graph.worth import WORTH, missed, missed_leads, priced
+from teamformer.planning.graph.pauses import fitted, walked_by
+from teamformer.planning.graph.worth import (
+    WORTH,
+    counted_end,
+    is_left_out,
+    missed,
+    missed_leads,
+    priced,
+)
 from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
 from teamformer.planning.problem.constants import SPREAD, TICKS
 from teamformer.planning.problem.misses import LEFT_OUT, can_miss
-from teamformer.planning.problem.rotas import fits, have_shifts, walked
 from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -149,7 +155,7 @@ def is_in_steps(graph: Graph) -> bool:
 def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> int:
     """Return when a task can start, by when those are free that come to it."""
     node = graph.nodes[task]
-    if node.taken == 0:
+    if is_left_out(problem, graph, task):
         return LEFT_OUT
     if is_in_steps(graph):
         return start_in_steps(problem, graph, task, first_seat)
@@ -160,7 +166,7 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
         pace = problem.kinds[graph.seats[seat].kind].pace
         way = problem.ways_to[pace, task, place]
         kind = graph.seats[seat].kind
-        there = max(there, walked(problem.rotas, kind, graph.nodes[place].end, way))
+        there = max(there, walked_by(problem, kind, graph.nodes[place].end, way))
         comes_apart |= problem.site[place] != first_site
     if is_charged(problem):
         there = there_charged(problem, graph, first_seat, node.taken)
@@ -177,27 +183,10 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
 
 
 @kernel
-def fitted(
-    problem: ArcProblem, graph: Graph, task: int, first_seat: int, earliest: int, takes: int
-) -> int:
-    """Return the first moment from which something fits into a shift of each robot of a task."""
-    if not have_shifts(problem.rotas):
-        return earliest
-    start = earliest
-    for _ in range(MOST_TRIED):
-        before = start
-        for seat in range(first_seat, first_seat + graph.nodes[task].taken):
-            start = fits(problem.rotas, graph.seats[seat].kind, start, takes)
-        if start == before:
-            return start
-    return max(earliest, problem.rotas.late[0])
-
-
-@kernel
 def takes(problem: ArcProblem, graph: Graph, task: int) -> int:
     """Return how long a load takes with its coalition: it goes as fast as the slowest."""
     node = graph.nodes[task]
-    if node.taken == 0:
+    if is_left_out(problem, graph, task):
         return node.duration
     pace, longest = problem.kinds[graph.seats[node.first].kind].pace, 0
     for seat in range(node.first, node.first + node.taken):
@@ -241,7 +230,7 @@ def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
         return charged_home(problem, graph, robot)
     home = len(graph.seats) - len(graph.back) + robot
     last, kind = graph.seats[graph.seats[home].prev].node, graph.seats[home].kind
-    return walked(problem.rotas, kind, graph.nodes[last].end, problem.home[kind, last])
+    return walked_by(problem, kind, graph.nodes[last].end, problem.home[kind, last])
 
 
 @kernel
@@ -341,10 +330,10 @@ def sum_up(problem: ArcProblem, graph: Graph) -> None:
     total[MISSED] = total[LEADS] = 0
     for task in range(len(problem.near)):
         worth, end = graph.worth[task], graph.nodes[task].end
-        end_sum += min(end, worth.until)
-        price += priced(worth, end)
-        total[MISSED] += missed(worth, end)
-        total[LEADS] += missed_leads(worth, end)
+        end_sum += counted_end(problem, worth, end)
+        price += priced(problem, worth, end)
+        total[MISSED] += missed(problem, worth, end)
+        total[LEADS] += missed_leads(problem, worth, end)
     total[LATEST], total[MAKESPAN] = latest, back[latest]
     total[BACK_SUM], total[END_SUM], total[PRICE] = back_sum, end_sum, price
     total[AIM] = aim_of(problem, graph, back[latest], price) + total[MISSED]

@@ -15,7 +15,7 @@ import numpy as np
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways
-from teamformer.planning.graph.arc_problem import ArcProblem, Records, may_miss
+from teamformer.planning.graph.arc_problem import ArcProblem, Records
 from teamformer.planning.graph.charging import is_charged, left_after
 from teamformer.planning.graph.graph import (
     AIM,
@@ -36,7 +36,13 @@ from teamformer.planning.graph.graph import (
     tail_of,
     takes,
 )
-from teamformer.planning.graph.worth import missed, missed_leads, priced
+from teamformer.planning.graph.worth import (
+    counted_end,
+    is_left_out,
+    missed,
+    missed_leads,
+    priced,
+)
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 
@@ -168,7 +174,8 @@ def propagate(problem: ArcProblem, graph: Graph, trial: ArcChange, limit: int) -
                 is_fit = spend(problem, graph, trial, task, start) and is_fit
         if end == node.end and is_fit and not is_parting:
             continue
-        if node.key > number[PAST] and start + node.tail > limit and node.taken > 0:
+        is_longer = node.key > number[PAST] and start + node.tail > limit
+        if is_longer and not is_left_out(problem, graph, task):
             return False
         if end != node.end:
             record(trial, END, task, node.end)
@@ -276,11 +283,10 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
         if trial.log[entry].what == END:
             task, old_end = trial.log[entry].index, trial.log[entry].old
             end, worth = graph.nodes[task].end, graph.worth[task]
-            end_sum += min(end, worth.until) - min(old_end, worth.until)
-            price += priced(worth, end) - priced(worth, old_end)
-            if may_miss(problem):
-                misses += missed(worth, end) - missed(worth, old_end)
-                leads += missed_leads(worth, end) - missed_leads(worth, old_end)
+            end_sum += counted_end(problem, worth, end) - counted_end(problem, worth, old_end)
+            price += priced(problem, worth, end) - priced(problem, worth, old_end)
+            misses += missed(problem, worth, end) - missed(problem, worth, old_end)
+            leads += missed_leads(problem, worth, end) - missed_leads(problem, worth, old_end)
     number[AIMED] = aim_of(problem, graph, makespan, price) + misses
     return cost_of(problem, graph, makespan, back_sum, end_sum, price) + leads
 
@@ -330,11 +336,11 @@ def accept(problem: ArcProblem, graph: Graph, trial: ArcChange, cost: int) -> No
         if trial.log[place].what == END:
             node, worth = nodes[index], graph.worth[index]
             node.key = 2 * (node.end - node.duration) + 1
-            total[END_SUM] += min(node.end, worth.until) - min(old, worth.until)
-            total[PRICE] += priced(worth, node.end) - priced(worth, old)
-            if may_miss(problem):
-                total[MISSED] += missed(worth, node.end) - missed(worth, old)
-                total[LEADS] += missed_leads(worth, node.end) - missed_leads(worth, old)
+            end = node.end
+            total[END_SUM] += counted_end(problem, worth, end) - counted_end(problem, worth, old)
+            total[PRICE] += priced(problem, worth, end) - priced(problem, worth, old)
+            total[MISSED] += missed(problem, worth, end) - missed(problem, worth, old)
+            total[LEADS] += missed_leads(problem, worth, end) - missed_leads(problem, worth, old)
         elif trial.log[place].what == BACK:
             total[BACK_SUM] += back[index] - old
             is_latest_changed |= index == total[LATEST]

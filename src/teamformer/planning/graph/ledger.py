@@ -50,7 +50,7 @@ from teamformer.planning.graph.judging import (
     undo,
     wait,
 )
-from teamformer.planning.graph.worth import late_by, missed, missed_leads
+from teamformer.planning.graph.worth import is_missed, late_by, missed, missed_leads
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import (
     COMPLETION,
@@ -74,7 +74,7 @@ NOW, THEN, BEST = range(3)
 class Ledger(NamedTuple):
     """What a graph costs, and would with the change at hand."""
 
-    part: Ints  # (PARTS,) or (0,) if the makespan alone counts
+    part: Ints  # (PARTS,), without the last two if nobody has extras; (0,) if the makespan counts
     then: Ints  # the same with the change
     cost: Floats  # (3,) what plans are judged by
     lead: Floats  # (3,) the same and what leads a search: how early all robots are home
@@ -85,6 +85,8 @@ class Ledger(NamedTuple):
 def empty_ledger(problem: ArcProblem) -> Ledger:
     """Return a ledger in which nothing costs anything."""
     parts = len(problem.links.weight)
+    if parts > 0 and not problem.extras:
+        parts = MISSED
     return Ledger(
         part=np.zeros(parts, np.int64),
         then=np.zeros(parts, np.int64),
@@ -213,12 +215,14 @@ def _start(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, 
     node, then = graph.nodes[task], ledger.then
     end = ledger.start[task] + node.duration
     worth = graph.worth[task]
-    was_late, is_late = late_by(worth, node.end), late_by(worth, end)
+    was_late, is_late = late_by(problem, worth, node.end), late_by(problem, worth, end)
     weight = problem.links.task_weight[task]
     then[TARDINESS] += np.int64(weight * is_late) - np.int64(weight * was_late)
-    then[COMPLETION] += _completion(weight, worth, end) - _completion(weight, worth, node.end)
-    then[MISSED] += missed(worth, end) - missed(worth, node.end)
-    then[LEADS] += missed_leads(worth, end) - missed_leads(worth, node.end)
+    then[COMPLETION] += _completion(problem, worth, weight, end)
+    then[COMPLETION] -= _completion(problem, worth, weight, node.end)
+    if may_miss(problem):
+        then[MISSED] += missed(problem, worth, end) - missed(problem, worth, node.end)
+        then[LEADS] += missed_leads(problem, worth, end) - missed_leads(problem, worth, node.end)
     then[MAX_TARDINESS] = max(then[MAX_TARDINESS], is_late)
     if is_late < was_late and was_late == then[MAX_TARDINESS]:
         ledger.is_less_late[0] = 1
@@ -228,9 +232,9 @@ def _start(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, 
 
 
 @kernel
-def _completion(weight: float, worth: Any, end: int) -> int:
+def _completion(problem: ArcProblem, worth: Any, weight: float, end: int) -> int:
     """Return what counts of the end of a task, unless it is missed."""
-    return 0 if end > worth.until else int(weight * end)
+    return 0 if is_missed(problem, worth, end) else int(weight * end)
 
 
 @kernel
@@ -267,7 +271,7 @@ def _add_up(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger)
     if ledger.is_less_late[0]:
         then[MAX_TARDINESS] = 0
         for task in range(len(problem.near)):
-            late = late_by(graph.worth[task], graph.nodes[task].end)
+            late = late_by(problem, graph.worth[task], graph.nodes[task].end)
             then[MAX_TARDINESS] = max(then[MAX_TARDINESS], late)
     ledger.cost[THEN] = 0.0
     for part in range(len(then)):
@@ -324,10 +328,11 @@ def open_ledger(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Led
     for task in range(tasks):
         node = graph.nodes[task]
         worth, weight = graph.worth[task], problem.links.task_weight[task]
-        ledger.part[TARDINESS] += np.int64(weight * late_by(worth, node.end))
-        ledger.part[COMPLETION] += _completion(weight, worth, node.end)
-        ledger.part[MISSED] += missed(worth, node.end)
-        ledger.part[LEADS] += missed_leads(worth, node.end)
+        ledger.part[TARDINESS] += np.int64(weight * late_by(problem, worth, node.end))
+        ledger.part[COMPLETION] += _completion(problem, worth, weight, node.end)
+        if may_miss(problem):
+            ledger.part[MISSED] += missed(problem, worth, node.end)
+            ledger.part[LEADS] += missed_leads(problem, worth, node.end)
     ledger.part[TRAVEL] = travel_of(problem, graph)
     for robot in range(len(graph.back)):
         ledger.part[HOME] += graph.back[robot]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.graph import LAST
+from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.coalition_choice import (
     FELLOWS_FROM,
     FELLOWS_TO,
@@ -31,7 +32,7 @@ def draw_group(problem: ArcProblem, graph: Graph, choice: Choice, random: Array,
     """
     nodes, seats = graph.nodes, graph.seats
     near = draw_near(problem, random, task)
-    if nodes[near].taken == 0:  # it is left out
+    if is_left_out(problem, graph, near):
         return NOBODY
     seat = nodes[near].first + draw_below(random, nodes[near].taken)
     tail = seat if draw_below(random, 2) == 0 else seats[seat].prev

@@ -10,9 +10,9 @@ from teamformer.base.array_types import Array, Floats, Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.graph.graph import Graph
+from teamformer.planning.graph.pauses import walked_by
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import HOME, MAKESPAN, MAX_TARDINESS, TARDINESS, TRAVEL
-from teamformer.planning.problem.rotas import walked
 from teamformer.world.rules.chance import SLACKS, STEPS, draw_below
 from teamformer.world.rules.coverage import helps
 
@@ -135,7 +135,7 @@ def _cost_of(problem: ArcProblem, graph: Graph, task: int, place: int, kind: int
     """
     node, weight, pace = graph.nodes[task], problem.links.weight, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
-    comes = walked(problem.rotas, kind, graph.nodes[place].end, way)
+    comes = walked_by(problem, kind, graph.nodes[place].end, way)
     end = max(comes, node.release) + takes_with(problem, pace, task)
     late, push = max(0, end - graph.worth[task].due), 0
     if to >= problem.ways.shape[1]:

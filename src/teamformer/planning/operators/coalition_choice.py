@@ -15,9 +15,10 @@ from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.graph.charging import is_charged, reach
 from teamformer.planning.graph.graph import Graph, leave
+from teamformer.planning.graph.pauses import walked_by
+from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.planning.problem.constants import TICKS
-from teamformer.planning.problem.rotas import walked
 from teamformer.world.rules.chance import draw_below
 from teamformer.world.rules.coverage import helps
 
@@ -107,7 +108,7 @@ def gather(
     own = comes_by
     if own == NOBODY or draw_below(random, 100) >= THIS_ONE:
         own = task * most + draw_below(random, nodes[task].taken)
-    choice.number[BANNED] = seats[own].prev if nodes[task].taken > 0 else NOBODY
+    choice.number[BANNED] = NOBODY if is_left_out(problem, graph, task) else seats[own].prev
     for index in range(-1, problem.near.shape[1]):
         other = task if index < 0 else problem.near[task, index]
         is_before = nodes[other].key < cut
@@ -163,7 +164,7 @@ def _consider(
         return
     place, pace = seats[tail].node, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
-    comes = walked(problem.rotas, kind, nodes[place].end, way)
+    comes = walked_by(problem, kind, nodes[place].end, way)
     if is_charged(problem):
         comes = reach(problem, graph, kind, tail, task)[0]
     if place == choice.number[FELLOWS_FROM] and seats[head].node == choice.number[FELLOWS_TO]:
@@ -284,7 +285,7 @@ def pick_seat(
     pick.seat, pick.kind = tail, kind
     pace = problem.kinds[kind].pace
     way = problem.ways[pace, place, task]
-    pick.comes = walked(problem.rotas, kind, graph.nodes[place].end, way)
+    pick.comes = walked_by(problem, kind, graph.nodes[place].end, way)
     pick.leaves = leave(problem, graph, kind, task, head)
     if graph.nodes[task].is_load:
         pick.leaves += takes_with(problem, pace, task)

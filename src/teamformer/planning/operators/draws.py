@@ -9,7 +9,7 @@ from teamformer.planning.graph.charging import comes_to
 from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.ledger import Ledger
-from teamformer.planning.graph.worth import late_by
+from teamformer.planning.graph.worth import is_left_out, late_by
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.links import MAX_TARDINESS, TARDINESS
@@ -108,10 +108,12 @@ def _draw_late(problem: ArcProblem, graph: Graph, ledger: Ledger, random: Array)
     if latest == 0 or not is_counted or draw_below(random, 100) >= LATE:
         return task
     for _ in range(tasks):
-        if late_by(graph.worth[task], nodes[task].end) == latest:
+        if late_by(problem, graph.worth[task], nodes[task].end) == latest:
             break
         task = task + 1 if task + 1 < tasks else 0
-    for _ in range(draw_below(random, BACKWARDS + 1) if nodes[task].taken > 0 else 0):
+    if is_left_out(problem, graph, task):
+        return task
+    for _ in range(draw_below(random, BACKWARDS + 1)):
         before = seats[seats[nodes[task].first + draw_below(random, nodes[task].taken)].prev].node
         if before >= tasks:
             break
@@ -160,7 +162,7 @@ def cut_beside_near(
 def _draw_arc(problem: ArcProblem, graph: Graph, random: Array, task: int) -> tuple[int, int]:
     """Draw an arc from or to a near task, as if the task at hand were nowhere: tail and head."""
     seats, other = graph.seats, draw_near(problem, random, task)
-    if graph.nodes[other].taken == 0:  # it is left out
+    if is_left_out(problem, graph, other):
         robots = len(graph.back)
         depot = len(seats) - 2 * robots + draw_below(random, robots)
         head = seats[depot].next

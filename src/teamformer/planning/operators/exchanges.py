@@ -10,6 +10,7 @@ from teamformer.planning.graph.arc_problem import ArcProblem
 from teamformer.planning.graph.graph import Graph
 from teamformer.planning.graph.judging import KIND, ArcChange, record
 from teamformer.planning.graph.ledger import Ledger, lead, way_out
+from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.operators.group_moves import has_links_apart
 from teamformer.planning.problem.links import TRAVEL
@@ -37,7 +38,7 @@ def exchange_rests(
     """
     nodes, seats = graph.nodes, graph.seats
     other = draw_near(problem, random, task)
-    if nodes[other].key == nodes[task].key or nodes[other].taken == 0:
+    if nodes[other].key == nodes[task].key or is_left_out(problem, graph, other):
         return False
     mine = nodes[task].first + draw_below(random, nodes[task].taken)
     theirs = nodes[other].first + draw_below(random, nodes[other].taken)

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.graph.arc_problem import ArcProblem, takes_with
+from teamformer.planning.graph.arc_problem import ArcProblem, may_miss, takes_with
 from teamformer.planning.graph.graph import LAST, Graph
 from teamformer.planning.graph.judging import KEY, KIND, TAKEN, ArcChange, connect, record
 from teamformer.planning.graph.ledger import Ledger, lead, way_out
+from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.candidates import PICKS, STAMP, CandidateRoom, choose, gather
 from teamformer.planning.operators.draws import cut_beside_near, keeps_order
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
@@ -46,7 +47,7 @@ def move_group(
         cut = _draw_cut(problem, graph, random, task, leg)
         was = take_out(problem, graph, trial, ledger, candidates, task, 0)
         return _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was)
-    if nodes[task].taken > 0 and draw_below(random, 100) < ALONE:
+    if not is_left_out(problem, graph, task) and draw_below(random, 100) < ALONE:
         other = _draw_other(members, random, task)
         start = nodes[other].end - nodes[other].duration
         cut = _cut_beside(problem, graph, random, other, task, start)
@@ -104,9 +105,10 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
     """Draw a moment: in the task's window, near its own start, or beside a near task."""
     nodes = graph.nodes
     node, draw = nodes[task], draw_below(random, 100)
-    start = min(node.end - node.duration, graph.worth[task].until)
+    start, due = node.end - node.duration, graph.worth[task].due
+    if may_miss(problem):
+        start, due = min(start, graph.worth[task].until), min(due, graph.worth[task].until)
     if draw < IN_WINDOW:
-        due = min(graph.worth[task].due, graph.worth[task].until)
         latest = due - takes_with(problem, 0, task) if due < NEVER else start + 4 * leg
         return 2 * (node.release + draw_below(random, max(1, latest - node.release)))
     if draw < IN_WINDOW + IN_PLACE:

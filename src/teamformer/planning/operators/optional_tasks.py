@@ -9,6 +9,7 @@ from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed
 from teamformer.planning.graph.graph import Graph
 from teamformer.planning.graph.judging import COMES_BY, LEAVES_BY, ArcChange, connect, wait
+from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.operators.group_moves import move_group, take_out
 from teamformer.planning.operators.moved import remember
@@ -100,12 +101,12 @@ def _draw_left_out(problem: ArcProblem, graph: Graph, random: Array, task: int) 
     """Draw a task that is left out, a near one if there is one; NOBODY if there is none."""
     for _ in range(NEAR_DRAWS):
         other = draw_near(problem, random, task)
-        if graph.nodes[other].taken == 0:
+        if is_left_out(problem, graph, other):
             return other
     tasks = len(problem.near)
     other = draw_below(random, tasks)
     for _ in range(tasks):
-        if graph.nodes[other].taken == 0:
+        if is_left_out(problem, graph, other):
             return other
         other = other + 1 if other + 1 < tasks else 0
     return NOBODY

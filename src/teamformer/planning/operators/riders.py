@@ -13,6 +13,7 @@ from teamformer.planning.graph.arc_problem import is_weighed
 from teamformer.planning.graph.graph import is_in_steps
 from teamformer.planning.graph.judging import connect, follow
 from teamformer.planning.graph.ledger import travel_of
+from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.operators.group_moves import are_apart
 from teamformer.planning.operators.moved import MOST_MOVED, remember
@@ -177,7 +178,7 @@ def _ride_along(
     nodes, seats, robots = graph.nodes, graph.seats, len(graph.back)
     tail = len(seats) - 2 * robots + draw_below(random, robots)
     other = draw_near(problem, random, task)
-    if draw_below(random, 2) == 0 and nodes[other].taken > 0:
+    if draw_below(random, 2) == 0 and not is_left_out(problem, graph, other):
         tail = nodes[other].first + draw_below(random, nodes[other].taken)
         if nodes[other].key >= nodes[task].key:
             tail = seats[tail].prev

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.judging import connect
+from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near, keeps_order
 from teamformer.planning.operators.moved import remember
 from teamformer.planning.operators.riders import covers_with
@@ -42,7 +43,7 @@ def move_stretch(
     """
     moved, seats, nodes = room.moved, graph.seats, graph.nodes
     beside = draw_near(problem, random, task)
-    if nodes[beside].taken == 0:  # it is left out
+    if is_left_out(problem, graph, beside):
         return False
     seat = nodes[task].first + draw_below(random, nodes[task].taken)
     for _ in range(1 + draw_below(random, LONGEST) * draw_below(random, 2)):

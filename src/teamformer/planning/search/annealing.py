@@ -26,6 +26,7 @@ from teamformer.planning.graph.ledger import (
     time_all_anew,
     time_change,
 )
+from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_task
 from teamformer.planning.operators.exchanges import exchange_rests
 from teamformer.planning.operators.group_moves import move_group
@@ -137,7 +138,8 @@ def _change(
     A task that is left out can only be put in.
     """
     if may_miss(problem):
-        is_out, is_fixed = graph.nodes[task].taken == 0, not graph.worth[task].is_optional
+        is_out = is_left_out(problem, graph, task)
+        is_fixed = not graph.worth[task].is_optional
         if is_out or (is_fixed and number <= EXCHANGE_TASKS):
             number = MOVE_GROUP if is_weighed(problem) else MOVE_TASK
         elif number == DROP:

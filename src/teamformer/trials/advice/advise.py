@@ -52,7 +52,7 @@ def advise_on(
     that is not completed.
     """
     if mission.time == "continuous":
-        warm_up()
+        warm_up(mission)
     measuring = _Measuring(mission, seconds, clock)
     jobs = measuring.searches()
     _make(measuring, islice(jobs, 1), 1, progress)

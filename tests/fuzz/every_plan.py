@@ -1,0 +1,259 @@
+"""Every plan of small missions with optional tasks, shifts or batteries, beside those of methods.
+
+`PYTHONPATH=tests python tests/fuzz/every_plan.py 30 1` draws so many missions of each kind, and
+gives `central` so many seconds for each; `plan` takes what it takes.
+
+Plans are gone through task after task, in the order in which these begin, each by every coalition
+of which nobody can be spared: forming takes no time, so nobody has to come along. A plan goes no
+further once it is over no sooner than the best one. Those of robots with batteries are gone through
+as if nobody had one, which is never slower, and only then carried out with batteries by the plain
+rule.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import every_optional_plan
+from charging_missions import charged_mission
+from plain_times import able_crews, fitting, walked
+from teamformer.base.errors import MissionError
+from teamformer.mission.model import Mission, Robot, Task
+from teamformer.mission.parts.plane import Plane
+from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.rules import plan_continuous, warm_up
+from teamformer.planning.problem.batteries import charged_totals
+from teamformer.planning.problem.coalition_plan import plan_of_lists
+from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
+
+ROBOTS, TASKS = 4, 6
+
+ROTAS = (((0.0, 60.0), (75.0, 150.0)), ((30.0, 110.0),), ((0.0, 100.0),), ())
+EVERY = 160.0
+
+NEAR = 1e-5
+"""Times are told in whole ticks, of which there are a million and more in all."""
+
+Crews = Sequence[Sequence[tuple[int, ...]]]
+Start = Callable[[int, Sequence[int], "Stand", float], float]
+
+
+@dataclass
+class Stand:
+    """The latest task of each robot, or NOBODY, and when it is free."""
+
+    place: list[int]
+    free: list[float]
+
+
+def draw_in_shifts(number: int, tasks: int = TASKS) -> Mission:
+    """Draw a mission that can be done, whose robots work in shifts that come again."""
+    draws = random.Random(number)
+    while True:
+        try:
+            return _drawn(draws, f"shifts {number}", tasks)
+        except MissionError:
+            continue
+
+
+def _drawn(draws: random.Random, name: str, tasks: int) -> Mission:
+    caps = ("a", "b", "c")
+
+    def place() -> tuple[float, float]:
+        return round(draws.uniform(0, 60), 3), round(draws.uniform(0, 60), 3)
+
+    def robot(number: int) -> Robot:
+        can = dict.fromkeys(draws.sample(caps, draws.randint(1, 2)), 1)
+        shifts, speed = draws.choice(ROTAS), draws.choice([1, 1, 2])
+        every = EVERY if shifts else 0.0
+        return Robot(f"r{number}", place(), can, speed=speed, shifts=shifts, every=every)
+
+    robots = [robot(number) for number in range(ROBOTS)]
+    able = sorted({cap for one in robots for cap in one.can})
+    wanted = [
+        Task(
+            f"t{number}",
+            place(),
+            dict.fromkeys(draws.sample(able, min(len(able), draws.randint(1, 2))), 1),
+            duration=float(draws.randint(5, 25)),
+            after=(f"t{draws.randrange(number)}",) if number and draws.random() < 0.2 else (),
+        )
+        for number in range(tasks)
+    ]
+    ends = draws.choice(["home", None])
+    return Mission(
+        name, Plane(60, 60), caps, tuple(robots), tuple(wanted), time="continuous", ends=ends
+    )
+
+
+def best_in_shifts(mission: Mission) -> float:
+    """Return the least makespan of all plans of a mission on a plane whose robots have shifts."""
+    robots, tasks = mission.robots, mission.tasks
+    number_of = {task.name: number for number, task in enumerate(tasks)}
+    before = [[number_of[name] for name in task.after] for task in tasks]
+
+    def start(task: int, crew: Sequence[int], stand: Stand, earliest: float) -> float:
+        came = [_at(mission, r, stand.place[r]) for r in crew]
+        there = [
+            walked(robots[r], stand.free[r], math.dist(at, tasks[task].at) / robots[r].speed)
+            for r, at in zip(crew, came, strict=True)
+        ]
+        return fitting([robots[r] for r in crew], max(earliest, *there), tasks[task].duration)
+
+    def home(robot: int, place: int, free: float) -> float:
+        if mission.ends != "home":
+            return free
+        way = math.dist(_at(mission, robot, place), robots[robot].at) / robots[robot].speed
+        return walked(robots[robot], free, way)
+
+    crews = [least_crews(able_crews(mission, task)) for task in range(len(tasks))]
+    durations = [task.duration for task in tasks]
+    return _least(crews, before, durations, len(robots), start, home, lambda order, made: 0.0)
+
+
+def _at(mission: Mission, robot: int, place: int) -> tuple[float, float]:
+    at = mission.robots[robot].at if place == NOBODY else mission.tasks[place].at
+    return float(at[0]), float(at[1])
+
+
+def best_charged(problem: CoalitionProblem) -> float:
+    """Return the least makespan in ticks of all plans of a problem whose robots have batteries."""
+    tasks = range(len(problem.needs))
+    before = [[o for o in row if o != NOBODY] for row in problem.before.tolist()]
+
+    def at(robot: int, place: int) -> int:
+        return int(problem.origin[robot]) if place == NOBODY else place
+
+    def start(task: int, crew: Sequence[int], stand: Stand, earliest: float) -> float:
+        came = [at(r, stand.place[r]) for r in crew]
+        there = max(
+            stand.free[r] + problem.ways[problem.pace[r], one, task]
+            for r, one in zip(crew, came, strict=True)
+        )
+        return max(earliest, float(there))
+
+    def home(robot: int, place: int, free: float) -> float:
+        return free + float(problem.home[problem.kind[robot], at(robot, place)])
+
+    def carried_out(order: list[int], made: dict[int, tuple[int, ...]]) -> float:
+        plan = plan_of_lists(order, [made[task] for task in tasks])
+        return charged_totals(problem, plan)[0]
+
+    able = [
+        [c for c in _all_crews(len(problem.counts)) if _covers(problem, c, task)] for task in tasks
+    ]
+    crews = [least_crews(one) for one in able]
+    durations = problem.duration.tolist()
+    return _least(crews, before, durations, len(problem.counts), start, home, carried_out)
+
+
+def _all_crews(robots: int) -> list[tuple[int, ...]]:
+    return [tuple(r for r in range(robots) if bits >> r & 1) for bits in range(1, 2**robots)]
+
+
+def _covers(problem: CoalitionProblem, crew: tuple[int, ...], task: int) -> bool:
+    return bool((problem.counts[list(crew)].sum(axis=0) >= problem.needs[task]).all())
+
+
+def least_crews(able: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
+    """Return those coalitions of which nobody can be spared."""
+    return [crew for crew in able if not any(set(other) < set(crew) for other in able)]
+
+
+def _least(
+    crews: Crews,
+    before: Sequence[Sequence[int]],
+    durations: Sequence[float],
+    robots: int,
+    start: Start,
+    home: Callable[[int, int, float], float],
+    really: Callable[[list[int], dict[int, tuple[int, ...]]], float],
+) -> float:
+    """Return the least makespan; `really` says what a plan comes to, if that is more."""
+    best, stand = math.inf, Stand([NOBODY] * robots, [0.0] * robots)
+    made, ends = dict[int, tuple[int, ...]](), dict[int, float]()
+
+    def go_on(last: float) -> None:
+        nonlocal best
+        if len(made) == len(crews):
+            over = max(home(r, stand.place[r], stand.free[r]) for r in range(robots))
+            if over < best:
+                best = min(best, max(over, really(list(made), made)))
+            return
+        for task, able in enumerate(crews):
+            if task in made or any(one not in made for one in before[task]):
+                continue
+            earliest = max((ends[one] for one in before[task]), default=0.0)
+            for crew in able:
+                begin = start(task, crew, stand, earliest)
+                end = begin + durations[task]
+                if begin >= last and end < best:
+                    was = [(stand.place[r], stand.free[r]) for r in crew]
+                    for r in crew:
+                        stand.place[r], stand.free[r] = task, end
+                    made[task], ends[task] = crew, end
+                    go_on(begin)
+                    del made[task], ends[task]
+                    for r, (place, free) in zip(crew, was, strict=True):
+                        stand.place[r], stand.free[r] = place, free
+
+    go_on(0.0)
+    return best
+
+
+def worth_by(mission: Mission, method: str, seconds: float) -> tuple[float, float]:
+    """Return what a method's plan misses by weight, and its makespan; infinite without a plan."""
+    made = plan_continuous(pose_mission(mission), method, seconds)
+    if made is None:
+        return math.inf, math.inf
+    return sum(mission.tasks[task].weight for task in made.missed), made.makespan
+
+
+def best_worth(mission: Mission) -> tuple[float, float]:
+    """Return what the best plan of all misses by weight, and its makespan."""
+    if mission.until is not None:
+        return every_optional_plan.best_plan(mission)
+    if mission.chargers:
+        posed = pose_mission(mission)
+        return 0.0, best_charged(posed.problem) / posed.scale
+    return 0.0, best_in_shifts(mission)
+
+
+DRAWN: dict[str, Callable[[int], Mission]] = {
+    "optional": lambda number: every_optional_plan.draw_mission(number, TASKS, share=0.2),
+    "shifts": draw_in_shifts,
+    "charging": lambda number: replace(charged_mission(number, ROBOTS, TASKS), forming=0.0),
+}
+
+
+def main(count: int, seconds: float) -> None:
+    """Print for each kind of missions how many plans of methods are as good as the best."""
+    for kind, draw in DRAWN.items():
+        ratios: dict[str, list[float]] = {"plan": [], "central": []}
+        missed = dict.fromkeys(ratios, 0.0)
+        for number in range(count):
+            mission = draw(number)
+            warm_up(mission)
+            least, best = best_worth(mission)
+            if math.isinf(best):
+                continue
+            for method, found in ratios.items():
+                misses, makespan = worth_by(mission, method, seconds)
+                missed[method] += misses - least
+                if misses <= least:
+                    found.append(makespan / best)
+        for method, found in ratios.items():
+            good = sum(ratio <= 1 + NEAR for ratio in found)
+            print(
+                f"{kind}, {method}: {good} of {len(found)} as good, at most {max(found):.4f}; "
+                f"{missed[method]:g} too much missed",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), float(sys.argv[2]))

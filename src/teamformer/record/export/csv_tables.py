@@ -11,10 +11,11 @@ from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.model import Robot, Task
 from teamformer.mission.parts.capabilities import describe
+from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.record.happenings import events
-from teamformer.record.phases import IDLE, LOADING, OFF, PHASES, SERVING
+from teamformer.record.phases import CHARGING, IDLE, LOADING, OFF, PHASES, SERVING
 from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, known_steps, lateness, missed_tasks
 from teamformer.record.telling.whole import told_of
@@ -40,8 +41,8 @@ def _robots(record: Record) -> Iterable[Row]:
     more = _in_details(ROBOT_KEYS, robots)
     away = (f"lost_{when}", f"back_{when}")
     where = _place_columns(record, "")
-    have_shifts = any(robot.shifts for robot in robots)
-    phases = tuple(phase for phase in PHASES if phase != OFF or have_shifts)
+    is_told = {OFF: any(robot.shifts for robot in robots), CHARGING: has_batteries(robots)}
+    phases = tuple(phase for phase in PHASES if is_told.get(phase, True))
     yield (
         "robot",
         "capabilities",

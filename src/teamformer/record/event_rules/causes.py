@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from teamformer.mission.coordination import IDLE
+from teamformer.mission.coordination import IDLE, TAKEN_OVER
 from teamformer.record.event_rules.charging import freed
 from teamformer.record.event_rules.names import need
 from teamformer.record.event_rules.standing import Standing
@@ -30,18 +30,19 @@ def judge_cause(now: Standing, event: Event) -> None:
     if due != event.cause:
         by_rules, said = (_named(now, number) for number in (due, event.cause))
         need(False, f"{event.kind} hangs on {by_rules} by the rules and on {said} in the record")
-    if event.kind in AT_ONCE and not _has_waited_for_a_link(now, event):
+    if event.kind in AT_ONCE and not _comes_by_itself(now, event):
         begun = 0.0 if due == NOBODY else now.events[due].at
         need(begun == event.at, f"{event.kind} is due at {begun:.9g}")
 
 
-def _has_waited_for_a_link(now: Standing, event: Event) -> bool:
-    """Say whether an event is a plan that nobody has anything to do but a team held by a link.
+def _comes_by_itself(now: Standing, event: Event) -> bool:
+    """Say whether an event is a plan that is made though nothing has happened at its moment.
 
-    It stands at its task, and the moment from which it was to begin has come without an event.
+    An operator takes it over, or nobody has anything to do but a team held by a link: it stands at
+    its task, and the moment from which it was to begin has come.
     """
     if event.plan is None or IDLE not in event.plan.reasons:
-        return False
+        return event.plan is not None and TAKEN_OVER in event.plan.reasons
     return any(
         now.is_open(task) and all(now.is_at(robot, now.place_of(task)) for robot in team)
         for task in now.linked

@@ -266,7 +266,7 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
         (
             damage("end", "status", to="won"),
             "end: the status is 'won', not one of "
-            "('completed', 'step limit', 'infeasible', 'interrupted')",
+            "('completed', 'step limit', 'infeasible', 'too late', 'interrupted')",
         ),
         (damage("end", "blocked_tasks", to=[1]), "end: 1 stands where a text belongs"),
         (damage("lower_bound", to="3"), "'3' stands where a whole number belongs"),

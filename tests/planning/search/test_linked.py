@@ -21,8 +21,10 @@ from teamformer.planning.problem.links import (
     COMPLETION,
     FREE,
     HOME,
+    LEADS,
     MAKESPAN,
     MAX_TARDINESS,
+    MISSED,
     TARDINESS,
     TRAVEL,
     Link,
@@ -115,6 +117,8 @@ def plain_cost(
         TARDINESS: sum(int(w) * by for w, by in zip(problem.links.task_weight, late, strict=True)),
         MAX_TARDINESS: max(late),
         COMPLETION: sum(int(problem.links.task_weight[task]) * end[task] for task in range(tasks)),
+        MISSED: 0,  # there is no task that may be left out
+        LEADS: 0,
     }
     told = [parts[part] for part in range(len(parts))]
     cost = sum(int(problem.links.weight[part]) * by for part, by in parts.items() if part != HOME)

@@ -26,6 +26,15 @@ tasks:
 sensing_radius: 1
 """
 
+ROBOTS_AND_TASK = GOOD[GOOD.index("  - {name: a") : GOOD.index("sensing")]
+OF_ONE_ROBOT = """\
+  - {name: a, at: [0, 0], can: [lift, scan]}
+  - {name: b, at: [1, 0], can: [lift], speed: 0.5}
+time: continuous
+tasks:
+  - {name: x, at: [3, 2], needs: {lift: 2}}
+  - {name: y, at: [0, 0], needs: [scan], starts: {x: [0, 0]}}
+"""
 FROM_WORLD = GOOD[GOOD.index("world") :]
 ON_ROADS = """\
 world:
@@ -76,6 +85,8 @@ CASES = [
      "takes 3 but has only 2 between 2 and 4; give it more time"),
     ("scan]}\nsens", "scan]}\n  - {name: y, at: [0, 0], needs: [lift], starts: {x: [4, 3]}}\nsens",
      10, "task 'y' starts 4 to 3 after 'x'; use [least, most], 0 or more and in this order"),
+    (ROBOTS_AND_TASK, OF_ONE_ROBOT, 11,
+     "'x', 'y' are done by different robots, and some robot is needed by two of them; add robots"),
     (NEEDS, f"{NEEDS}, between: [20, 30]}}\n  - {{name: y, at: [0, 0], needs: [scan], after: [x], "
      "between: [0, 10]", 10,
      "task 'y' is to be done by 10, but ends at 22 at the earliest: it is after 'x', which ends at "

@@ -279,3 +279,10 @@ def test_an_unknown_incident_in_continuous_time_is_refused() -> None:
     with pytest.raises(TeamformerError, match="'clock-stolen' is no setting") as refused:
         size_of("clock-stolen")
     assert "clock-lost, clock-arrivals, clock-cancelled" in refused.value.hint
+
+
+@pytest.mark.parametrize("seed", [16, 1049])
+def test_what_must_be_done_in_optional_worlds_is_in_reach(seed: int) -> None:
+    """Of these the drawn end was sooner than the slowest robot that is needed could be there."""
+    end = run_trial(world_of("optional", seed), load_method("plan"), seed).record.end
+    assert end.status == "completed"

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from teamformer.base.errors import MissionError
 from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.mission.checks.costs import cost_of
+from teamformer.mission.checks.different_robots import can_be_apart
 from teamformer.mission.checks.links import groups_of
 from teamformer.mission.checks.rules import rules_not_played
 from teamformer.mission.model import Mission, Robot, Task
+from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Grid
 
 X, Y, Z, ALONE = (Task(name, (1, 1), {"a": 1}, duration=2) for name in ("x", "y", "z", "alone"))
@@ -86,6 +90,52 @@ def test_what_cannot_be_is_refused(changes: dict[str, Any], told: str) -> None:
     with pytest.raises(MissionError) as caught:
         replace(MISSION, **changes)
     assert told in str(caught.value)
+
+
+BOTH, ONLY_A = Robot("both", (0, 0), {"a": 1, "b": 1}), Robot("one", (0, 0), {"a": 1})
+
+
+@pytest.mark.parametrize(
+    ("robots", "x", "y", "can_be"),
+    [
+        ([BOTH, ONLY_A], {"b": 1}, {"a": 1}, True),
+        ([BOTH, BOTH], {"b": 1}, {"a": 1}, True),
+        ([BOTH, BOTH], {"a": 1, "b": 1}, {"a": 1, "b": 1}, True),
+        ([BOTH, BOTH, ONLY_A], {"b": 2}, {"a": 1}, True),
+        ([BOTH, BOTH], {"b": 2}, {"a": 0.5}, False),  # all bring 2 of either
+        ([BOTH, ONLY_A, ONLY_A], {"b": 1}, {"a": 2}, True),
+        ([BOTH, BOTH, ONLY_A], {"a": 1, "b": 1}, {"a": 1, "b": 1}, True),
+        ([BOTH, BOTH, ONLY_A], {"a": 2, "b": 1}, {"a": 1, "b": 1}, True),
+        ([BOTH, BOTH, ONLY_A], {"a": 1, "b": 2}, {"a": 1}, True),
+        ([BOTH, BOTH, ONLY_A], {"b": 2}, {"a": 2}, False),  # `both` cannot be at two places
+    ],
+)
+def test_tasks_that_need_the_same_robot_are_not_linked(
+    robots: list[Robot], x: dict[str, float], y: dict[str, float], can_be: bool
+) -> None:
+    fleet = tuple(replace(robot, name=f"r{number}") for number, robot in enumerate(robots))
+    tasks = (replace(X, needs=x), replace(Y, needs=y, starts={"x": (0, 0)}))
+    wanted = {"capabilities": ("a", "b"), "robots": fleet, "tasks": tasks}
+    if can_be:
+        replace(MISSION, **wanted)
+        return
+    with pytest.raises(MissionError) as caught:
+        replace(MISSION, **wanted)
+    told = "'x', 'y' are done by different robots, and some robot is needed by two of them"
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_robots_are_dealt_out_as_every_way_to_do_so_says(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    robots = [{"a": int(rng.integers(3)), "b": 0.5 * int(rng.integers(3))} for _ in range(5)]
+    needs = [{"a": int(rng.integers(1, 4)), "b": 0.5 * int(rng.integers(4))} for _ in range(2)]
+    ways = product((0, 1, 2), repeat=len(robots))
+    groups = (
+        [[r for r, to in zip(robots, way, strict=True) if to == n] for n in (0, 1)] for way in ways
+    )
+    can_be = any(all(map(covers, map(total, group), needs)) for group in groups)
+    assert can_be_apart(needs, robots) == can_be
 
 
 FILE = """teamformer: 1

@@ -99,6 +99,7 @@ def test_families_run_to_their_end_whatever_happens(mission: Any, method: str, s
     source = mission_from_tree(mission)
     bound = bound_of(draw_truth(source, seed))
     record = run_trial(source, load_method(method), seed, bound).record
-    assert record.end.status == "completed"
+    ends = ("completed", "completed" if source.until is None else "too late")
+    assert record.end.status in ends
     assert judge(record).findings == ()  # the bound is one, too
     check_promises(record.mission, record.true_mission, record.events)

@@ -178,6 +178,23 @@ DEEDS: Sequence[Sequence[tuple[float, Happening]]] = [
 ]
 
 
+def test_weights_of_optional_tasks_say_which_is_missed() -> None:
+    """By 12 one robot can go to 8 on the one side or on the other, not to both."""
+    weights = {"optional": True, "needs": ["a"]}
+    tasks: list[Tree] = [weights | {"name": "left", "at": [2, 0], "weight": 1}]
+    tasks += [weights | {"name": "right", "at": [18, 0], "weight": 2}]
+    live = running(mission([{"name": "r", "at": [10, 0], "can": ["a"]}], tasks, until=12))
+    live.move(1.0)
+    incident = NewWeight("left", 5.0)
+    found = what_if(live, incident, lambda: False).found
+    assert found.ends == (10.0,)  # back over where it began
+    live.happen(incident)
+    while live.is_running:
+        live.move(20.0)
+    assert live.record().end.missed == ("right",)
+    assert judge(live.record()).findings == ()
+
+
 @pytest.mark.parametrize("source", [on_a_grid(), on_a_plane(), on_roads()])
 @pytest.mark.parametrize("deeds", DEEDS)
 def test_incidents_leave_a_record_that_run_makes_too(

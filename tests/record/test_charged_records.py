@@ -5,13 +5,18 @@ from __future__ import annotations
 import random
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import pytest
 
 import teamformer as tf
 from charging_missions import charged_mission
 from teamformer.mission.model import Absence, Mission
+from teamformer.record.critical_path.stretches import DOINGS
+from teamformer.record.critical_path.words import SHARES, VERBS, why_so_late
+from teamformer.record.events.path import path_along_causes
 from teamformer.record.events.whole import tell_events
+from teamformer.record.export.csv_tables import write_tables
 from teamformer.record.files.reading import record_from_tree
 from teamformer.record.files.writing import record_to_tree
 from teamformer.record.phases import CHARGING
@@ -50,6 +55,17 @@ def played() -> Record:
     """Return a record in which robots charge and queue."""
     mission = charged_mission(1, tasks=8)
     return tf.run(mission).record
+
+
+def test_who_charges_is_told_in_words_and_in_tables(tmp_path: Path) -> None:
+    path = path_along_causes(played())
+    [first, *lines] = why_so_late(played().true_mission, path)
+    charged = sum(it.end - it.begin for it in path if it.doing == CHARGING)
+    assert f"{charged:g} charging" in first
+    assert any(" charges " in line for line in lines)
+    assert VERBS.keys() == SHARES.keys() == {*DOINGS}
+    write_tables(played(), tmp_path)
+    assert (tmp_path / "robots.csv").read_text().splitlines()[0].endswith("idle,lost,charging")
 
 
 def forged(number: int, **changes: object) -> Record:

@@ -10,6 +10,7 @@ import pytest
 
 import teamformer as tf
 from browsers import Opener
+from charging_missions import charged_mission
 from hand_logs import RECORD
 from teamformer.record.events.standing import StandingAt
 from teamformer.record.files.writing import record_to_tree
@@ -48,6 +49,19 @@ READ = """(tree) => {
 def records() -> dict[str, Any]:
     played = {mission.name: tf.run(mission, "plan").record for mission in (eventful(), clinic())}
     return {"by hand": RECORD, **played}
+
+
+def test_chargers_stand_where_robots_charge(scripts: Any) -> None:
+    """In squares of the page, as the places of robots are."""
+    mission = charged_mission(1, tasks=8)
+    record = tf.run(mission).record
+    tree = record_to_tree(record)
+    shown = scripts.evaluate("(tree) => frames(tree).mission.chargers.map(({ at }) => at)", tree)
+    robots = scripts.evaluate("(tree) => frames(tree).mission.robots.map(({ at }) => at)", tree)
+    scale = robots[0][0] / mission.robots[0].at[0]
+    placed = [tuple(scale * along for along in charger.at) for charger in mission.chargers]
+    assert len(placed) >= 1
+    assert [tuple(at) for at in shown] == [pytest.approx(at) for at in placed]
 
 
 @pytest.mark.parametrize("name", ["by hand", "beam and crate", "clinic"])

@@ -9,6 +9,8 @@ import pytest
 from clock_missions import RandomPlans, draw_mission
 from clock_promises import check_promises
 from teamformer.base.errors import TeamformerError
+from teamformer.methods.by_name import Method
+from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Coordinator
 from teamformer.mission.truth import draw_truth
@@ -52,8 +54,23 @@ def test_the_shared_plan_comes_to_an_end(seed: int) -> None:
 def test_the_referee_finds_records_of_plans_at_random_legal(first: int) -> None:
     for seed in range(first, first + SEEDS_EACH):
         record = run_trial(draw_mission(seed), RandomPlans(seed), seed).record
-        if record.end.status == "completed":
-            assert judge(record).findings == (), f"seed {seed}"
+        assert judge(record).findings == (), f"seed {seed}"
+
+
+@pytest.mark.parametrize(("seed", "status"), [(10219, "completed"), (10416, "infeasible")])
+def test_what_nobody_tells_is_legal(seed: int, status: str) -> None:
+    """A plan after a link has held a team in vain; an end while a lost robot lies on its way."""
+    record = run_trial(draw_mission(seed), RandomPlans(seed), seed).record
+    assert record.end.status == status
+    assert judge(record).findings == ()
+
+
+@pytest.mark.parametrize("seed", [10219, 10268, 10309, 10416])
+def test_the_referee_knows_that_the_central_planner_is_told_the_truth(seed: int) -> None:
+    """Where tasks are, what they need, how long they take; nothing bounds what is called off."""
+    central = Method("central", Central(0.1, workers=1))
+    record = run_trial(draw_mission(seed), central, seed).record
+    assert judge(record).findings == ()
 
 
 @pytest.mark.parametrize("seed", [1, 4, 7])

@@ -8,6 +8,7 @@ Robots of `charging` have batteries.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
@@ -19,14 +20,17 @@ from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.files.drawn.continuous_incidents import INCIDENTS, robots_to_spare
 from teamformer.files.drawn.site_graphs import CART, draw_hospital, draw_warehouse
 from teamformer.mission.checks.optional import find_hopeless_until
-from teamformer.mission.checks.windows import find_hopeless_windows
+from teamformer.mission.checks.windows import find_hopeless_windows, release_of
 from teamformer.mission.model import Mission, Robot, Task, World
-from teamformer.mission.parts.capabilities import total
+from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND
 from teamformer.mission.parts.shifts import Shift
+
+ROUNDED = 0.05
+"""By so much a time with one place after the point may be too short."""
 
 CAPABILITIES = ("carry", "clean", "scan", "steer")
 ROBOTS, TASKS = (6, 12), (15, 40)
@@ -170,14 +174,30 @@ def draw_optional(rng: np.random.Generator, name: str) -> Mission:
             for number, task in enumerate(tasks)
         ]
         tasks = _with_windows(rng, _in_order(rng, tasks))
+        until = max(float(rng.uniform(*UNTIL)), _when_done(robots, tasks[:MUST]))
         more: dict[str, Any] = {
-            "until": round(float(rng.uniform(*UNTIL)), 1),
+            "until": round(until, 1),
             "ends": "home" if rng.random() < 0.5 else None,
             "cost": {"makespan": 1.0, "missed": 20.0} if rng.random() < 0.5 else None,
         }
         return _mission(name, Plane(WIDTH, HEIGHT), robots, tasks, **more)
 
     return _first_sound(draw)
+
+
+def _when_done(robots: Sequence[Robot], tasks: Sequence[Task]) -> float:
+    """Return when tasks of a plane are done at the earliest if their robots go there at once."""
+    ends: dict[str, float] = {}
+    for task in tasks:
+        comes = sorted((math.dist(it.at, task.at) / it.speed, n) for n, it in enumerate(robots))
+        there = next(
+            at
+            for number, (at, _) in enumerate(comes, start=1)
+            if covers(total(robots[n].can for _, n in comes[:number]), task.needs)
+        )
+        begins = max([there, release_of(task), *(ends[name] for name in task.after)])
+        ends[task.name] = begins + task.duration
+    return max(ends.values()) + ROUNDED
 
 
 def draw_charging(rng: np.random.Generator, name: str) -> Mission:

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.live.running.forecasts import Forecast, IsOver, Past, forecast, never
+from teamformer.mission.checks.optional import has_optional
 from teamformer.mission.coordination import Coordinator, Known, Plan
 from teamformer.mission.model import Absence, Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import describe
@@ -154,8 +155,9 @@ class NewWeight(_Told):
     def apply(self, mission: Mission, now: Present) -> Mission:
         """Return the mission in which the task has always had this weight."""
         number = _number_of_undone(mission, self.task, now)
-        if mission.cost is None:
-            raise TeamformerError("this mission has no cost, so weights change nothing")
+        if mission.cost is None and not has_optional(mission):
+            what = "this mission has no cost and no optional tasks, so weights change nothing"
+            raise TeamformerError(what)
         if not now.is_planned:
             raise TeamformerError(
                 "with this method robots follow no plan that a weight could change"

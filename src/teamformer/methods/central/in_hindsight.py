@@ -20,7 +20,8 @@ from teamformer.planning.continuous.solve import solve
 class InHindsight:
     """Plans a mission by its truth, for as long as the central planner may; then as it goes on.
 
-    `bound` is what no plan of the truth is over before, in the mission's unit.
+    `bound` is what no plan of the truth is over before, in the mission's unit; 0 if tasks are
+    called off, or lost robots need not come home, which the search does not foresee.
     """
 
     def __init__(self, truth: Mission, settings: Central) -> None:
@@ -45,5 +46,12 @@ class InHindsight:
                 f"{self._truth.name}: no plan was found in which every task has able robots",
                 "add robots, or drop a link",
             )
-        self.bound = posed.tell(found).bound
+        if not _is_less_to_do(self._truth):
+            self.bound = posed.tell(found).bound
         return replace(posed.as_plan(found.plan), made_from="arcs")
+
+
+def _is_less_to_do(truth: Mission) -> bool:
+    """Say whether less has to be done than a plan of all tasks has, with everybody home."""
+    is_lost = truth.ends is not None and any(robot.absences for robot in truth.robots)
+    return is_lost or any(task.cancelled is not None for task in truth.tasks)

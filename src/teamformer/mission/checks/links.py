@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
+from teamformer.mission.checks.different_robots import can_be_apart
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
 
 if TYPE_CHECKING:
@@ -131,6 +132,11 @@ def _problems_of_robots(mission: Mission, apart: Sequence[int]) -> Iterator[Prob
     if not covers(have, needs):
         short = describe(missing(have, needs))
         message = f"{listed} are done by different robots, and all together lack {short}"
+        yield Problem(where, f"{message}; add robots or drop a link")
+    elif not can_be_apart(
+        [tasks[number].worst_needs for number in apart], [robot.can for robot in mission.robots]
+    ):
+        message = f"{listed} are done by different robots, and some robot is needed by two of them"
         yield Problem(where, f"{message}; add robots or drop a link")
 
 

@@ -9,6 +9,7 @@ from teamformer.mission.model import Mission
 from teamformer.record.critical_path.stretches import CLOSED, DOINGS, LINKED, NEWS, UNKNOWN, Stretch
 from teamformer.record.phases import (
     CARRYING,
+    CHARGING,
     FORMING,
     IDLE,
     LOADING,
@@ -36,6 +37,7 @@ VERBS = {
     IDLE: "is idle",
     LOST: "is lost",
     OFF: "waits for its shift",
+    CHARGING: "charges",
     UNKNOWN: "is not known yet",
     CLOSED: "may not begin yet",
     LINKED: "its start is linked",

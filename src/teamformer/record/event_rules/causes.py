@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from teamformer.mission.coordination import IDLE, TAKEN_OVER
 from teamformer.record.event_rules.charging import freed
 from teamformer.record.event_rules.names import need
 from teamformer.record.event_rules.standing import Standing
@@ -29,9 +30,24 @@ def judge_cause(now: Standing, event: Event) -> None:
     if due != event.cause:
         by_rules, said = (_named(now, number) for number in (due, event.cause))
         need(False, f"{event.kind} hangs on {by_rules} by the rules and on {said} in the record")
-    if event.kind in AT_ONCE:
+    if event.kind in AT_ONCE and not _comes_by_itself(now, event):
         begun = 0.0 if due == NOBODY else now.events[due].at
         need(begun == event.at, f"{event.kind} is due at {begun:.9g}")
+
+
+def _comes_by_itself(now: Standing, event: Event) -> bool:
+    """Say whether an event is a plan that is made though nothing has happened at its moment.
+
+    An operator takes it over, or nobody has anything to do but a team held by a link: it stands at
+    its task, and the moment from which it was to begin has come.
+    """
+    if event.plan is None or IDLE not in event.plan.reasons:
+        return event.plan is not None and TAKEN_OVER in event.plan.reasons
+    return any(
+        now.is_open(task) and all(now.is_at(robot, now.place_of(task)) for robot in team)
+        for task in now.linked
+        if (team := now.team_of(task))
+    )
 
 
 def _cause_of(now: Standing, event: Event) -> int:

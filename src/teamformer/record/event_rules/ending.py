@@ -86,7 +86,7 @@ def _blocked(now: Standing) -> list[str]:
         if not now.robots[number].is_lost or robot.is_due(now.now)
     ]
     have = totals_there(now.truth.world, left)
-    is_idle = not now.works and not any(it.is_walking for it in now.robots)
+    is_idle = not now.works and not any(it.is_walking and not it.is_lost for it in now.robots)
     return [
         task.name
         for number, task in enumerate(now.truth.tasks)

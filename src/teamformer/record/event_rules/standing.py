@@ -70,14 +70,16 @@ class Standing:
 
     def __post_init__(self) -> None:
         """Begin at the start."""
-        self.mission, self.truth = self.record.mission, self.record.true_mission
+        is_central = self.record.method == "central"  # who is told what the mission really is
+        self.truth = self.record.true_mission
+        self.mission = self.truth if is_central else self.record.mission
         self.now = 0.0
         self.lengths = Lengths(self.truth)
         self.is_plane = isinstance(self.truth.world, Plane)
         self.robots = [RobotNow((Passed(0.0, it.at),), it.at) for it in self.truth.robots]
         self.works: dict[int, WorkNow] = {}
         # who plans in advance is told all, and heeds nothing that he hears later, but for `central`
-        is_told = self.record.method == "central" or not self.record.heeds
+        is_told = is_central or not self.record.heeds
         tasks = enumerate(self.truth.tasks)
         self.appeared = {number for number, task in tasks if is_told or task.appears == 0}
         self.over: dict[int, float] = {}

@@ -11,6 +11,7 @@ from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.model import Robot, Task
 from teamformer.mission.parts.capabilities import describe
+from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.record.happenings import events
@@ -40,11 +41,8 @@ def _robots(record: Record) -> Iterable[Row]:
     more = _in_details(ROBOT_KEYS, robots)
     away = (f"lost_{when}", f"back_{when}")
     where = _place_columns(record, "")
-    of_keys = {
-        OFF: any(robot.shifts for robot in robots),
-        CHARGING: any(robot.battery is not None for robot in robots),
-    }
-    phases = tuple(phase for phase in PHASES if of_keys.get(phase, True))
+    is_told = {OFF: any(robot.shifts for robot in robots), CHARGING: has_batteries(robots)}
+    phases = tuple(phase for phase in PHASES if is_told.get(phase, True))
     yield (
         "robot",
         "capabilities",

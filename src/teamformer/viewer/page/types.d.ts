@@ -104,6 +104,7 @@ interface Mission {
   world: World;
   robots: Robot[];
   tasks: Task[];
+  chargers: { at: Place; room?: number }[];
   tasksAt: Map<string, number[]>; // by cell
   doTasksMove: boolean;
   sensingRadius: number;

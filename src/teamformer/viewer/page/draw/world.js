@@ -1,6 +1,6 @@
-// The ground: grid lines, obstacles and the numbers along two sides.
+// The ground: grid lines, obstacles, chargers and the numbers along two sides.
 
-import { fillAs, penOf, strokeAs, traceLine, write } from "./shapes.js";
+import { drawDisc, fillAs, penOf, strokeAs, traceLine, write } from "./shapes.js";
 
 export function drawWorld(/** @type {View} */ view) {
   const { ctx, camera, theme, mission } = view;
@@ -19,6 +19,17 @@ export function drawWorld(/** @type {View} */ view) {
   ctx.lineWidth = 1;
   ctx.strokeRect(camera.left - 0.5, camera.top - 0.5, width + 1, height + 1);
   if (!world.roads) drawNumbers(view);
+  for (const { at } of mission.chargers) drawCharger(view, at);
+}
+
+// A flash in a disc, in sixths of its radius.
+const FLASH = [[1, -4], [-3, 1], [-0.5, 1], [-1, 4], [3, -1], [0.5, -1]];
+
+function drawCharger(/** @type {View} */ { ctx, camera, theme }, /** @type {Place} */ at) {
+  const [x, y, r] = [camera.x(at[0]), camera.y(at[1]), Math.max(6, Math.min(14, 0.5 * camera.cell))];
+  drawDisc(ctx, x, y, r, theme.edge);
+  traceLine(ctx, FLASH.map(([right, down]) => ({ x: x + (right * r) / 6, y: y + (down * r) / 6 })));
+  fillAs(ctx, theme.muted);
 }
 
 const ROAD = 0.16; // of a square

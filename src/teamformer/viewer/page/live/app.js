@@ -271,7 +271,7 @@ export class LiveApp extends App {
     ];
   }
 
-  // An open task can be called off and, in a mission with a cost, get another weight.
+  // An open task can be called off and, in a mission with a cost or optional tasks, get another weight.
   actionsForTask(task) {
     const { last, mission, isContinuous } = this.history;
     const { name, cancelled } = mission.tasks[task];
@@ -287,7 +287,7 @@ export class LiveApp extends App {
         ...callOff,
         act("What would that gain?", () => this.panel.weigh(incident), `weigh task ${task}`),
       ),
-      ...(mission.cost ? [this.weightForm(task)] : []),
+      ...(mission.cost || mission.tasks.some(({ said }) => said.optional) ? [this.weightForm(task)] : []),
     ];
   }
 

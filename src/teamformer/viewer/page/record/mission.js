@@ -29,6 +29,7 @@ export function readMission(/** @type {MissionTree} */ tree, truth, foresight = 
       delay: robot.delays?.chance ?? robot.delays ?? 0, // of how many steps it stands still in
     })),
     tasks,
+    chargers: tree.chargers ?? [],
     tasksAt: Map.groupBy(tasks.keys(), (task) => cellKey(...tasks[task].at.map(Math.round))),
     doTasksMove: tasks.some(({ within, to }) => within || to), // in what is believed, or carried
     sensingRadius: readRadius(tree.sensing_radius),

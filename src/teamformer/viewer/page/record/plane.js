@@ -39,6 +39,7 @@ export function missionInSquares(/** @type {MissionTree} */ mission, square) {
   return {
     ...mission,
     robots: mission.robots.map(placed),
+    chargers: mission.chargers?.map(placed),
     tasks: mission.tasks.map((task) => ({
       ...placed(task),
       within: (task.within ?? 0) / square,

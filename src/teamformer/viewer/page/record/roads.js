@@ -8,7 +8,8 @@ export function laidOut(/** @type {MissionTree} */ mission, truth, told) {
   const at = (name) => (name === undefined || name === null ? name : map.places[numbers.get(name) ?? name[0]]);
   const placed = (thing) => ({ ...thing, at: at(thing.at), ...(thing.to ? { to: at(thing.to) } : {}) });
   const real = truth && { ...truth, arrivals: truth.arrivals?.map(placed) };
-  const shown = { ...mission, robots: mission.robots.map(placed), tasks: mission.tasks.map(placed) };
+  const [robots, tasks, chargers] = [mission.robots, mission.tasks, mission.chargers].map((things) => things?.map(placed));
+  const shown = { ...mission, robots, tasks, chargers };
   return { mission: shown, truth: real, map };
 }
 

@@ -38,7 +38,7 @@ RANGES = ([0, 0], [0, 1], [2, 2], [1, 5], [4, 10], [0, 7])
 REPAIRS = ([1, 1], [2, 9], [5, 18])
 TIMES = (1, 0, 0.5, 3, 2.25, 7.01, 1 / 3)
 WEIGHTS = (1, 0.001, 0.5, 3, 3000, 1_000_000)
-COSTS = tuple(key.name for key in COST_KEYS)
+COSTS = tuple(key.name for key in COST_KEYS if key.name != "missed")
 COSTS_IN_STEPS = tuple(part for part in COSTS if part != "travel")
 
 ENDS = (8, 30.5, 3, 100)

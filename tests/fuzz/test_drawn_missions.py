@@ -17,9 +17,6 @@ from teamformer.mission.keys.world_keys import FORMS
 IN_ANOTHER_FILE = {"world map", "world cell"}
 """Keys that `test_files.py` writes."""
 
-NOT_PLAYED = {"file zones"}
-"""Keys of missions that nobody plays yet."""
-
 OF_BATTERIES = {"robot battery", "file chargers"}
 """Keys of the missions of `charging_missions.py`."""
 
@@ -53,4 +50,4 @@ def test_every_key_of_the_format_is_drawn() -> None:
     known = {"file": MISSION_KEYS, "world": of_worlds, "robot": ROBOT_KEYS, "task": TASK_KEYS}
     known |= {"arrivals": ARRIVALS_KEYS, "breaks": BREAKS_KEYS, "delays": DELAYS_KEYS}
     expected = {f"{group} {key.name}" for group, keys in known.items() for key in keys}
-    assert drawn == expected - IN_ANOTHER_FILE - OF_BATTERIES - NOT_PLAYED
+    assert drawn == expected - IN_ANOTHER_FILE - OF_BATTERIES

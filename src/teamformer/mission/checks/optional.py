@@ -30,6 +30,9 @@ def is_in_time(end: float, until: float | None) -> bool:
 def find_optional_problems(mission: Mission) -> Iterator[Problem]:
     """Return what is wrong with optional tasks, whose order and links are otherwise good."""
     if not has_optional(mission):
+        if mission.cost and mission.cost.get("missed", 0) > 0:
+            message = "the cost counts what is missed, but no task is optional"
+            yield Problem(("cost", "missed"), f"{message}; make tasks optional, or drop missed")
         return
     first = next(number for number, task in enumerate(mission.tasks) if task.optional)
     if mission.until is None:

@@ -122,11 +122,6 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Places:
-    """A list of at least one place."""
-
-
-@dataclass(frozen=True)
 class OneOf:
     """One of a few words."""
 
@@ -167,17 +162,6 @@ class KeyedParts:
 
     keys: tuple[Key, ...]
     makes: str = ""
-
-
-@dataclass(frozen=True)
-class NamedParts:
-    """A mapping from names to mappings, all with the same keys.
-
-    `makes` is the class of the model that each becomes, with its name.
-    """
-
-    keys: tuple[Key, ...]
-    makes: str
 
 
 @dataclass(frozen=True)
@@ -233,13 +217,11 @@ Kind = (
     | RobotNames
     | TeamLists
     | Place
-    | Places
     | OneOf
     | Truth
     | Moves
     | KeyedPart
     | KeyedParts
-    | NamedParts
     | Either
     | Sides
     | Rows

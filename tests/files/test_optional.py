@@ -69,6 +69,11 @@ def test_what_is_read_is_written() -> None:
             ["tasks are optional, but the cost has no missed, so that none is worth its way; add "
              "missed to the cost, or drop the cost"],
         ),
+        (
+            tree({}, until=9, cost={"makespan": 1, "missed": 2}),
+            ["the cost counts what is missed, but no task is optional; make tasks optional, or "
+             "drop missed"],
+        ),
         (tree({}, until=0), ["the mission is over at 0; use a time after 0, up to 1e9, counted "
                              "from the mission's start"]),
         (tree({}, until=1.5, time="steps"), ["until is 1.5; write a whole number"]),

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from teamformer.mission.coordination import Known, known_at_start
 from teamformer.mission.model import Mission, as_believed
-from teamformer.planning.continuous.continuous_mission import pose_present, rounding_of
+from teamformer.planning.continuous.continuous_mission import pose_present
 from teamformer.planning.continuous_bounds.makespan import refuter_of
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS
 from teamformer.planning.continuous_bounds.relaxations import bound_by_chains_and_work, relax
@@ -22,12 +22,12 @@ def bound_in_time(truth: Mission) -> float:
     if not known.possible_tasks:
         return 0.0
     posed = pose_present(known)
-    problem, tasks = posed.problem, len(posed.tasks)
+    problem = posed.problem
     relaxation = relax(problem)
     bound = bound_by_chains_and_work(problem, relaxation)
-    if tasks < MANY_TASKS:
+    if len(posed.tasks) < MANY_TASKS:
         bound = refuter_of(problem, relaxation).raised(bound)
-    return max(0.0, bound - rounding_of(tasks)) / posed.scale
+    return max(0.0, bound - posed.rounding) / posed.scale
 
 
 def _what_has_to_be_done(truth: Mission) -> Known:

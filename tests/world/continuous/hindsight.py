@@ -127,6 +127,8 @@ def imported(form: str, name: str) -> Mission:
 
 def home_care(patients: int, number: int) -> str:
     """Return the file of an instance of home care."""
+    if patients == 50:  # of which there are three
+        return f"hhcrsp/large/InstanzCPLEX_HCSRP_50_{2 * (number % 3) + 2}.json"
     return f"hhcrsp/instances/InstanzCPLEX_HCSRP_{patients}_{number + 1}.json"
 
 

@@ -15,8 +15,7 @@ from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.coordination import Known, Plan, known_at_start
-from teamformer.mission.model import Mission, Robot, Task
-from teamformer.mission.parts.grid import Place
+from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.shifts import rotas_of
 from teamformer.planning.continuous.batteries import (
@@ -27,11 +26,11 @@ from teamformer.planning.continuous.batteries import (
 )
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.continuous.tables import (
-    distances,
+    has_detour,
     longest_of,
     ticks_in_a_unit,
+    ways_by_pace,
     ways_home,
-    ways_of_loads,
 )
 from teamformer.planning.continuous.times import TaskClock
 from teamformer.planning.problem.coalition_plan import (
@@ -54,9 +53,6 @@ from teamformer.planning.problem.routes import MissionPlan
 from teamformer.planning.problem.ways import ends_of
 from teamformer.world.rules.starts import Gap
 from teamformer.world.rules.waits import Waits, waits_at
-
-STRAIGHT = 1 - 1e-9
-"""A way is shorter than another if it is by more than what rounding makes of equal ones."""
 
 WHOLE = 1e-6
 """By how much of a tick a time may be off that counts as whole."""
@@ -210,7 +206,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     depots = list(dict.fromkeys(depot_of))
     places = [*ends_of(tasks), *(place for place, _, _ in depots)]
     sites = [*ends_of(tasks), *(came_from for _, _, came_from in depots)]
-    pace, ways, carry = _ways_by_pace(mission, robots, tasks, places)
+    pace, ways, carry = ways_by_pace(mission, robots, tasks, places)
     home = ways_home(mission, robots, places)
     ready = [left for _, left, _ in depots]
     waits = waits_at(known, chosen)
@@ -298,25 +294,6 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     )
 
 
-def _ways_by_pace(
-    mission: Mission, robots: Sequence[Robot], tasks: Sequence[Task], places: Sequence[Place]
-) -> tuple[Ints, Floats, Floats]:
-    """Return the pace of each robot, and by pace how long ways and carrying take.
-
-    Ways are (paces, places, tasks), to where tasks begin; carrying is (paces, tasks).
-    """
-    paces = sorted({(robot.moves, robot.speed) for robot in robots})
-    pace = np.array([paces.index((robot.moves, robot.speed)) for robot in robots])
-    begins = [task.at for task in tasks]
-    world, movers = mission.world, {moves for moves, _ in paces}
-    metres = {moves: distances(world, moves, places, begins) for moves in movers}
-    loads = {moves: ways_of_loads(world, moves, tasks) for moves in movers}
-    ways = np.array([metres[moves] / speed for moves, speed in paces])
-    carry = np.array([loads[moves] / speed for moves, speed in paces])
-    np.einsum("pkk->pk", ways[:, : len(tasks)])[:] = 0.0  # not the way from an end to a beginning
-    return pace, ways, carry
-
-
 def _renumbered(
     waits: Waits, number_of: Mapping[int, int]
 ) -> tuple[dict[int, list[int]], list[Gap]]:
@@ -357,19 +334,8 @@ def _may_spare_pay(
     if mission.forming > 0:
         return True
     if costs_travel and (is_road or has_loads):
-        return _has_detour(ways, home, pace, np.zeros_like(takes))
-    return is_road and _has_detour(ways, home, pace, takes)
-
-
-def _has_detour(ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
-    """Say whether some way by a task, which takes so long, is shorter than the straight one."""
-    for task, spent in enumerate(takes):
-        by_task = ways[:, :, task] + spent  # (paces, places)
-        is_shorter = by_task[:, :, None] + ways[:, None, task] < ways * STRAIGHT
-        back = by_task[pace] + home[:, task, None]  # (robots, places)
-        if is_shorter.any() or (back < home * STRAIGHT).any():
-            return True
-    return False
+        return has_detour(ways, home, pace, np.zeros_like(takes))
+    return is_road and has_detour(ways, home, pace, takes)
 
 
 def _links(

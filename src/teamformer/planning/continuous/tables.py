@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from teamformer.base.array_types import Floats
+from teamformer.base.array_types import Floats, Ints
 from teamformer.mission.keys.mission_keys import HOME as ENDS_HOME
 from teamformer.mission.model import Mission, Robot, Task, World
 from teamformer.mission.parts.grid import Grid, Place
@@ -17,6 +17,10 @@ from teamformer.world.rules.distances import UNREACHABLE, straight_ways, travel_
 MOST_TICKS, MOST_WITH_WAITS = 2 * 10**9, 10**12
 """About how many ticks everything takes at most, one task after the other: all that is done, and
 that with waiting for the last window to begin."""
+
+STRAIGHT = 1 - 1e-9
+"""A way is shorter than another if it is by more than what rounding makes of equal ones."""
+
 
 MOST_WEIGHT = 10**6
 """Tasks that weigh more together have fewer ticks: what they cost has to stay a whole number."""
@@ -78,3 +82,33 @@ def ticks_in_a_unit(busy: float, waits: float, weight: float) -> float:
     while 10 * scale * busy <= MOST_TICKS and 10 * scale * (busy + waits) <= most:
         scale *= 10
     return scale
+
+
+def ways_by_pace(
+    mission: Mission, robots: Sequence[Robot], tasks: Sequence[Task], places: Sequence[Place]
+) -> tuple[Ints, Floats, Floats]:
+    """Return the pace of each robot, and by pace how long ways and carrying take.
+
+    Ways are (paces, places, tasks), to where tasks begin; carrying is (paces, tasks).
+    """
+    paces = sorted({(robot.moves, robot.speed) for robot in robots})
+    pace = np.array([paces.index((robot.moves, robot.speed)) for robot in robots])
+    begins = [task.at for task in tasks]
+    world, movers = mission.world, {moves for moves, _ in paces}
+    metres = {moves: distances(world, moves, places, begins) for moves in movers}
+    loads = {moves: ways_of_loads(world, moves, tasks) for moves in movers}
+    ways = np.array([metres[moves] / speed for moves, speed in paces])
+    carry = np.array([loads[moves] / speed for moves, speed in paces])
+    np.einsum("pkk->pk", ways[:, : len(tasks)])[:] = 0.0  # not the way from an end to a beginning
+    return pace, ways, carry
+
+
+def has_detour(ways: Floats, home: Floats, pace: Ints, takes: Floats) -> bool:
+    """Say whether some way by a task, which takes so long, is shorter than the straight one."""
+    for task, spent in enumerate(takes):
+        by_task = ways[:, :, task] + spent  # (paces, places)
+        is_shorter = by_task[:, :, None] + ways[:, None, task] < ways * STRAIGHT
+        back = by_task[pace] + home[:, task, None]  # (robots, places)
+        if is_shorter.any() or (back < home * STRAIGHT).any():
+            return True
+    return False

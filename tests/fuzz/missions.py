@@ -10,6 +10,8 @@ from typing import Any
 from hypothesis import strategies as st
 
 from drawing import are_more, now_and_then, pick, some
+from teamformer.base.errors import MissionError
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.mission.keys.kinds import LONGEST_TEXT, Kind, Number, OneOf, Text, Whole
 from teamformer.mission.keys.mission_keys import COST_KEYS
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
@@ -176,7 +178,19 @@ def continuous_missions(
         tree["forming"] = pick(draw, TIMES)
     if now_and_then(draw, 3):
         _write_cost(draw, tree, COSTS)
+    if _needs_a_robot_twice(tree):
+        for task in tree["tasks"]:
+            task.pop("starts", None)
     return _write_details(draw, tree)
+
+
+def _needs_a_robot_twice(tree: Tree) -> bool:
+    """Say whether linked tasks, which different robots do, need one robot at once."""
+    try:
+        mission_from_tree({"teamformer": 1} | tree)
+    except MissionError as error:
+        return any("done by different robots" in it.message for it in error.problems)
+    return False
 
 
 def _draw_fleet(

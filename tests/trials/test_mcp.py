@@ -17,6 +17,7 @@ import anyio
 from mcp import Client, StdioServerParameters
 from mcp.client.stdio import stdio_client
 
+from loops import run_apart
 from teamformer.trials.mcp.workbench import READING, TOOLS
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "mcp.md"
@@ -58,7 +59,7 @@ def test_the_conversation_of_the_page(tmp_path: Path) -> None:
                     arguments["mission"] = texts[arguments["mission"]]
                 answers.append((tool, await ask(client, tool, arguments)))
 
-    anyio.run(talk)
+    run_apart(talk())
     assert answers == [(tool, json.loads(shown)) for tool, _, shown in ASKED.findall(page)]
     before, after = (answer for tool, answer in answers if tool == "run_mission")
     assert before["legal"]
@@ -86,7 +87,7 @@ def test_what_can_be_read_before_a_mission_is_drawn_up(tmp_path: Path) -> None:
                     file = {"file": "it.yaml", "mission": text, "replace": True}
                     assert (await ask(client, "write_mission", file))["written"], uri
 
-    anyio.run(talk)
+    run_apart(talk())
 
 
 def test_a_client_knows_which_tools_write(tmp_path: Path) -> None:
@@ -98,7 +99,7 @@ def test_a_client_knows_which_tools_write(tmp_path: Path) -> None:
             assert {it.name for it in tools} == set(TOOLS)
             assert all(it.description for it in tools)
 
-    anyio.run(talk)
+    run_apart(talk())
 
 
 def test_others_are_answered_while_something_takes_long(tmp_path: Path) -> None:
@@ -123,7 +124,7 @@ def test_others_are_answered_while_something_takes_long(tmp_path: Path) -> None:
             assert await ask(client, "list_files", {}) == {"files": ["a.yaml"]}
             order.append("listed")
 
-    anyio.run(talk)
+    run_apart(talk())
     assert order[0] == "listed"
     assert order[-1] == "advised"
     assert "at work" in order
@@ -138,7 +139,7 @@ def test_a_mistake_is_an_answer_with_a_remedy(tmp_path: Path) -> None:
             assert text.endswith("name a file in that folder")
             assert "Traceback" not in text
 
-    anyio.run(talk)
+    run_apart(talk())
 
 
 def test_the_server_ends_with_its_client_in_the_midst_of_work(tmp_path: Path) -> None:

@@ -167,7 +167,8 @@ def _check_services(truth: Mission, events: Sequence[Event]) -> None:
         elif event.kind == "back":
             lost.discard(event.robots[0])
     if events[-1].status == "completed":
-        assert over.keys() == set(range(len(truth.tasks)))
+        missed = set(range(len(truth.tasks))) - over.keys()
+        assert all(truth.tasks[task].optional for task in missed), "what must be done is done"
 
 
 def _is_same(one: Place, other: Place) -> bool:

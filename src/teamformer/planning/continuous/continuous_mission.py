@@ -215,7 +215,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
     before, gaps = _renumbered(waits, number_of)
     busy = longest_of(tasks, mission.forming, ways, home, carry) + max(ready, default=0.0)
     different = list(dict.fromkeys(robot.rota for robot in robots))
-    later = [rota.counted_from(now) for rota in different]
+    later = [robot.rota.counted_from(now) for robot in robots]
     longest_wait = max((begin - now for begin in release), default=0.0)
     longest_wait += longest_pauses(later, busy, len(tasks))
     scale = ticks_in_a_unit(busy, longest_wait, sum(task.weight for task in tasks))

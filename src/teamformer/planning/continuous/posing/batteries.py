@@ -14,7 +14,7 @@ from teamformer.mission.coordination import Known
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
-from teamformer.planning.continuous.tables import distances
+from teamformer.planning.continuous.posing.tables import distances
 from teamformer.planning.problem.batteries import ENDLESS, Batteries
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem, different_rows
 from teamformer.world.rules.charging.standing import charge_rules, home_of, stand_charged

@@ -11,8 +11,9 @@ from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.model import Task
-from teamformer.mission.parts.shifts import Rota
-from teamformer.planning.continuous.batteries import ChargedClock
+from teamformer.mission.parts.shifts import Rota, rotas_of
+from teamformer.planning.continuous.posing.batteries import ChargedClock
+from teamformer.planning.continuous.posing.remaining import Remaining
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
 from teamformer.world.rules.charging.times import ChargedTimes
@@ -121,3 +122,24 @@ class TaskClock:
             missed=tuple(task for task in range(len(self.tasks)) if task not in ends),
             cost=None if self.cost is None else cost_of(self.cost, parts),
         )
+
+
+def clock_of(rest: Remaining, charging: ChargedClock | None) -> TaskClock:
+    """Return the clock of some robots and tasks."""
+    return TaskClock(
+        tasks=rest.own_tasks,
+        ways=rest.ways,
+        home=rest.home,
+        pace=rest.pace,
+        origin=np.asarray(rest.origin, np.int64),
+        site=rest.site,
+        carry=rest.carry,
+        free=[rest.known.free_at[robot] for robot in rest.robots],
+        release=rest.release,
+        before=rest.before,
+        gaps=rest.gaps,
+        forming=rest.mission.forming,
+        rotas=rotas_of(rest.own_robots),
+        cost=rest.mission.cost,
+        charging=charging,
+    )

@@ -12,6 +12,7 @@ from msgspec.structs import replace
 
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.fleet.messages import TaskFact
+from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.model import Mission, Task, World
 from teamformer.mission.parts.capabilities import Counts, exact
@@ -91,6 +92,10 @@ class FleetMission:
         keep(self, "before", {key: frozenset(others) for key, others in before.items()})
         opens = ((key, _opens(task, is_in_steps)) for key, task in enumerate(self.source.tasks))
         keep(self, "opens", {key: at * self.step for key, at in opens if at})
+        until = self.source.until
+        keep(self, "until", math.inf if until is None else until * self.step)
+        optional = (key for key, task in enumerate(self.source.tasks) if task.optional)
+        keep(self, "optional", frozenset(optional))
         pace = world.pace if is_in_steps else float
         keep(self, "paces", tuple(pace(robot.speed) / self.step for robot in robots))
         expected = (pace(robot.expected_speed) / self.step for robot in robots)
@@ -114,6 +119,9 @@ class FleetMission:
     off_at: dict[int, float] = field(init=False)  # when tasks are called off, which nobody foresees
     before: dict[int, frozenset[int]] = field(init=False)  # what tasks come after, where anything
     opens: dict[int, float] = field(init=False)  # when tasks may begin, if later than at once
+
+    until: float = field(init=False)  # when the mission is over, infinite for never
+    optional: frozenset[int] = field(init=False)  # tasks that may be left out
 
     @property
     def robots(self) -> int:
@@ -190,6 +198,30 @@ class FleetMission:
         """Say whether a task may begin: those before it are over, and its window is open."""
         is_free = all(other in over for other in self.before.get(key, ()))
         return is_free and age >= self.opens.get(key, 0.0)
+
+    def may_miss(self, key: int) -> bool:
+        """Say whether a task may be left out; that may what operators add, if there is an end."""
+        return key in self.optional or (key >= len(self.tasks) and self.may_miss_added)
+
+    @property
+    def may_miss_added(self) -> bool:
+        """Say whether tasks that operators add may be left out."""
+        cost = self.source.cost
+        return self.until < math.inf and (cost is None or "missed" in cost)
+
+    def ends_in_time(self, task: TaskFact, robots: Iterable[int], age: float) -> bool:
+        """Say whether a task that robots begin at an age ends before the mission is over."""
+        if self.until == math.inf:
+            return True
+        end = age + task.duration + task.unload
+        if task.to is not None:
+            end += self.carrying_time(robots, (task.x, task.y), task.to)
+        return is_in_time(end, self.until)
+
+    def carrying_time(self, robots: Iterable[int], here: Place, to: Place) -> float:
+        """Return for how many seconds robots carry a load from one place to another."""
+        movers = [(self.source.robots[robot].moves, self.paces[robot]) for robot in robots]
+        return max((self.ways.length(here, to, moves) / pace for moves, pace in movers), default=0)
 
     def is_same_place(self, x: float, y: float, other_x: float, other_y: float) -> bool:
         """Say whether two places are one."""

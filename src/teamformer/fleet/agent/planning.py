@@ -26,7 +26,8 @@ class FleetPlan:
     routes: dict[int, list[int]] = field(init=False)  # the tasks of each robot, in order
     version: tuple[int, int, int] = field(init=False)
     live: frozenset[int] = field(init=False)  # the robots that it counts on
-    listed: frozenset[int] = field(init=False)  # the tasks that it thought of
+    idle: frozenset[int] = field(init=False)  # the tasks that it does not mean to have done
+    listed: frozenset[int] = field(init=False)  # all tasks that it thought of
 
     def __post_init__(self) -> None:
         note = self.note
@@ -34,13 +35,15 @@ class FleetPlan:
         for key, coalition in zip(note.order, note.coalitions, strict=True):
             for robot in coalition:
                 routes.setdefault(robot, []).append(key)
-        text = repr((note.live, note.order, note.coalitions, note.left_out)).encode()
+        idle = (note.left_out, note.given_up)
+        text = repr((note.live, note.order, note.coalitions, *idle)).encode()
         digest = int.from_bytes(hashlib.blake2b(text, digest_size=8).digest(), "big") >> 2
         keep = object.__setattr__
         keep(self, "routes", routes)
         keep(self, "version", (note.epoch, note.maker, digest))
         keep(self, "live", frozenset(note.live))
-        keep(self, "listed", frozenset((*note.order, *note.left_out)))
+        keep(self, "idle", frozenset((*note.left_out, *note.given_up)))
+        keep(self, "listed", self.idle.union(note.order))
 
     @property
     def stops(self) -> tuple[tuple[int, tuple[int, ...]], ...]:
@@ -67,8 +70,9 @@ def make_plan(
 ) -> PlanNote:
     """Plan what can be done; tasks that the robots cannot do are left out and said so.
 
-    So are those that come after such tasks, or after one that nobody knows yet. A task that others
-    come after may have been done by robots that are lost: somebody looks, after all else.
+    So are those that come after such tasks, or after one that nobody knows yet. Tasks that may be
+    missed are given up where others are worth more. A task that others come after may have been
+    done by robots that are lost: somebody looks, after all else.
     """
     robots = tuple(sorted(situation.places))
     places = situation.places
@@ -78,9 +82,11 @@ def make_plan(
     stops: Sequence[tuple[int, tuple[int, ...]]] = ()
     if able:
         stops = planner.plan(mission, situation._replace(tasks=tuple(able)))
+    planned = {key for key, _ in stops}
+    given_up = tuple(task.key for task in able if task.key not in planned)
     stops = [*stops, *_looks(mission, situation)]
     order, coalitions = tuple(key for key, _ in stops), tuple(who for _, who in stops)
-    return PlanNote(epoch, maker, robots, order, coalitions, left_out)
+    return PlanNote(epoch, maker, robots, order, coalitions, left_out, given_up)
 
 
 def _looks(
@@ -145,7 +151,8 @@ class PlanKeeper:
     def next_task(self, robot: int) -> int:
         """Return a robot's first task that is known here and not over, or NOBODY.
 
-        Nor is it one at which this robot has looked in vain: then it is free to meet others.
+        Nor is it one at which this robot has looked in vain: then it is free to meet others. Nor
+        one that would not end before the mission is over.
         """
         over, tasks = self._knowledge.over, self._knowledge.tasks
         route = self.plan.routes.get(robot, ())
@@ -156,7 +163,9 @@ class PlanKeeper:
         for place in range(begin, len(route)):
             key = route[place]
             has_looked = robot == self._knowledge.me and key in self._looked
-            if key in tasks and key not in over and not has_looked:
+            if key not in tasks or key in over or has_looked:
+                continue
+            if self._knowledge.ends_in_time(self.plan.coalition(key), key):
                 return key
         return NOBODY
 

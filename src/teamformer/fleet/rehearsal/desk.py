@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import chain
-
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import Message
 from teamformer.fleet.operator import Operator
@@ -18,7 +16,8 @@ class Desk:
         orders = [Operator(order.task, mission.robots) for order in faults.orders]
         tasks = (mission.tasks[off.task] for off in faults.withdrawals)
         self.operators = orders + [Operator(it, mission.robots, calls_off=True) for it in tasks]
-        self.times = [it.at for it in chain(faults.orders, faults.withdrawals)]
+        self.times = [order.at for order in faults.orders]
+        self.times += [off.at for off in faults.withdrawals]
 
     def accepted(self) -> set[int]:
         """Return the added tasks that operators were told are accepted."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass
@@ -93,6 +94,8 @@ def deadline(mission: FleetMission, faults: Faults) -> float:
     walks += across * mission.ends
     walks += 2 * turn_time(mission) * len(turns(mission))
     begins = max([*mission.opens.values(), *(task.appears for task in tasks)])
+    if mission.until < math.inf:
+        begins = max(begins, mission.until)
     return faults.over + begins + SLACK / (1 - faults.loss) + 2 * walks
 
 

@@ -10,6 +10,8 @@ The promises:
 - nobody begins to serve a task before those that come before it are over, nor before its window, by
   more than clocks may differ; and what is done within has its whole duration after that;
 - nobody serves a task that it knows is called off;
+- nobody begins to serve a task that could not end before the mission is over, by more than clocks
+  may differ, unless it has lost its memory in a crash;
 - nobody goes through a wall who does not fly, nor on roads where no way leads, or faster than it
   can;
 - who says that it stays, stays: until the time is over or the task is done;
@@ -28,7 +30,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from teamformer.fleet.bodies.journey import Journey
-from teamformer.fleet.bodies.world import Lifted, Walked
+from teamformer.fleet.bodies.walking import Lifted, Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import HERE, READY, TaskFact
 from teamformer.fleet.rehearsal.checking.trace import (
@@ -70,6 +72,8 @@ class TracedRobot:
     work: tuple[int, int] = (NOBODY, NOBODY)
     is_dead: bool = False
     has_forgotten: bool = False  # its promise, in a crash; the others cannot know
+    has_restarted: bool = False
+    resumed: float = -math.inf  # when it was frozen last, until when
     off: dict[int, float] = field(default_factory=dict)  # since when it knows of tasks that are off
 
 
@@ -228,6 +232,9 @@ class Checker:
         early = self._opens(event.task) - event.at
         if early > A_TICK + DRIFT * self._opens(event.task):
             self._blame(f"{event.at:.2f} s: {who} serves '{task}' {early:.2f} s before its window")
+        late = event.at - self._latest_start(event.task)
+        if late > A_TICK + DRIFT * event.at and not robot.has_restarted:
+            self._blame(f"{event.at:.2f} s: {who} serves '{task}' {late:.2f} s too late to end it")
         for other in self.mission.before.get(event.task, ()):
             if other not in self._done and other not in robot.off:
                 self._blame(
@@ -260,6 +267,11 @@ class Checker:
     def _opens(self, key: int) -> float:
         """Return when a task may begin by its window."""
         return self.mission.opens.get(key, 0.0)
+
+    def _latest_start(self, key: int) -> float:
+        """Return when a task of the mission may begin at the latest, as long as it is to take."""
+        known = self.mission.tasks[key] if key < len(self.mission.tasks) else self.tasks[key]
+        return self.mission.until - known.duration - known.unload
 
     def _worked(self, key: int, now: float) -> float:
         """Return for how long an able team has been at work on a task that may begin."""
@@ -321,8 +333,10 @@ class Checker:
         elif event.what == "restart":
             robot.is_dead = False
             robot.work, robot.word = (NOBODY, NOBODY), None
-            robot.has_forgotten = True
+            robot.has_forgotten = robot.has_restarted = True
             robot.off.clear()
+        elif event.what == "resume":
+            robot.resumed = event.at
         self._count(event.at)
 
     def _drop(self, now: float, robot: int, but: int = NOBODY) -> None:
@@ -345,7 +359,7 @@ class Checker:
         was_here = any(
             (x - was_x) ** 2 + (y - was_y) ** 2 <= reach
             for until, (was_x, was_y) in left
-            if now - until <= LATEST
+            if now - max(until, self._robots[number].resumed) <= LATEST
         )
         return was_here or self._is_by(number, key, now)
 

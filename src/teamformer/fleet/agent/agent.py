@@ -87,6 +87,7 @@ class Agent:
         self._namesakes = 0
         self._mates_changes = 0  # grows when somebody says something new about the task at hand
         self._report = Report(*self._place)
+        self._lets_go = False  # it has told its body to, which may report that late
         self._decided = -1  # the changes that it has decided upon
         self._plan_at = float("inf")
         self.ears = Ears(mission, me)
@@ -106,10 +107,11 @@ class Agent:
             report = self._report  # this one came late
         if now < self.due and self._changes() == self._decided and report == self._report:
             return self.command, notices
-        had_load, self._report = self.carries, report
+        had_load, self._report = self._reports_load, report
+        self._lets_go = self._lets_go and self._reports_load
         self._sense(report, now, notices)
         is_rid = self._has_served or self.command.task in self.knowledge.over
-        if had_load and not self.carries and not is_rid:
+        if had_load and not self._reports_load and not is_rid:
             self.membership.doubt_myself(now, *self._place, self._waits(now))
         self.knowledge.let_happen(self.age(now))
         if now >= self._look_at - LOOK / 4:  # together with a heartbeat, if one is near
@@ -321,7 +323,11 @@ class Agent:
 
     @property
     def carries(self) -> bool:
-        """Say whether this robot carries the load of the task at hand."""
+        """Say whether this robot carries the load of the task at hand, and means to go on."""
+        return self._reports_load and not self._lets_go
+
+    @property
+    def _reports_load(self) -> bool:
         return self._report.carries and self._report.leg == self.command.leg
 
     @property
@@ -347,6 +353,7 @@ class Agent:
         if service.goal != NOBODY:
             duration = self.knowledge.tasks[service.goal].duration
         is_serving = service.phase == SERVE
+        self._lets_go = self._lets_go or (self.carries and not is_serving)
         if is_serving and self._has_load(service.goal):
             pace = min(self.mission.paces[robot] for robot in service.team_here(now))
         new = Command(

@@ -20,6 +20,7 @@ from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.shifts import fits_all
 from teamformer.mission.precedence import tasks_before
 from teamformer.mission.truth import draw_truth, expected_mission
 from teamformer.world.continuous.ways import Ways
@@ -94,6 +95,7 @@ class FleetMission:
         keep(self, "opens", {key: at * self.step for key, at in opens if at})
         until = self.source.until
         keep(self, "until", math.inf if until is None else until * self.step)
+        keep(self, "has_shifts", any(robot.rota for robot in robots))
         optional = (key for key, task in enumerate(self.source.tasks) if task.optional)
         keep(self, "optional", frozenset(optional))
         pace = world.pace if is_in_steps else float
@@ -122,6 +124,7 @@ class FleetMission:
 
     until: float = field(init=False)  # when the mission is over, infinite for never
     optional: frozenset[int] = field(init=False)  # tasks that may be left out
+    has_shifts: bool = field(init=False)  # of a robot
 
     @property
     def robots(self) -> int:
@@ -141,8 +144,8 @@ class FleetMission:
 
     @property
     def ends_by_places(self) -> bool:
-        """Say whether the mission may be over since robots are home, or have no way on."""
-        return self.ends or isinstance(self.source.world, Roads)
+        """Say whether the mission may be over as robots are home, or have no way or shift."""
+        return self.ends or self.has_shifts or isinstance(self.source.world, Roads)
 
     def home_of(self, robot: int) -> Place | None:
         """Return where a robot has to be when the mission is over; None if it may be anywhere."""
@@ -211,17 +214,37 @@ class FleetMission:
 
     def ends_in_time(self, task: TaskFact, robots: Iterable[int], age: float) -> bool:
         """Say whether a task that robots begin at an age ends before the mission is over."""
-        if self.until == math.inf:
-            return True
-        end = age + task.duration + task.unload
-        if task.to is not None:
-            end += self.carrying_time(robots, (task.x, task.y), task.to)
-        return is_in_time(end, self.until)
+        return self.until == math.inf or is_in_time(age + self.takes(task, robots), self.until)
 
-    def carrying_time(self, robots: Iterable[int], here: Place, to: Place) -> float:
-        """Return for how many seconds robots carry a load from one place to another."""
-        movers = [(self.source.robots[robot].moves, self.paces[robot]) for robot in robots]
-        return max((self.ways.length(here, to, moves) / pace for moves, pace in movers), default=0)
+    def takes(self, task: TaskFact, robots: Iterable[int]) -> float:
+        """Return how many seconds robots are at work on a task, its load's way included."""
+        lasts = task.duration + task.unload
+        if task.to is None:
+            return lasts
+        here, movers = (task.x, task.y), [(self.source.robots[r].moves, r) for r in robots]
+        ways = (self.ways.length(here, task.to, moves) / self.paces[r] for moves, r in movers)
+        return lasts + max(ways, default=0.0)
+
+    def comes(self, robot: int, here: Place, there: Place, age: float) -> float:
+        """Return when a robot is at a place that sets out at an age; infinite for never."""
+        it, left = self.source.robots[robot], 0.0
+        if isinstance(self.source.world, Roads):
+            left = here[1]
+        length = self.ways.length(place_in(self.source.world, here), there, it.moves)
+        walk = left + length / self.paces[robot]
+        return it.rota.walked(age / self.step, walk / self.step) * self.step
+
+    def is_at_work(self, robot: int, age: float) -> bool:
+        """Say whether a robot is in one of its shifts at an age of the mission."""
+        return self.source.robots[robot].rota.is_at_work(age / self.step)
+
+    def fits(self, task: TaskFact, robots: Iterable[int], age: float) -> float:
+        """Return at which age a task first fits into a shift of each robot, infinite for never."""
+        who = list(robots)
+        if not self.has_shifts:
+            return age
+        rotas = [self.source.robots[robot].rota for robot in who]
+        return fits_all(rotas, age / self.step, self.takes(task, who) / self.step) * self.step
 
     def is_same_place(self, x: float, y: float, other_x: float, other_y: float) -> bool:
         """Say whether two places are one."""

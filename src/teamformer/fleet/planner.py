@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol
 
 from teamformer.base.errors import MissionError
 from teamformer.fleet.fleet_mission import FleetMission, place_in
+from teamformer.fleet.in_shifts import who_can
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.coordination import UNFORESEEN, Coordinator, Known, Plan
 from teamformer.mission.model import Mission, Task, as_believed
@@ -230,7 +231,15 @@ def _serving_first(
 def _one_after_another(
     mission: FleetMission, situation: FleetSituation, robots: Sequence[int]
 ) -> list[Stop]:
-    """Return the plainest plan there is: all robots that can reach a task go, task by task."""
+    """Return the plainest plan there is: all robots that can reach a task go, task by task.
+
+    Where they work in shifts, it is those that have a shift for it together.
+    """
+    if mission.has_shifts:
+        return [
+            (task.key, who_can(mission, task, situation.places, situation.age))
+            for task in situation.tasks
+        ]
     return [
         (task.key, tuple(r for r in robots if mission.reach(r, task, situation.places[r])))
         for task in situation.tasks

@@ -251,7 +251,7 @@ class Agent:
             place = self.knowledge.tasks[self.command.task].to
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
         has_way = not wants_to_move or self._leads(place)
-        wants_to_move = wants_to_move and has_way
+        wants_to_move = wants_to_move and has_way and self.knowledge.is_at_work
         if wants_to_move:
             self._wanted = place
         x, y = self._place
@@ -295,14 +295,15 @@ class Agent:
                 service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
         is_there = is_for_it and (self._is_bound or self._is_at(service.goal))
-        is_there = is_there and not report.is_unfit
+        is_there = is_there and not report.is_unfit and self.knowledge.is_at_work
         is_elsewhere = self._has_load(service.goal) or service.goal in self.mission.hidden
         if is_there and is_elsewhere:
             is_on_its_way = self.command.place not in (None, self.knowledge.place_of(service.goal))
             is_there = not (is_on_its_way or report.is_gone or self.membership.is_stuck)
         chosen = None if leading is None else leading.decide(now, self._place, notices)
         may_begin = self.mission.may_begin(service.goal, self.knowledge.over, self.age(now))
-        may_begin = may_begin and self.knowledge.ends_in_time(service.team_here(now), service.goal)
+        begins = self.knowledge.begins(service.team_here(now), service.goal)
+        may_begin = may_begin and begins <= self.knowledge.age
         service.stand_by(now, is_there, report.is_busy, may_begin, chosen)
 
     def _leads(self, place: Place | None) -> bool:

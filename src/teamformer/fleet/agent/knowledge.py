@@ -311,12 +311,23 @@ class Knowledge:
             task, load = self.tasks[key], self.loads.get(key)
             yield task if load is None else replace(task, x=load.x, y=load.y)
 
-    def ends_in_time(self, robots: Iterable[int], key: int) -> bool:
-        """Say whether a task that robots begin now ends before the mission is over."""
-        if key not in self.tasks or self.mission.until == NEVER:
-            return True
-        x, y = self.place_of(key)
-        return self.mission.ends_in_time(replace(self.tasks[key], x=x, y=y), robots, self.age)
+    @property
+    def is_at_work(self) -> bool:
+        """Say whether this robot is in one of its shifts."""
+        return self.mission.is_at_work(self.me, self.age)
+
+    def begins(self, robots: Iterable[int], key: int) -> float:
+        """Return when robots that stand at a task can begin it: now, with a shift, or never (inf).
+
+        It is to end before the mission is over, and within a shift of each.
+        """
+        mission = self.mission
+        if key not in self.tasks or (mission.until == NEVER and not mission.has_shifts):
+            return self.age
+        (x, y), who = self.place_of(key), list(robots)
+        task = replace(self.tasks[key], x=x, y=y)
+        at = mission.fits(task, who, self.age)
+        return at if mission.ends_in_time(task, who, at) else NEVER
 
     def covers(self, robots: Iterable[int], key: int) -> bool:
         """Say whether robots together have what a task needs."""

@@ -6,9 +6,10 @@ import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from teamformer.fleet.agent.knowledge import Knowledge
+from teamformer.fleet.agent.knowledge import NEVER, Knowledge
 from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.in_shifts import can_still_do
 from teamformer.fleet.messages import SERVE, PlanNote, TaskFact
 from teamformer.fleet.planner import FleetPlanner, FleetSituation
 from teamformer.world.rules.constants import NOBODY
@@ -77,6 +78,7 @@ def make_plan(
     robots = tuple(sorted(situation.places))
     places = situation.places
     able = [task for task in situation.tasks if mission.can_do(robots, task, places)]
+    able = [task for task in able if can_still_do(mission, task, places, situation.age)]
     able = _without_waiting(mission, able, situation.over)
     left_out = tuple(task.key for task in situation.tasks if task not in able)
     stops: Sequence[tuple[int, tuple[int, ...]]] = ()
@@ -127,6 +129,7 @@ class PlanKeeper:
         self.changes = 0  # grows with every plan that is followed
         self._looked_at = -1  # the changes after which it last looked for a reason
         self._next = 0
+        self._late = frozenset[int]()  # planned tasks that cannot begin any more, as it was planned
         self._looked = set[int]()  # tasks at which it has looked whether they are done
 
     def take(self, note: PlanNote, now: float) -> None:
@@ -140,7 +143,16 @@ class PlanKeeper:
     def _follow(self, plan: FleetPlan, now: float) -> None:
         self.plan, self.since, self._next = plan, now, 0
         self._looked.clear()
+        self._late = self._too_late()
         self.changes += 1
+
+    def _too_late(self) -> frozenset[int]:
+        """Return the planned tasks whose robots' shifts leave no time for them any more."""
+        knowledge = self._knowledge
+        if not knowledge.mission.has_shifts:
+            return frozenset()
+        open_stops = ((key, who) for key, who in self.plan.stops if key in knowledge.undone)
+        return frozenset(key for key, who in open_stops if knowledge.begins(who, key) == NEVER)
 
     def note_look(self, key: int) -> None:
         """Note that this robot sees that a task is not done to which it only went to look."""
@@ -152,7 +164,7 @@ class PlanKeeper:
         """Return a robot's first task that is known here and not over, or NOBODY.
 
         Nor is it one at which this robot has looked in vain: then it is free to meet others. Nor
-        one that would not end before the mission is over.
+        one that would not end before the mission is over, or its robots' shifts are.
         """
         over, tasks = self._knowledge.over, self._knowledge.tasks
         route = self.plan.routes.get(robot, ())
@@ -165,7 +177,7 @@ class PlanKeeper:
             has_looked = robot == self._knowledge.me and key in self._looked
             if key not in tasks or key in over or has_looked:
                 continue
-            if self._knowledge.ends_in_time(self.plan.coalition(key), key):
+            if self._knowledge.begins(self.plan.coalition(key), key) < NEVER:
                 return key
         return NOBODY
 
@@ -211,6 +223,7 @@ class PlanKeeper:
         """Look for a reason to plan, where anything has changed since the last look."""
         knowledge = self._knowledge
         looked = knowledge.changes + membership.changes + self.changes  # all of which grow
+        looked += len(self._too_late())
         if looked == self._looked_at:
             return
         self._looked_at = looked
@@ -223,6 +236,8 @@ class PlanKeeper:
         """Say whether the plan misses a task, counts on others than are there, or on too few."""
         undone = self._knowledge.undone
         if undone and (live != self.plan.live or not undone <= self.plan.listed):
+            return True
+        if self._too_late() > self._late:
             return True
         left_out = self.plan.note.left_out
         return any(self._needs_more(key) for key in self._knowledge.seen if key in undone) or any(

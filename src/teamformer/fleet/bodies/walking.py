@@ -7,6 +7,7 @@ stands still now and then. On roads nobody turns round between two places.
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
@@ -15,8 +16,10 @@ from teamformer.fleet.bodies.simulated import SimulatedRobot
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.plane import Plane
 from teamformer.world.continuous.delays import StandingStill
 from teamformer.world.continuous.events import Event, Passed
+from teamformer.world.continuous.pauses import with_pauses
 from teamformer.world.continuous.ways import Stage
 from teamformer.world.rules.constants import NOBODY
 
@@ -79,16 +82,28 @@ class WalkingWorld:
             begin = (way[at],)  # on the way there already
         pace = self.mission.paces[robot]
         rest = self.passing((robot,), begin[-1].at, [(p, d / pace) for p, d in stages])
-        self.set_out(robot, Journey((*begin, *rest)))
+        self.set_out(robot, Journey((*begin, *self._with_pauses(robot, begin[-1], tuple(rest)))))
+
+    def _with_pauses(self, robot: int, start: Passed, ahead: Sequence[Passed]) -> list[Passed]:
+        """Return a way with its pauses between shifts; nothing if the last is over before."""
+        real = self.mission.source.robots[robot]
+        if not ahead or not math.isfinite(ahead[-1].at):
+            return []
+        step, is_even = self.mission.step, isinstance(self._map, Plane) and real.delays is None
+        start, *rest = (passed._replace(at=passed.at / step) for passed in (start, *ahead))
+        paused = with_pauses(real.rota, start, rest, is_even)
+        return (
+            [passed._replace(at=passed.at * step) for passed in paused] if real.rota else [*ahead]
+        )
 
     def passing(
         self, who: Sequence[int], begin: float, stages: Iterable[Stage]
     ) -> Iterator[Passed]:
         """Yield when robots that go together pass places; delays come in whole steps."""
-        step = self.mission.step
+        step, robots = self.mission.step, [self.mission.source.robots[robot] for robot in who]
         for place, spent in stages:
             at = begin + spent
-            if any(self.mission.source.robots[robot].delays for robot in who):
+            if any(robot.delays or robot.rota for robot in robots):
                 at = step * self._still.after(who, begin / step, spent / step)
             yield Passed(at, place)
 

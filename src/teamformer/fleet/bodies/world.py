@@ -29,9 +29,9 @@ from teamformer.world.continuous.events import Event, Passed
 from teamformer.world.continuous.ways import way_together
 from teamformer.world.rules.constants import NOBODY
 
-OPENS, OFF, CLOSE = -1.0, -2.0, -3.0
-"""Stand at the end of events for the begin of a task's window, that it is called off, and that the
-mission is over."""
+OPENS, OFF, CLOSE, BORDER = -1.0, -2.0, -3.0, -4.0
+"""Stand at the end of events for the begin of a task's window, that it is called off, that the
+mission is over, and that a shift begins or ends of the robot which stands in place of the task."""
 
 AFTER_ALL = 1 << 63
 """Stands for the task of what comes after all that happens to tasks at the same moment."""
@@ -58,6 +58,8 @@ class FleetWorld(WalkingWorld):
         if mission.until < NEVER:
             self._events.append((mission.until, NOBODY, AFTER_ALL, CLOSE))
         heapq.heapify(self._events)
+        for robot in range(mission.robots):
+            self._put_border(robot, 0.0)
 
     def add_task(self, task: TaskFact) -> None:
         """Let there be another task."""
@@ -104,6 +106,8 @@ class FleetWorld(WalkingWorld):
                 self.call_off(task)
             elif stamp == CLOSE:
                 self._close(touched)
+            elif stamp == BORDER:
+                self._pass_border(task, touched)
             elif task in self._services and self._services[task].end == stamp:
                 self._go_on(task, touched)
         self.now = now
@@ -118,6 +122,29 @@ class FleetWorld(WalkingWorld):
                 self._let_go(robot, touched)
         for key in list(self._services):
             self._look_at_services(key)
+
+    def _put_border(self, robot: int, after: float) -> None:
+        """Have it noticed when the next shift of a robot begins or ends."""
+        step = self.mission.step
+        border = self.mission.source.robots[robot].rota.next_border(after / step)
+        if border is not None:
+            heapq.heappush(self._events, (border[0] * step, NOBODY, robot, BORDER))
+
+    def _pass_border(self, robot: int, touched: set[int]) -> None:
+        """Let a shift begin, or break off what a robot does whose shift ends."""
+        body, key = self.robots[robot], self.robots[robot].command.task
+        if body.carries != NOBODY:
+            self._let_go(robot, touched)
+        service = self._services.get(key)
+        is_here = key in self.tasks and self.mission.is_same_place(
+            *self.place(robot), *self.place_of(key)
+        )
+        if service is not None and service.team == body.command.team and is_here:
+            del self._services[key]
+            self._tell("broken", key, ())
+        self._look_at_services(key)
+        self._put_border(robot, self.now)
+        touched.add(robot)
 
     def _miss(self, key: int) -> None:
         self.missed.add(key)
@@ -214,6 +241,7 @@ class FleetWorld(WalkingWorld):
         """Say whether a robot serves a task, and has a way on with its load, if it has one."""
         body, to = self.robots[robot], self.tasks[key].to
         is_told = body.command.serve and body.command.task == key and not body.is_dead
+        is_told = is_told and self.mission.is_at_work(robot, self.now)
         return is_told and (to is None or self.mission.leads(robot, self.place_of(key), to))
 
     def _set_still(self, robot: int, is_dead: bool, is_stuck: bool = False) -> set[int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence, Set
 
 from msgspec.structs import replace
@@ -9,6 +10,7 @@ from msgspec.structs import replace
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.in_shifts import can_still_do
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.operator import Operator
 from teamformer.fleet.rehearsal.faults import Faults
@@ -66,6 +68,8 @@ class EndingWatch:
         home, here = self._mission.home_of(robot), self._world.place(robot)
         if home is None or not self._mission.leads(robot, here, home):
             return True
+        if self._mission.comes(robot, here, home, self._world.now) == math.inf:  # no shift is left
+            return True
         return self._mission.is_same_place(*here, *home)
 
     def impossible(self, now: float, held: Set[int]) -> list[TaskFact]:
@@ -81,10 +85,20 @@ class EndingWatch:
         can_do, places = self._mission.can_do, {robot: self._world.place(robot) for robot in able}
         idle = {key: self._as_it_lies(it) for key, it in tasks.items() if not is_served(key)}
         cannot = {key for key, it in idle.items() if not can_do(able, it, places)} | lost
+        if self._mission.has_shifts:
+            longest = ((key, self._as_long_as_believed(it)) for key, it in idle.items())
+            fits = ((key, can_still_do(self._mission, it, places, now)) for key, it in longest)
+            cannot |= {key for key, is_possible in fits if not is_possible}
         before = self._mission.before
         while more := {key for key in left if before.get(key, set()) & cannot} - cannot:
             cannot |= more
         return [task for key, task in left.items() if key in cannot]
+
+    def _as_long_as_believed(self, task: TaskFact) -> TaskFact:
+        """Return a task that takes as long as it really does, or as robots believe if longer."""
+        own = self._mission.tasks
+        believed = own[task.key].duration if task.key < len(own) else 0.0
+        return replace(task, duration=max(task.duration, believed))
 
     def _as_it_lies(self, task: TaskFact) -> TaskFact:
         """Return a task with its load where that lies."""

@@ -24,6 +24,9 @@ SLACK = 300.0
 """Seconds beyond the time that the slowest robot takes alone for every task, one by one."""
 
 
+LONGEST_SHIFTS = 10_000.0
+"""Units of time for which shifts may be waited for in a rehearsal."""
+
 LOOKING = 3.0
 """Seconds that a robot takes at each cell, or metre, to see that a load is not there."""
 
@@ -96,7 +99,13 @@ def deadline(mission: FleetMission, faults: Faults) -> float:
     begins = max([*mission.opens.values(), *(task.appears for task in tasks)])
     if mission.until < math.inf:
         begins = max(begins, mission.until)
-    return faults.over + begins + SLACK / (1 - faults.loss) + 2 * walks
+    seconds = faults.over + begins + SLACK / (1 - faults.loss) + 2 * walks
+    rotas = [robot.rota for robot in mission.source.robots if robot.rota]
+    if not rotas:
+        return seconds
+    seconds /= min(rota.share for rota in rotas)
+    longest = max(rota.shifts[-1][1] + rota.every * (len(tasks) + 1) for rota in rotas)
+    return seconds + mission.step * min(longest, LONGEST_SHIFTS)
 
 
 def _places_on_way(mission: FleetMission) -> float:

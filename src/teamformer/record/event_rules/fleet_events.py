@@ -8,7 +8,7 @@ these take; and everything comes after what it has to.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import pairwise, takewhile
 
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.parts.capabilities import describe, missing, total
@@ -245,11 +245,21 @@ class _Seen:
         real = self._mission.tasks[task]
         if event.at < real.appears + real.duration + real.unload - A_MOMENT:
             yield f"{self._names.task(task)} is done sooner than it can be"
+        for robot in event.robots if real.to is None else ():
+            if not self._is_in_shift(robot, self._began.get(task, event.at), event.at):
+                name = self._names.task(task)
+                yield f"{self._names.robot(robot)} does {name}, and no shift of it is so long"
         if event.robots and self._began.get(task) != event.at:  # else nobody saw it begin
             yield from self._lasts(event, real.duration if real.to is None else real.unload)
         self._works.pop(task, None)
         self._over[task] = event.at
         self._done.add(task)
+
+    def _is_in_shift(self, robot: int, begin: float, end: float) -> bool:
+        """Say whether a robot is in one shift between two moments, as far as clocks agree."""
+        rota, slack = self._mission.robots[robot].rota, CLOCKS * end + SEEN_WITHIN
+        shifts = takewhile(lambda shift: shift[0] <= end + slack, rota.since(begin - slack))
+        return any(a - slack <= begin and end <= b + slack for a, b in shifts)
 
     def _lasts(self, event: Event, due: float) -> Iterator[str]:
         """Say so if a part of a task was shorter than it has to be."""

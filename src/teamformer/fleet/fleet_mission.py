@@ -17,7 +17,7 @@ from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.model import Mission, Task, World
 from teamformer.mission.parts.capabilities import Counts, exact
 from teamformer.mission.parts.grid import Grid, Place
-from teamformer.mission.parts.places import believed_place, possible_places
+from teamformer.mission.parts.places import believed_place, possible_places, sight_of
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.shifts import fits_all
@@ -360,7 +360,8 @@ def places_to_look(mission: Mission, task: Task) -> tuple[Place, ...]:
     world, tour = mission.world, list[Place]()
     off = world.arrival_radius if isinstance(world, Plane) else 0.0
     for place in possible_places(world, task.at, task.within) if task.within else ():
-        if not any(math.dist(place, seen) <= mission.finding_radius - off for seen in tour):
+        radius = mission.finding_radius - off
+        if not any(sight_of(world, place, seen) <= radius for seen in tour):
             tour.append(place)
     return tuple(tour)
 

@@ -24,6 +24,7 @@ from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.places import sight_of
 from teamformer.mission.parts.roads import Roads
 from teamformer.world.continuous.events import Event, Passed
 from teamformer.world.continuous.ways import way_together
@@ -182,7 +183,7 @@ class FleetWorld(WalkingWorld):
             report = report._replace(needs=task.needs)
         if task.key in self.mission.hidden:
             radius = self.mission.source.finding_radius
-            is_seen = is_here or self.mission.apart((x, y), at) <= radius
+            is_seen = is_here or sight_of(self._map, (x, y), at) <= radius
             return report._replace(load=at if is_seen else None, is_gone=not is_here)
         if task.to is None:
             return report

@@ -193,7 +193,7 @@ MISSION_KEYS = (
         default=None,
         without="with its last task",
         since="0.2.0",
-        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "until is for continuous time"),
+        unknown=Unknown((FLEETS, ROBOTARIUM), "until says when the mission is over"),
     ),
     Key(
         "chargers",

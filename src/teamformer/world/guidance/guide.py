@@ -153,7 +153,7 @@ class Guide:
         for robot, task in plan.scouts:
             self.parts.scouts[w, robot] = task
         robots_of = dict(zip(plan.order, plan.coalitions, strict=True))
-        tasks["is_planned"] = False
+        tasks["is_planned"][tasks["is_open"]] = False
         tasks["is_planned"][list(robots_of)] = True
         for task in served:
             servers = np.flatnonzero(teams == tasks["server"][task]).tolist()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.reach import can_reach
-from teamformer.world.reference.carrying import carry, put_down, steps_to_go, take_up
+from teamformer.world.reference.carrying import carry, steps_to_go, take_up
 from teamformer.world.reference.state import PlainTeam, PlainWorld
 
 
@@ -20,7 +20,6 @@ def complete_tasks(world: PlainWorld) -> None:
         for task in world.tasks_at(team.at):
             if world.mission.tasks[task].to is None and _is_ready(world, team, task):
                 _begin(world, slot, team, task)
-    put_down(world)
     world.happened.done = dict(sorted(world.happened.done.items()))
     for team in world.teams.values() if world.happened.done else ():
         if team.task is not None and team.task not in world.open:

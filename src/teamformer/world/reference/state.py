@@ -216,6 +216,7 @@ class PlainWorld:
         """Let a task be done no more: who serves it or heads for it is free, and a load lies."""
         for tasks in (self.open, self.carried, self.served):
             tasks.discard(task)
+        self.let_go.pop(task, None)
         for team in self.teams.values():
             team.serving.pop(task, None)
             if team.task == task:

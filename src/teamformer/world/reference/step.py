@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from teamformer.mission.model import Mission
 from teamformer.world.reference.allocation import allocate_tasks
+from teamformer.world.reference.carrying import put_down
 from teamformer.world.reference.completion import (
     complete_tasks,
     drop_assignments,
@@ -54,6 +55,7 @@ def make_step(world: PlainWorld, wishes: Mapping[int, Wish]) -> Happenings:
     show_needs(world)
     complete_tasks(world)
     miss_tasks(world)
+    put_down(world)
     world.steps += 1
     release_tasks(world)
     world.order = [task for task in world.order if task in world.open]

@@ -162,7 +162,7 @@ TASK = np.dtype(
         ("done_by", np.int32),  # slot
         ("is_open", np.bool_),  # known, and neither done, called off nor missed
         ("is_optional", np.bool_),  # it may be left out
-        ("is_planned", np.bool_),  # a coordinator's latest plan has it, be it for nobody yet
+        ("is_planned", np.bool_),  # its plan has it, be it for nobody yet, or does not know it
         ("missed_at", np.int32),  # the step after which it was not done any more, or NOBODY
     ],
     align=True,

@@ -120,6 +120,7 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
     for field in ("shown_at", "moved_at", "found_at", "taken_at", "left_at"):
         worlds.tasks[field] = NOBODY
     worlds.robots["next"] = NOBODY
+    worlds.tasks["is_planned"] = True
     worlds.count["news"] = START
     return worlds
 

@@ -3,62 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-import numpy.typing as npt
-
-from teamformer.base.array_types import Floats, Ints
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.checks.optional import is_in_time
-from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.coordination import Known, Plan, known_at_start
-from teamformer.mission.model import Mission, Task
-from teamformer.mission.parts.roads import Roads
-from teamformer.mission.parts.shifts import rotas_of
-from teamformer.planning.continuous.batteries import (
-    batteries_of,
-    by_ability,
-    charged_clock,
-    kinds_apart,
-)
+from teamformer.mission.model import Mission
+from teamformer.planning.continuous.posing.batteries import charged_clock
+from teamformer.planning.continuous.posing.problem import problem_of
+from teamformer.planning.continuous.posing.remaining import remaining_at
+from teamformer.planning.continuous.posing.ticks import rounding_in, rounding_of, ticks_of
+from teamformer.planning.continuous.posing.times import TaskClock, clock_of
 from teamformer.planning.continuous.solve import Solution
-from teamformer.planning.continuous.tables import (
-    has_detour,
-    longest_of,
-    ticks_in_a_unit,
-    ways_by_pace,
-    ways_home,
-)
-from teamformer.planning.continuous.times import TaskClock
 from teamformer.planning.problem.coalition_plan import (
     CoalitionPlan,
     empty_plan,
     without_spares,
     without_tasks,
 )
-from teamformer.planning.problem.coalition_problem import (
-    NEVER,
-    SPARES,
-    CoalitionProblem,
-    pose_problem,
-)
-from teamformer.planning.problem.links import PART_OF, Link, Links, have_weights, link_tasks
-from teamformer.planning.problem.misses import Misses, can_miss, misses_of
-from teamformer.planning.problem.relaxed_problem import count_table, least_carried
-from teamformer.planning.problem.rotas import longest_pauses, rotas_in_ticks
+from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.planning.problem.links import have_weights
+from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.problem.routes import MissionPlan
-from teamformer.planning.problem.ways import ends_of
-from teamformer.world.rules.starts import Gap
-from teamformer.world.rules.waits import Waits, waits_at
-
-WHOLE = 1e-6
-"""By how much of a tick a time may be off that counts as whole."""
-
-NO_WAY = 1000
-"""Where no way is, it takes this many times longer than everything."""
 
 
 @dataclass(frozen=True)
@@ -199,178 +167,18 @@ def pose_present(known: Known) -> ContinuousMission:
 
 def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> ContinuousMission:
     """Return the problem that some tasks are for some robots, both by their numbers."""
-    mission, now = known.mission, known.now
-    robots = [mission.robots[robot] for robot in numbers]
-    tasks = [mission.tasks[task] for task in chosen]
-    depot_of = [(known.places[r], known.free_at[r] - now, known.came_from[r]) for r in numbers]
-    depots = list(dict.fromkeys(depot_of))
-    places = [*ends_of(tasks), *(place for place, _, _ in depots)]
-    sites = [*ends_of(tasks), *(came_from for _, _, came_from in depots)]
-    pace, ways, carry = ways_by_pace(mission, robots, tasks, places)
-    home = ways_home(mission, robots, places)
-    ready = [left for _, left, _ in depots]
-    waits = waits_at(known, chosen)
-    release = [waits.release[task] for task in chosen]
-    number_of = {task: number for number, task in enumerate(chosen)}
-    before, gaps = _renumbered(waits, number_of)
-    busy = longest_of(tasks, mission.forming, ways, home, carry) + max(ready, default=0.0)
-    different = list(dict.fromkeys(robot.rota for robot in robots))
-    later = [rota.counted_from(now) for rota in different]
-    longest_wait = max((begin - now for begin in release), default=0.0)
-    longest_wait += longest_pauses(later, busy, len(tasks))
-    scale = ticks_in_a_unit(busy, longest_wait, sum(task.weight for task in tasks))
-
-    def ticks(times: npt.ArrayLike) -> Ints:
-        finite = np.where(np.isfinite(times), times, NO_WAY * (busy + longest_wait))
-        return np.rint(finite * scale).astype(np.int64)
-
-    late = round(NO_WAY * (busy + longest_wait) * scale)
-    counts = count_table([robot.can for robot in robots], mission)
-    needs = count_table([task.needs for task in tasks], mission)
-    counts, needs = by_ability(mission, numbers, chosen, counts, needs)
-    carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
-    takes = np.array([task.duration + task.unload for task in tasks]) + carried
-    due = [
-        min(latest_end(tasks[number].between), waits.latest[task] + takes[number])
-        for task, number in number_of.items()
-    ]
-    problem = pose_problem(
-        ways=ticks(ways),
-        home=ticks(home),
-        pace=pace,
-        origin=[len(tasks) + depots.index(depot) for depot in depot_of],
-        counts=counts,
-        needs=needs,
-        duration=ticks(takes),
-        slower=np.maximum(0, ticks(carry) - ticks(carried)),
-        release=ticks([begin - now for begin in release]),
-        due=[NEVER if math.isinf(end) else round((end - now) * scale) for end in due],
-        precedence=[(k, task) for task, others in before.items() for k in others],
-        forming=round(mission.forming * scale),
-        spares=SPARES if _may_spare_pay(mission, tasks, ways, home, pace, takes) else 0,
-        site=np.unique(np.array(sites, np.float64), axis=0, return_inverse=True)[1].ravel(),
-        ready=ticks(ready),
-        apart=kinds_apart(known, numbers, [different.index(robot.rota) for robot in robots]),
-        rotas=rotas_in_ticks(
-            later, lambda when: round(when * scale), late, rounding_of(len(tasks))
-        ),
-    )
-    charging = charged_clock(known, numbers, chosen)
-    if charging is not None:
-        problem = problem._replace(batteries=batteries_of(charging, problem, places, now, ticks))
-    if mission.until is not None:
-        problem = problem._replace(misses=_misses(mission, now, tasks, ticks, problem))
-    if judged_by(mission) is not None or gaps:
-        problem = problem._replace(links=_links(mission, tasks, len(robots), gaps, scale))
-    rotas = rotas_of(robots)
-    times = (ways, home, carry, takes, ready, np.subtract(release, now), mission.forming)
-    is_exact = not rotas and all(_are_whole(np.multiply(part, scale)) for part in times)
-    clock = TaskClock(
-        tasks=tasks,
-        ways=ways,
-        home=home,
-        pace=pace,
-        origin=np.asarray(problem.origin, np.int64),
-        site=problem.site,
-        carry=carry,
-        free=[known.free_at[robot] for robot in numbers],
-        release=release,
-        before=before,
-        gaps=gaps,
-        forming=mission.forming,
-        rotas=rotas,
-        cost=mission.cost,
-        charging=charging,
-    )
+    rest = remaining_at(known, numbers, chosen)
+    ticks, charging = ticks_of(rest), charged_clock(known, numbers, chosen)
     return ContinuousMission(
-        source=mission,
-        now=now,
-        robots=tuple(numbers),
-        tasks=tuple(chosen),
-        clock=clock,
-        scale=scale,
-        rounding=0 if is_exact else rounding_of(len(tasks)),
-        problem=problem,
+        source=known.mission,
+        now=known.now,
+        robots=rest.robots,
+        tasks=rest.tasks,
+        clock=clock_of(rest, charging),
+        scale=ticks.scale,
+        rounding=rounding_in(rest, ticks.scale),
+        problem=problem_of(rest, ticks, charging),
     )
-
-
-def _renumbered(
-    waits: Waits, number_of: Mapping[int, int]
-) -> tuple[dict[int, list[int]], list[Gap]]:
-    """Return the tasks before each and the gaps between starts, in the numbers of a problem."""
-    before = {number_of[k]: [number_of[o] for o in others] for k, others in waits.before.items()}
-    gaps = [
-        gap._replace(task=number_of[gap.task], other=number_of[gap.other]) for gap in waits.gaps
-    ]
-    return before, gaps
-
-
-def _are_whole(ticks: Floats) -> bool:
-    """Say whether times are whole ticks, but for what a product of two fractions is off by."""
-    finite = ticks[np.isfinite(ticks)]
-    return bool((np.abs(finite - np.rint(finite)) < WHOLE).all())
-
-
-def rounding_of(tasks: int) -> int:
-    """Return by how many ticks a time may be off: what is rounded in a chain, half a tick each."""
-    return tasks + 2
-
-
-def _may_spare_pay(
-    mission: Mission,
-    tasks: Sequence[Task],
-    ways: Floats,
-    home: Floats,
-    pace: Ints,
-    takes: Floats,
-) -> bool:
-    """Say whether it may pay that a robot takes part in a task that can be done without it.
-
-    It forms no coalition later if it comes along; or the way by the task is the quicker one, as it
-    may be on roads, or the one that costs less, as nothing does on which a load is carried.
-    """
-    is_road, has_loads = isinstance(mission.world, Roads), any(t.to for t in tasks)
-    costs_travel = mission.cost is not None and mission.cost.get("travel", 0.0) > 0
-    if mission.forming > 0:
-        return True
-    if costs_travel and (is_road or has_loads):
-        return has_detour(ways, home, pace, np.zeros_like(takes))
-    return is_road and has_detour(ways, home, pace, takes)
-
-
-def _links(
-    mission: Mission, tasks: Sequence[Task], robots: int, gaps: Sequence[Gap], scale: float
-) -> Links:
-    """Return the gaps between starts of tasks, and the weights of the mission's cost.
-
-    The longest gaps are longer by what ticks round, so that one which is just long enough is.
-    """
-    rounding = rounding_of(len(tasks))
-    links = [
-        Link(task, other, round(least * scale), round(most * scale) + rounding)
-        for task, other, least, most in gaps
-    ]
-    weights = judged_by(mission) or {"makespan": 1}
-    total = sum(weights.values())
-    weight = {PART_OF[name]: w / total for name, w in weights.items() if name in PART_OF}
-    return link_tasks(len(tasks), robots, links, weight, [task.weight for task in tasks])
-
-
-def _misses(
-    mission: Mission,
-    now: float,
-    tasks: Sequence[Task],
-    ticks: Callable[[npt.ArrayLike], Ints],
-    problem: CoalitionProblem,
-) -> Misses:
-    """Return what is missed of tasks when the mission is over; ends are rounded, so it is later."""
-    assert mission.until is not None, "the mission is over at a time"
-    weights = judged_by(mission) or {}
-    until = int(ticks(max(0.0, mission.until - now))) + rounding_of(len(tasks))
-    most = until + int(problem.home.max()) + 1
-    leg = int(problem.duration.mean() + problem.ways[0].mean())
-    price = weights.get("missed", 0.0) / max(1.0, sum(weights.values())) * float(ticks(1.0))
-    return misses_of(mission, tasks, until, most, leg, price)
 
 
 def refuse_no_way(mission: ContinuousMission, plan: MissionPlan) -> None:

@@ -1,32 +1,27 @@
-"""A mission in continuous time as it runs: who may begin what, and when a plan is asked for.
+"""A mission in continuous time as it runs: when a plan is asked for, and who goes where by it.
 
-What is physically so is for the world. Here is what plans and rules say of it: a task begins when
-its whole coalition stands there with nothing else to do first, has formed, and release, precedence
-and links allow it.
+What is physically so is for the world, which tasks begin is for `TaskStarts`.
 """
 
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from teamformer.base.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
-from teamformer.mission.checks.windows import release_of
 from teamformer.mission.coordination import IDLE, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.mission.model import Mission
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.continuous.another_truth import under
 from teamformer.world.continuous.events import PlanMade, PlannedTask
-from teamformer.world.continuous.following import PlanFollower
 from teamformer.world.continuous.foresight import foresee, holds_of
-from teamformer.world.continuous.hopeless import blocked_tasks, gives_up, has_failed, misses
+from teamformer.world.continuous.hopeless import blocked_tasks, gives_up, has_failed
 from teamformer.world.continuous.known import known_of
-from teamformer.world.continuous.links import GapKeeper, followers
+from teamformer.world.continuous.links import followers
 from teamformer.world.continuous.moving import Happened
-from teamformer.world.continuous.world import PhysicalWorld
+from teamformer.world.continuous.starting import TaskStarts
 from teamformer.world.guidance.guide import refuse_unfit
 from teamformer.world.rules.constants import NOBODY
 
@@ -34,7 +29,7 @@ COMPLETED, INFEASIBLE, LIMIT, TOO_LATE = "completed", "infeasible", "step limit"
 RUNNING = "running"
 
 
-class Course:
+class Course(TaskStarts):
     """A mission from its start to its end, moment by moment.
 
     `seconds` is what the coordinator took; `status` is RUNNING or how the mission ended. If a
@@ -44,17 +39,13 @@ class Course:
     def __init__(
         self, mission: Mission, truth: Mission, coordinator: Coordinator, is_told_all: bool = False
     ) -> None:
-        mission = with_arrivals(mission, truth)
-        self.mission, self.coordinator = mission, coordinator
-        self.world = PhysicalWorld(mission, truth, is_told_all)
-        self.follower = PlanFollower(mission)
+        super().__init__(with_arrivals(mission, truth), truth, is_told_all)
+        self.coordinator = coordinator
         self.plans: tuple[tuple[float, Plan], ...] = ()  # all that were made, and when
         self.status, self.blocked = RUNNING, tuple[int, ...]()
         self.seconds = 0.0
         self._heeds = {"start", IDLE, *heeded_by(coordinator)}
-        self._before = tasks_before(mission.tasks)
-        self._after = followers(mission)
-        self.links = GapKeeper(mission)
+        self._after = followers(self.mission)
         self._asked_idle = NOBODY
 
     def fork(self) -> Course:
@@ -73,7 +64,7 @@ class Course:
         twin.mission = with_arrivals(mission, truth)
         twin.world = under(self.world, twin.mission, truth)
         twin.follower = self.follower.fork(twin.mission)
-        twin._before, twin._after = tasks_before(twin.mission.tasks), followers(twin.mission)
+        twin.before, twin._after = tasks_before(twin.mission.tasks), followers(twin.mission)
         return twin
 
     @property
@@ -135,7 +126,7 @@ class Course:
             self._end(TOO_LATE)
         elif self._is_over():
             self._end(COMPLETED)
-        elif not self.world.is_busy and not self._waits_for_a_time():
+        elif not self.world.is_busy and not self.waits_for_a_time():
             self._idle()
 
     def _tend(self, happened: Happened) -> None:
@@ -154,7 +145,7 @@ class Course:
         looked_at = set(tasks)
         looked_at |= {self._send(robot) for robot in robots} - {NOBODY}
         while looked_at:
-            looked_at = self._waiting_for(self._let_begin(looked_at))
+            looked_at = self._waiting_for(self.let_begin(looked_at))
 
     def _waiting_for(self, tasks: Iterable[int]) -> set[int]:
         """Return the tasks that may wait for the start or the end of some."""
@@ -225,7 +216,7 @@ class Course:
         coming = {*known.over, *(task for task, _ in known.under_way)}
         kept = []
         for task in order:
-            if coming.issuperset(self._before.get(task, ())):
+            if coming.issuperset(self.before.get(task, ())):
                 coming.add(task)
                 kept.append(task)
         return kept
@@ -237,7 +228,7 @@ class Course:
             return NOBODY
         task = follower.next_task(world, robot)
         goal = follower.goal(world, robot, task)
-        cause = world.cause_among([body.since, self._plan_now()])
+        cause = world.cause_among([body.since, self.plan_now()])
         if world.charges_first(robot, task, goal, cause):
             return NOBODY
         is_elsewhere = body.is_walking if goal is None else not self._is_bound(robot, goal)
@@ -248,95 +239,6 @@ class Course:
     def _is_bound(self, robot: int, goal: object) -> bool:
         """Say whether a robot is where it is to go, or on its way there."""
         return self.world.bodies[robot].way[-1].place == goal
-
-    def _plan_now(self) -> int:
-        """Return the event of the plan if it has come into force at this moment."""
-        event = self.follower.event
-        is_now = event != NOBODY and self.world.events[event].at == self.world.now
-        return event if is_now else NOBODY
-
-    def _team(self, task: int) -> tuple[int, ...]:
-        """Return the robots of a task's coalition that are not lost."""
-        robots = self.follower.robots_of.get(task, ())
-        return tuple(robot for robot in robots if not self.world.bodies[robot].is_lost)
-
-    def _is_complete(self, task: int) -> bool:
-        """Say whether a task is open, and its team stands there and brings what it really needs."""
-        world = self.world
-        if task in world.over or task in world.works or task not in world.appeared:
-            return False
-        team, place = self._team(task), world.place_of(task)
-        if task in world.maybe:
-            return False
-        is_there = all(
-            world.is_at(robot, place) and self.follower.next_task(world, robot) == task
-            for robot in team
-        )
-        is_able = world.covers(team, task) and world.can_carry(team, task)
-        return bool(team) and is_there and is_able
-
-    def _let_begin(self, tasks: Iterable[int]) -> list[int]:
-        """Let those of some tasks form or begin that may; return those that have begun."""
-        complete = [task for task in sorted(tasks) if self._is_complete(task)]
-        complete = [task for task in complete if not misses(self.world, task, self._team(task))]
-        ready = [task for task in complete if not self._forms(task) and self._is_released(task)]
-        began = self.links.free(self.world, ready)
-        for task in began:
-            self._serve(task)
-        return began
-
-    def _forms(self, task: int) -> bool:
-        """Let a team form that has not, if that fits into its shifts; say whether it had to."""
-        world, team = self.world, self._team(task)
-        if not self.mission.forming or len({world.bodies[r].came_from for r in team}) == 1:
-            return False
-        since = [world.bodies[robot].since for robot in team]
-        if world.when_forms(team) == world.now:
-            world.form(task, team, world.cause_among([*since, self._plan_now()]))
-        return True
-
-    def _is_released(self, task: int) -> bool:
-        """Say whether a task may begin, but for links of its start."""
-        world = self.world
-        is_open = release_of(world.truth.tasks[task]) <= world.now
-        is_ready = is_open and world.over.keys() >= set(self._before.get(task, ()))
-        return is_ready and world.when_fits(task, self._team(task)) == world.now
-
-    def _serve(self, task: int, is_held: bool = True) -> None:
-        """Have a task served by its team; what it has waited for last is the cause.
-
-        If that is none of what is physically so, it `is_held` by a link of its start.
-        """
-        world, team = self.world, self._team(task)
-        causes = [world.bodies[robot].since for robot in team]
-        causes += [world.over[other] for other in self._before.get(task, ())]
-        causes += [*self._opened(task), self._plan_now()]
-        is_held = is_held and task in self.links.linked
-        if is_held and world.events[max(causes)].at < world.now:
-            cause = self.links.cause(world, task, self.follower.robots_of)
-            cause = self.follower.event if cause == NOBODY else cause  # the plan has foreseen it
-            causes.append(world.tell("opens", (), task, cause))
-        world.serve(task, team, world.cause_among(causes))
-
-    def _opened(self, task: int) -> Iterable[int]:
-        """Return the events of this moment that let a task begin or be known."""
-        events = self.world.events
-        number = len(events) - 1
-        while number >= 0 and events[number].at == self.world.now:
-            if events[number].task == task and events[number].kind in ("opens", "appear"):
-                yield number
-            number -= 1
-
-    def _waits_for_a_time(self) -> bool:
-        """Say whether a team that is complete waits for a time that will come."""
-        now = self.world.now
-        return any(
-            release_of(self.world.truth.tasks[task]) > now
-            or self.links.holds.get(task, now) > now
-            or now < self.world.when_fits(task, self._team(task)) < math.inf
-            for task in self.follower.order
-            if self._is_complete(task)
-        )
 
     def _idle(self) -> None:
         """Do something about it that nobody has anything to do: ask for a plan, else drop links.
@@ -351,13 +253,13 @@ class Course:
             self._asked_idle = len(self.world.events)
             self._tend(Happened(robots=set(range(len(self.mission.robots)))))
             self._asked_idle = len(self.world.events)
-        if self.world.is_busy or self._waits_for_a_time() or not self.is_running:
+        if self.world.is_busy or self.waits_for_a_time() or not self.is_running:
             return
         if self._gives_up(is_asked=True):
             return
         for task in self.follower.order:
-            if self._is_complete(task) and self._is_released(task):
-                self._serve(task, is_held=False)  # nobody can keep the link any more
+            if self.is_complete(task) and self.is_released(task):
+                self.serve(task, is_held=False)  # nobody can keep the link any more
                 return
         if self._is_over():
             self._end(COMPLETED)

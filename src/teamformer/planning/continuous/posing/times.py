@@ -11,10 +11,12 @@ from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.mission.checks.costs import cost_of, parts_of_ends
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.model import Task
-from teamformer.mission.parts.shifts import Rota
-from teamformer.planning.continuous.batteries import ChargedClock
+from teamformer.mission.parts.shifts import Rota, rotas_of
+from teamformer.planning.continuous.posing.batteries import ChargedClock
+from teamformer.planning.continuous.posing.remaining import Remaining
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
+from teamformer.world.rules.charging.times import ChargedTimes
 from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, time_tasks
 
 
@@ -59,7 +61,7 @@ class TaskClock:
         )
         if self.charging is not None:
             charged = self.charging.time(rules, order, robots_of)
-            return self._tell(order, charged.timed, rules, charged.back)
+            return self._tell(order, charged.timed, rules, charged)
         return self._tell(order, time_tasks(rules, order, robots_of), rules)
 
     def _place(self, robot: int, before: int) -> int:
@@ -79,12 +81,9 @@ class TaskClock:
         order: Sequence[int],
         timed: Timed,
         rules: StartRules,
-        back: Sequence[float] | None = None,
+        charged: ChargedTimes | None = None,
     ) -> MissionPlan:
-        """Return the plan that starts tasks at these times; `back` if robots are not home at once.
-
-        What they travel has no detours to chargers in it: nobody has a cost beside a battery.
-        """
+        """Return the plan that starts tasks at these times, `charged` where robots charge."""
         travel = 0.0
         stops: list[list[Stop]] = [[] for _ in self.free]
         late, ends = {}, {}
@@ -99,14 +98,17 @@ class TaskClock:
         rows = zip(stops, self.origin.tolist(), self.free, strict=True)
         last = [(made[-1].task, made[-1].end) if made else (at, free) for made, at, free in rows]
         home = self.home[np.arange(len(last)), [place for place, _ in last]]
-        if back is None:
+        travel += float(home.sum())
+        if charged is not None:
+            back, travel = charged.back, sum(charged.walked)
+        else:
             back = [
                 rules.arrival(robot, left, float(way))
                 for robot, ((_, left), way) in enumerate(zip(last, home, strict=True))
             ]
         parts = {
             "makespan": max(back),
-            "travel": travel + float(home.sum()),
+            "travel": travel,
             **parts_of_ends(self.tasks, ends),
         }
         return MissionPlan(
@@ -120,3 +122,24 @@ class TaskClock:
             missed=tuple(task for task in range(len(self.tasks)) if task not in ends),
             cost=None if self.cost is None else cost_of(self.cost, parts),
         )
+
+
+def clock_of(rest: Remaining, charging: ChargedClock | None) -> TaskClock:
+    """Return the clock of some robots and tasks."""
+    return TaskClock(
+        tasks=rest.own_tasks,
+        ways=rest.ways,
+        home=rest.home,
+        pace=rest.pace,
+        origin=np.asarray(rest.origin, np.int64),
+        site=rest.site,
+        carry=rest.carry,
+        free=[rest.known.free_at[robot] for robot in rest.robots],
+        release=rest.release,
+        before=rest.before,
+        gaps=rest.gaps,
+        forming=rest.mission.forming,
+        rotas=rotas_of(rest.own_robots),
+        cost=rest.mission.cost,
+        charging=charging,
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from teamformer.base.array_types import Array
@@ -187,11 +188,8 @@ class Plays:
 
         Without a cost nothing outweighs what is missed.
         """
-        steps, cost, off = env.tally().steps, 0.0, env.called_off()
-        if self._source.cost is None and self._may_miss:
-            tasks = self._source.tasks
-            missed = sum(tasks[task].weight for task in env.missed() if task not in off)
-            cost = missed * (self._source.step_limit + 1) / SMALLEST_WEIGHT
+        steps, off = env.tally().steps, env.called_off()
+        cost = price_of_missed(self._source, env.missed())
         if self._weights is None:
             return cost + steps
         return cost + weighed(self._source, self._weights, env.ends(), steps, off)
@@ -234,6 +232,17 @@ class Plays:
             curve=tuple(curve),
             is_first=is_first,
         )
+
+
+def price_of_missed(mission: Mission, missed: Iterable[int]) -> float:
+    """Return what it costs that tasks are missed, where no cost says it: more than all else does.
+
+    Of two plans that miss tasks of different weights in all, the lighter ones cost less.
+    """
+    if mission.cost is not None:
+        return 0.0
+    weight = sum(mission.tasks[task].weight for task in missed)
+    return weight * (mission.step_limit + 1) / SMALLEST_WEIGHT
 
 
 def _again(player: Player, env: TeamFormation) -> Coordinator | None:

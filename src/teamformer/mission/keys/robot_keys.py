@@ -163,13 +163,12 @@ ROBOT_KEYS = (
     Key(
         "shifts",
         Shifts(),
-        "in continuous time, when the robot works: `[[0, 480], [540, 960]]` "
-        "([shifts](mission/time.md#shifts))",
+        "when the robot works: `[[0, 480], [540, 960]]` ([shifts](mission/time.md#shifts))",
         default=(),
         without="always",
         since="0.2.0",
         example=[[0, 480], [540, 960]],
-        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "works in shifts"),
+        unknown=Unknown((FLEETS, ROBOTARIUM), "works in shifts"),
     ),
     Key(
         "every",

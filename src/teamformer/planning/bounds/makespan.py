@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Array, Floats
-from teamformer.mission.model import Mission
+from teamformer.mission.model import Mission, as_believed
 from teamformer.planning.bounds.earliest import earliest_in_order, earliest_starts
 from teamformer.planning.bounds.legs import least_legs, one_for_each_place
 from teamformer.planning.bounds.open_paths import LARGEST_EXACT, bound_paths, shortest_path, span
@@ -56,7 +56,7 @@ def lower_bound(mission: Mission) -> int:
         bound = bound_makespan(problem, start)
         return refuter_in_steps(problem, start, _tasks_a_tour(problem)).raised(bound)
     robots = tuple(replace(robot, absences=()) for robot in mission.robots)
-    mission = replace(mission, robots=robots)
+    mission = as_believed(mission, robots=robots)
     problem = relax(mission, in_table=False)
     is_whole = np.array([task.to is None for task in mission.tasks])
     return bound_makespan(problem, earliest_in_order(mission, problem), is_whole)
@@ -77,7 +77,7 @@ def _without_cancelled(mission: Mission) -> Mission:
         for task in mission.tasks
         if task.name not in gone
     )
-    return replace(mission, tasks=tuple(tasks))
+    return as_believed(mission, tasks=tuple(tasks))
 
 
 def bound_makespan(

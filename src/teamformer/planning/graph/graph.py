@@ -93,6 +93,7 @@ class Graph(NamedTuple):
     there: Ints  # (seats of a node,) room for the steps in which groups are there
     worth: Records  # (tasks,) WORTH
     left: Ints  # (seats,) what who leaves a seat has in its battery; empty if nobody has one
+    together: Int32s  # (seats of a node,) room for the kinds of those whose shifts are looked at
 
 
 def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:
@@ -142,6 +143,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
         there=np.zeros(widest, np.int64),
         worth=worth,
         left=np.zeros(len(seats) if are_charged(problem.batteries) else 0, np.int64),
+        together=np.zeros(widest, np.int32),
     )
 
 

@@ -28,6 +28,7 @@ from teamformer.mission.parts.grid import Place
 from teamformer.mission.precedence import tasks_before
 from teamformer.planning.problem.coalition_problem import listed
 from teamformer.planning.problem.prices import Prices, prices_of
+from teamformer.planning.problem.rotas import Rotas, rotas_in_ticks
 from teamformer.planning.problem.ways import (
     are_ways_straight,
     ends_of,
@@ -70,6 +71,7 @@ class Relaxed(NamedTuple):
     before: Int32s  # (tasks, most) the tasks that must be done before each, then NOBODY; nothing
     # that is relaxed counts them
     prices: Prices  # what plans in steps are searched by besides the makespan
+    rotas: Rotas  # of each robot, in steps; empty where all always work. Nothing relaxed counts it
 
 
 class Future(NamedTuple):
@@ -157,6 +159,7 @@ def relax_ways(
         quickest=np.array(quickest, np.int32),
         before=listed([before.get(task, []) for task in range(len(tasks))]),
         prices=prices_of(mission, tasks),
+        rotas=rotas_in_ticks([robot.rota for robot in robots], int, FAR, 0),
     )
 
 

@@ -14,9 +14,14 @@ from teamformer.planning.problem.coalition_plan import (
     pairs_before,
     plan_of_lists,
 )
-from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.coalition_problem import (
+    CoalitionProblem,
+    different_rows,
+    pose_problem,
+)
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.planning.problem.rotas import of_kinds, stretched
 from teamformer.planning.search.arc_search import ArcSearch
 from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
@@ -147,6 +152,12 @@ def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProb
     problem = situation.problem
     tasks, carried = len(problem.appears), problem.steps[:, problem.carry]  # (paces, tasks)
     leaders, origin = np.unique(situation.company, return_inverse=True)
+    rotas, lost = problem.rotas, problem.lost[robots]
+    apart, row = lost, np.zeros(0, np.int64)
+    if len(rotas.every):  # robots with other shifts are of other kinds
+        shifts = rotas.shifts[robots].reshape(len(robots), -1)
+        first, apart = different_rows(np.column_stack([lost, shifts, rotas.every[robots]]))
+        row = robots[first]
     places = np.concatenate([np.arange(tasks), tasks + leaders])
     steps = problem.steps[:, problem.cells[:, places]]  # (paces, tasks, places)
     ways = np.ascontiguousarray(steps.transpose(0, 2, 1), np.int64) * TICKS
@@ -162,9 +173,10 @@ def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProb
         release=(problem.appears.astype(np.int64) + 1) * TICKS,
         precedence=pairs_before(problem.before),
         forming=situation.forming_steps,
-        apart=problem.lost[robots],
+        apart=apart,
         spares=riders,
         ready=problem.ready[leaders].astype(np.int64) * TICKS,
+        rotas=of_kinds(stretched(rotas, TICKS), row),
     )
 
 

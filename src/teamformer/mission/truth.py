@@ -131,11 +131,8 @@ def believed_mission(
         )
         for number, task in enumerate(mission.tasks)
     )
-    robots = (
-        replace(robot, breaks=None, delays=None, speed=robot.expected_speed)
-        for robot in mission.robots
-    )
-    return as_believed(mission, arrivals=None, tasks=tuple(tasks), robots=tuple(robots))
+    robots = tuple(robot.as_expected for robot in mission.robots)
+    return as_believed(mission, arrivals=None, tasks=tuple(tasks), robots=robots)
 
 
 def expected_mission(mission: Mission) -> Mission:

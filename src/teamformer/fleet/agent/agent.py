@@ -200,10 +200,12 @@ class Agent:
                 old = membership.hear(word, now)
                 if old is None:
                     continue
+                if old.is_fit and not word.is_fit:
+                    self.voice.hurry()  # it may only not have heard anybody
                 if goal != NOBODY and goal in (word.goal, old.goal):
                     self._mates_changes += 1
         membership.count_missed(beat.word)
-        membership.heard = now
+        membership.hear_somebody(now)
         if beat.word.version < words[sender].version:
             self.voice.relay_again(sender)  # it may not know what is said about it
         for key in beat.news:

@@ -74,8 +74,7 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
     for seat in range(schedule.plan.size[task]):
         robot = schedule.plan.coalition[task, seat]
         place = last[position, robot]
-        way = problem.ways[problem.pace[robot], place, task]
-        there = max(there, walked(problem.rotas, problem.kind[robot], end[place], way))
+        there = max(there, arrival(problem, schedule, robot, task, position))
         first = last[position, schedule.plan.coalition[task, 0]]
         comes_apart |= problem.site[place] != problem.site[first]
         slower = max(slower, problem.slower[problem.pace[robot], task])
@@ -91,6 +90,16 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
     schedule.rank[task] = position
     schedule.start[task] = start
     end[task] = start + takes
+
+
+@kernel
+def arrival(
+    problem: CoalitionProblem, schedule: Schedule, robot: int, task: int, position: int
+) -> int:
+    """Return when a robot can be at a task that is done at a position of the order."""
+    place = schedule.last[position, robot]
+    way = problem.ways[problem.pace[robot], place, task]
+    return walked(problem.rotas, problem.kind[robot], schedule.end[place], way)
 
 
 @kernel

@@ -37,7 +37,7 @@ def known_of(world: PhysicalWorld, news: tuple[str, ...], foresight: str = "scou
         came_from=tuple(came_from for _, _, came_from in free),
         started=dict(world.started),
         over=frozenset(world.over),
-        left=tuple(world.left_then(robot, at) for robot, (_, at, _) in enumerate(free)),
+        left=tuple(_left(world, robot, at) for robot, (_, at, _) in enumerate(free)),
         charging=world.charging_now(),
     )
 
@@ -64,10 +64,16 @@ def _believed_task(task: Task, place: Place, needs: Counts | None, over: set[str
     return replace(task.once_known(place, needs, task.duration), after=after)
 
 
+def _left(world: PhysicalWorld, robot: int, moment: float) -> float:
+    """Return what a robot will have left, in units of time that it is believed to walk."""
+    own = world.mission.robots[robot]
+    return world.left_then(robot, moment) * own.speed / own.expected_speed
+
+
 def _believed_robot(robot: Robot) -> Robot:
     if robot.breaks is None and robot.delays is None:
         return robot
-    return replace(robot, breaks=None, delays=None, speed=robot.expected_speed)
+    return robot.as_expected
 
 
 def _needs(
@@ -100,6 +106,6 @@ def _free(world: PhysicalWorld, robot: int) -> tuple[Place, float, Place]:
         place = world.place_of(task) if real.to is None or work.part == FORMING else real.to
         return place, max(world.now, work.expected), place
     if body.is_charging:
-        return body.way[0].place, world.events[body.since].until or world.now, body.came_from
+        return body.way[0].place, world.events[body.charge].until or world.now, body.came_from
     at, place = world.next_place(robot)
     return place, max(world.now, at), body.came_from

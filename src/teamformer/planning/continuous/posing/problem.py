@@ -53,7 +53,7 @@ def problem_of(rest: Remaining, ticks: Ticks, charging: ChargedClock | None) -> 
         ready=ticks.of(rest.ready),
         apart=kinds_apart(rest.known, rest.robots, [different.index(rota) for rota in rotas]),
         rotas=rotas_in_ticks(
-            [rota.counted_from(now) for rota in different],
+            [rota.counted_from(now) for rota in rotas],
             lambda when: round(when * scale),
             round(ticks.never * scale),
             rounding_of(len(rest.tasks)),

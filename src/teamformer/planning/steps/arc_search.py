@@ -153,11 +153,10 @@ def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProb
     tasks, carried = len(problem.appears), problem.steps[:, problem.carry]  # (paces, tasks)
     leaders, origin = np.unique(situation.company, return_inverse=True)
     rotas, lost = problem.rotas, problem.lost[robots]
-    apart, row = lost, np.zeros(0, np.int64)
+    apart = lost
     if len(rotas.every):  # robots with other shifts are of other kinds
         shifts = rotas.shifts[robots].reshape(len(robots), -1)
-        first, apart = different_rows(np.column_stack([lost, shifts, rotas.every[robots]]))
-        row = robots[first]
+        _, apart = different_rows(np.column_stack([lost, shifts, rotas.every[robots]]))
     places = np.concatenate([np.arange(tasks), tasks + leaders])
     steps = problem.steps[:, problem.cells[:, places]]  # (paces, tasks, places)
     ways = np.ascontiguousarray(steps.transpose(0, 2, 1), np.int64) * TICKS
@@ -176,7 +175,7 @@ def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProb
         apart=apart,
         spares=riders,
         ready=problem.ready[leaders].astype(np.int64) * TICKS,
-        rotas=of_kinds(stretched(rotas, TICKS), row),
+        rotas=of_kinds(stretched(rotas, TICKS), robots),
     )
 
 

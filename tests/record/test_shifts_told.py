@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from small_worlds import make, robot, service, task
+from small_worlds import at_work, make, robot, service, task
 from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Mission
 from teamformer.record.critical_path.words import why_so_late
@@ -17,9 +15,7 @@ Shifts = tuple[tuple[int, int], ...]
 
 def told(mission: Mission, *shifts: Shifts) -> ToldRecord:
     """Return what is told of a run of a mission whose robots have shifts, one after the other."""
-    robots = (replace(one, shifts=own) for one, own in zip(mission.robots, shifts, strict=True))
-    at_work = replace(mission, robots=tuple(robots), step_limit=0)
-    return told_of(run_trial(at_work, load_method("plan")).record)
+    return told_of(run_trial(at_work(mission, *shifts), load_method("plan")).record)
 
 
 def doings(found: ToldRecord, number: int) -> list[tuple[float, str | None]]:

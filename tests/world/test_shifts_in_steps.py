@@ -9,7 +9,7 @@ import pytest
 
 from coordinations import RandomPlans
 from random_worlds import random_decision, random_world, with_loads, with_shifts, with_surprises
-from small_worlds import done_at, make, places, play, robot, service, task
+from small_worlds import at_work, done_at, make, places, play, robot, service, task
 from teamformer.base.errors import MissionError
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.model import Mission, Robot, Task
@@ -17,15 +17,6 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.world.env import TeamFormation
 from twins import Twin
-
-
-def at_work(mission: Mission, *shifts: tuple[tuple[int, int], ...], every: int = 0) -> Mission:
-    """Return a mission whose robots have shifts, one after the other."""
-    robots = [
-        replace(one, shifts=own, every=every if own else 0)
-        for one, own in zip(mission.robots, shifts, strict=True)
-    ]
-    return replace(mission, robots=tuple(robots), step_limit=0)
 
 
 def walked(mission: Mission, steps: int) -> list[int]:

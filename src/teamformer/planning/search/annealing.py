@@ -11,7 +11,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.graph.arc_problem import SLACK, ArcProblem, is_weighed, may_miss
-from teamformer.planning.graph.graph import COST, LEADS, MAKESPAN, Graph
+from teamformer.planning.graph.graph import COST, LEADS, MAKESPAN, Graph, counted_makespan
 from teamformer.planning.graph.judging import CHAINED, ArcChange, undo
 from teamformer.planning.graph.ledger import (
     BEST,
@@ -26,7 +26,7 @@ from teamformer.planning.graph.ledger import (
     time_all_anew,
     time_change,
 )
-from teamformer.planning.graph.worth import counted_makespan, is_left_out
+from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_task
 from teamformer.planning.operators.exchanges import exchange_rests
 from teamformer.planning.operators.group_moves import move_group

@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from teamformer.mission.keys.charging_keys import BATTERY_KEYS, NEW
-from teamformer.mission.keys.key import CONTINUOUS, FLEETS, ROBOTARIUM, STEPS, Key, Unknown
+from teamformer.mission.keys.key import (
+    CONTINUOUS,
+    FLEETS,
+    FLEETS_IN_STEPS,
+    ROBOTARIUM,
+    STEPS,
+    Key,
+    Unknown,
+)
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     LATEST_RETURN,
@@ -168,7 +176,7 @@ ROBOT_KEYS = (
         without="always",
         since="0.2.0",
         example=[[0, 480], [540, 960]],
-        unknown=Unknown((FLEETS, ROBOTARIUM), "works in shifts"),
+        unknown=Unknown((FLEETS_IN_STEPS, ROBOTARIUM), "works in shifts"),
     ),
     Key(
         "every",

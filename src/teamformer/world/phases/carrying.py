@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from teamformer.base.kernels.jit import allocating_kernel, kernel
-from teamformer.world.rules.constants import NOBODY, ROUNDING
+from teamformer.world.rules.constants import NEVER, NOBODY, ROUNDING
 from teamformer.world.state.task_places import change_cell, put_task
 
 if TYPE_CHECKING:
@@ -56,6 +56,15 @@ def carried_for(world: World, team: int, task: int) -> int:
     if _is_there(world, team, task):
         return int(unload)
     return int(unload + _steps_to_go(world, team, task, 0.0))
+
+
+@kernel
+def carries_in_time(world: World, team: int, task: int, step: int) -> bool:
+    """Say whether a team that begins with a load in a step is done with it by the end of all."""
+    if world.rules.until == NEVER:
+        return True
+    takes = world.tasks[task].duration + carried_for(world, team, task)
+    return bool(step + takes <= world.rules.until)
 
 
 @kernel

@@ -180,8 +180,8 @@ def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProb
         apart=apart,
         spares=riders,
         ready=problem.ready[leaders].astype(np.int64) * TICKS,
-        misses=_misses_in_ticks(problem),
         rotas=of_kinds(stretched(rotas, TICKS), robots),
+        misses=_misses_in_ticks(problem),
     )
 
 

@@ -13,7 +13,7 @@ from teamformer.planning.problem.relaxed_problem import Relaxed, has_prices
 from teamformer.planning.step_times.groups import empty_groups
 from teamformer.planning.step_times.passing import settle
 from teamformer.planning.steps.situation import Situation
-from teamformer.world.rules.constants import FAR, NOBODY
+from teamformer.world.rules.constants import NOBODY
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class TimedPlan:
     @property
     def makespan(self) -> int:
         """Return the step in which the last task is done that is."""
-        return int(self.ends[self.ends < FAR].max(initial=0))
+        return int(self.ends[self.plan.size > 0].max(initial=0))
 
 
 def time_team_plan(situation: Situation, plan: CoalitionPlan) -> TimedPlan:

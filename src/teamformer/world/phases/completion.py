@@ -50,7 +50,7 @@ def complete_tasks(world: World, step: int) -> None:
         for i in range(find_tasks_here(world, team)):
             task = world.here[i]
             is_free = _is_free(world, task, step) and not world.tasks[task].is_load
-            if is_free and _can_do(world, team, task, step):
+            if is_free and can_do_alone(world, team, task) and _fits(world, team, task, step):
                 _begin(world, team, task, step)
     if world.count.done > done_before:
         _close_gaps_in_order(world)
@@ -90,11 +90,12 @@ def _is_loaded(world: World, team: int, step: int) -> bool:
     if world.teams[team].serves > 0:
         return bool(world.tasks[task].server == team)
     is_free = _is_free(world, task, step) and not world.tasks[task].is_carried
-    if is_free and stands_at(world, team, task) and _can_do(world, team, task, step):
-        if carries_in_time(world, team, task, step):
+    if is_free and stands_at(world, team, task) and can_do_alone(world, team, task):
+        if not carries_in_time(world, team, task, step):
+            _miss(world, task, step)
+        elif _fits(world, team, task, step):
             _begin(world, team, task, step)
             return True
-        _miss(world, task, step)
     return False
 
 
@@ -199,10 +200,8 @@ def _give_up(world: World) -> None:
 
 
 @kernel
-def _can_do(world: World, team: int, task: int, step: int) -> bool:
-    """Say whether a team can begin a task in a step: alone, and within a shift of each robot."""
-    if not can_do_alone(world, team, task):
-        return False
+def _fits(world: World, team: int, task: int, step: int) -> bool:
+    """Say whether a task that begins in a step fits, as it is believed, into shifts of all."""
     if not world.rules.has_shifts:
         return True
     takes = world.tasks[task].duration
@@ -436,18 +435,18 @@ def judge_status(world: World, is_news: bool) -> None:
 
 
 @kernel
-def _has_failed(world: World) -> bool:
-    """Say whether a task is missed that must be done."""
-    for task in range(world.rules.tasks):
-        if world.tasks[task].missed_at != NOBODY and not world.tasks[task].is_optional:
+def _any_stops(world: World) -> bool:
+    """Say whether the last shift of a robot has just ended."""
+    for robot in range(world.rules.robots):
+        if world.robots[robot].over == world.count.steps:
             return True
     return False
 
 
 @kernel
-def _any_stops(world: World) -> bool:
-    """Say whether the last shift of a robot has just ended."""
-    for robot in range(world.rules.robots):
-        if world.robots[robot].over == world.count.steps:
+def _has_failed(world: World) -> bool:
+    """Say whether a task is missed that must be done."""
+    for task in range(world.rules.tasks):
+        if world.tasks[task].missed_at != NOBODY and not world.tasks[task].is_optional:
             return True
     return False

@@ -23,6 +23,17 @@ def take_up(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> bool:
     return is_unloaded
 
 
+def steps_to_go(world: PlainWorld, team: PlainTeam, goal: Place, credit: float = 0.0) -> int:
+    """Return how many steps a team takes to a place, by what it has saved of a cell."""
+    if world.is_same(team.at, goal):
+        return 0
+    if isinstance(world.world, Plane):
+        way = apart(team.at, goal) - world.here
+    else:
+        way = world.ways.length(team.at, goal, team.flies) - credit
+    return math.ceil(way / team.pace - ROUNDING)
+
+
 def carry(world: PlainWorld, team: PlainTeam, task: int) -> bool:
     """End a step with a load; say whether it has been long enough where it goes.
 
@@ -48,21 +59,3 @@ def put_down(world: PlainWorld) -> None:
         world.carried.remove(task)
         world.put_task(task, place)
     world.let_go = {}
-
-
-def carried_for(world: PlainWorld, team: PlainTeam, task: int) -> int:
-    """Return how many steps a team that takes up a load carries and unloads it."""
-    wanted = world.mission.tasks[task]
-    assert wanted.to is not None
-    return steps_to_go(world, team, wanted.to) + int(wanted.unload)
-
-
-def steps_to_go(world: PlainWorld, team: PlainTeam, goal: Place, credit: float = 0.0) -> int:
-    """Return how many steps a team takes to a place, by what it has saved of a cell."""
-    if world.is_same(team.at, goal):
-        return 0
-    if isinstance(world.world, Plane):
-        way = apart(team.at, goal) - world.here
-    else:
-        way = world.ways.length(team.at, goal, team.flies) - credit
-    return math.ceil(way / team.pace - ROUNDING)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.reach import can_reach
-from teamformer.world.reference.carrying import carried_for, carry, take_up
+from teamformer.world.reference.carrying import carry, steps_to_go, take_up
 from teamformer.world.reference.state import PlainTeam, PlainWorld
 
 
@@ -18,7 +18,8 @@ def complete_tasks(world: PlainWorld) -> None:
         if _is_with_load(world, slot, team):
             continue
         for task in world.tasks_at(team.at):
-            if world.mission.tasks[task].to is None and _is_ready(world, team, task):
+            is_ready = world.mission.tasks[task].to is None and _is_ready(world, team, task)
+            if is_ready and _fits(world, team, task):
                 _begin(world, slot, team, task)
     world.happened.done = dict(sorted(world.happened.done.items()))
     for team in world.teams.values() if world.happened.done else ():
@@ -64,16 +65,17 @@ def _is_with_load(world: PlainWorld, slot: int, team: PlainTeam) -> bool:
         if not _carries_in_time(world, team, task):
             _miss(world, task, world.steps + 1)
             return False
-        _begin(world, slot, team, task)
-        return True
+        if _fits(world, team, task):
+            _begin(world, slot, team, task)
+            return True
     return task in team.serving
 
 
 def _carries_in_time(world: PlainWorld, team: PlainTeam, task: int) -> bool:
     """Say whether a team that begins with a load now is done with it by the end of the mission."""
-    wanted, until = world.mission.tasks[task], world.mission.until
-    carried = carried_for(world, team, task)
-    return until is None or world.steps + 1 + wanted.duration + carried <= until
+    to = world.mission.tasks[task].to
+    assert to is not None
+    return _ends_in_time(world, task, world.steps + 1 + steps_to_go(world, team, to))
 
 
 def _ends_in_time(world: PlainWorld, task: int, begins: int) -> bool:
@@ -135,8 +137,7 @@ def _is_ready(world: PlainWorld, team: PlainTeam, task: int) -> bool:
     """Say whether a team can do a task, which may begin and which nobody does."""
     is_free = task in world.open and task in world.may_begin and task not in world.served
     is_free = is_free and _ends_in_time(world, task, world.steps + 1)
-    is_able = is_free and task not in world.let_go and world.covers(team.has, task)
-    return is_able and _fits(world, team, task)
+    return is_free and task not in world.let_go and world.covers(team.has, task)
 
 
 def _fits(world: PlainWorld, team: PlainTeam, task: int) -> bool:
@@ -144,8 +145,9 @@ def _fits(world: PlainWorld, team: PlainTeam, task: int) -> bool:
     if not world.rotas:
         return True
     wanted, now = world.mission.tasks[task], world.steps + 1
-    carried = 0 if wanted.to is None else carried_for(world, team, task)
-    return world.is_in_shift(team.robots, now, now + int(wanted.duration) + carried)
+    carried = 0 if wanted.to is None else steps_to_go(world, team, wanted.to)
+    takes = int(wanted.duration + wanted.unload) + carried
+    return world.is_in_shift(team.robots, now, now + takes)
 
 
 def _begin(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:

@@ -22,8 +22,8 @@ from plain_times import Times, Ways, able_crews, all_plans
 from random_worlds import random_world, with_optional
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import mission_from_tree
-from teamformer.methods.central.plays import Plays, price_of_missed
 from teamformer.methods.by_name import Player
+from teamformer.methods.central.plays import Plays, price_of_missed
 from teamformer.methods.central.policy import Central
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.model import Mission

@@ -250,10 +250,11 @@ class Recorder:
         left = {robot for robots in self._before.groups.values() for robot in robots}
         left |= {r for r, robot in enumerate(mission.robots) if robot.is_due(made)}
         have = totals_by_region(mission.world, (mission.robots[r] for r in left))
+        over = {*self._env.ends(), *self._env.missed()}
         return tuple(
             task.name
             for k, task in enumerate(mission.tasks)
-            if self._env.worlds.tasks["done_at"][0, k] == NOBODY
+            if k not in over
             and task.cancelled is None
             and not task.optional
             and not covers(have[mission.world.region(task.at)], task.needs)

@@ -257,3 +257,27 @@ def random_decision(view: View, rng: np.random.Generator, eagerness: float = 0.3
             if not stay.all():
                 wanted[row] = view.member_counts[members][stay].sum(axis=0)
     return Decision(wanted)
+
+
+def with_shifts(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission in which most robots work in one of two rotas, some with shifts that touch.
+
+    Each shift has room for the longest task; a third of the rotas do not come again. Raises
+    `MissionError` if robots that a task needs have no shift in common that is long enough.
+    """
+    longest = max(int(task.duration + task.unload) for task in mission.tasks) + 1
+    rotas = []
+    for _ in range(2):
+        lasts = rng.integers(longest, longest + 9, size=2)
+        begin, rest, after = (int(n) for n in rng.choice([0, 0, 1, 3, 7], size=3))
+        shifts = ((begin, begin + int(lasts[0])),)
+        if rng.random() < 0.6:
+            again = shifts[0][1] + rest
+            shifts = (*shifts, (again, again + int(lasts[1])))
+        every = 0 if rng.random() < 0.33 else shifts[-1][1] - begin + after
+        rotas.append((shifts, every))
+    robots = []
+    for robot in mission.robots:
+        shifts, every = rotas[rng.integers(2)] if rng.random() < 0.8 else ((), 0)
+        robots.append(replace(robot, shifts=shifts, every=every))
+    return replace(mission, robots=tuple(robots), step_limit=0)

@@ -141,7 +141,7 @@ def plan_mission(
         raise UndoableError(
             f"{mission.name}: {', '.join(end.blocked_tasks)} can never be done: since step "
             f"{end.steps} no robots are left that bring what is needed",
-            "add such robots, or drop their lost",
+            "add such robots, or drop their lost or shifts",
         )
     if end.makespan is None:
         return None

@@ -249,7 +249,8 @@ class Recorder:
         mission, made = self._truth, self._before.tally.steps
         left = {robot for robots in self._before.groups.values() for robot in robots}
         left |= {r for r, robot in enumerate(mission.robots) if robot.is_due(made)}
-        have = totals_by_region(mission.world, (mission.robots[r] for r in left))
+        at_work = (mission.robots[r] for r in left if mission.robots[r].rota.over > made)
+        have = totals_by_region(mission.world, at_work)
         over = {*self._env.ends(), *self._env.missed()}
         return tuple(
             task.name

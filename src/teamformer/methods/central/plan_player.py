@@ -9,6 +9,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.shifts import fits_now
 from teamformer.planning.problem.relaxed_problem import count_table
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -42,8 +43,11 @@ class PlanPlayer:
         world = mission.world
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
         self._reach = max(mission.join_radius, self._near)
-        kinds = [(sorted(r.can.items()), r.speed, r.flies, r.absences) for r in mission.robots]
-        self._kind = [repr(kind) for kind in kinds]
+        self._kind = [
+            repr((sorted(r.can.items()), r.speed, r.flies, r.absences, r.rota))
+            for r in mission.robots
+        ]
+        self._rotas = [robot.rota for robot in mission.robots]
         self._counts = count_table([robot.can for robot in mission.robots], mission)
 
     def decide_in(self, env: TeamFormation) -> Decision:
@@ -60,6 +64,7 @@ class PlanPlayer:
         wanted = {slot: env.worlds.has[0, slot].copy() for slot in slots}
         named = dict.fromkeys(slots, NOBODY)
         waiting: dict[int, int] = {}  # the team at its next task that nobody joins yet, by task
+        steps = int(env.worlds.count["steps"][0])
         serves, x, y = (teams[field].tolist() for field in ("serves", "x", "y"))
         for slot in slots:
             ways = self._ways(members[slot])
@@ -68,7 +73,9 @@ class PlanPlayer:
             parted = self._part(members[slot], ways)
             if parted is not None:
                 wanted[slot] = parted
-            elif self._is_at(ways[0], x[slot], y[slot]):
+            elif self._is_at(ways[0], x[slot], y[slot]) and fits_now(
+                [self._rotas[robot] for robot in members[slot]], steps, 1
+            ):
                 other = waiting.setdefault(ways[0], slot)
                 if other != slot and self._is_in_reach(x[slot] - x[other], y[slot] - y[other]):
                     wanted[other] = wanted[other] + wanted[slot]

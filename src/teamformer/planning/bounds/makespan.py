@@ -56,7 +56,7 @@ def lower_bound(mission: Mission) -> int:
         bound = bound_makespan(problem, start)
         return refuter_in_steps(problem, start, _tasks_a_tour(problem)).raised(bound)
     robots = tuple(replace(robot, absences=()) for robot in mission.robots)
-    mission = replace(mission, robots=robots)
+    mission = as_believed(mission, robots=robots)
     problem = relax(mission, in_table=False)
     is_whole = np.array([task.to is None for task in mission.tasks])
     return bound_makespan(problem, earliest_in_order(mission, problem), is_whole)

@@ -35,6 +35,7 @@ from teamformer.planning.problem.prices import (
     prices_of,
     step_of_missed,
 )
+from teamformer.planning.problem.rotas import Rotas, rotas_in_ticks
 from teamformer.planning.problem.ways import (
     are_ways_straight,
     ends_of,
@@ -78,6 +79,7 @@ class Relaxed(NamedTuple):
     # that is relaxed counts them
     prices: Prices  # what plans in steps are searched by besides the makespan
     misses: Misses  # what is missed if the mission is over before a task is done, in steps
+    rotas: Rotas  # of each robot, in steps; empty where all always work. Nothing relaxed counts it
 
 
 class Future(NamedTuple):
@@ -166,6 +168,7 @@ def relax_ways(
         before=listed([before.get(task, []) for task in range(len(tasks))]),
         prices=prices_of(mission, tasks),
         misses=no_misses(),
+        rotas=rotas_in_ticks([robot.rota for robot in robots], int, FAR, 0),
     )
     if mission.until is None or not tasks:
         return problem

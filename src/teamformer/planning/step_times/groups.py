@@ -39,6 +39,7 @@ class Groups(NamedTuple):
     spare: Array  # (2,) a task that can be done without some group that comes to it, and that group
     moved: Array  # (tasks,) the tasks in the order in which they are done, as it is worked out
     spares: Array  # (robots,) those of a coalition that it can do without
+    together: Array  # (robots,) those of a coalition or a group whose shifts are looked at
 
 
 def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups:
@@ -69,6 +70,7 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
         spare=np.zeros(2, np.int32),
         moved=np.zeros(by_task, np.int32),
         spares=np.zeros(by_robot, np.int32),
+        together=np.zeros(by_robot, np.int32),
     )
 
 

@@ -47,6 +47,9 @@ class Unrolled:
         self.formed: set[int] = set()  # teams with other robots than before the latest step
         self._changed = set(self.teams.robots)  # teams for which the step before changed something
         self._heading: dict[int, list[int]] | None = None
+        self.off: set[int] = set()  # robots outside their shifts in the latest step
+        rotas = enumerate(robot.rota for robot in record.mission.robots)
+        self._rotas = [(robot, rota) for robot, rota in rotas if rota]
         self._read(record)
 
     def _read(self, record: Record) -> None:
@@ -88,14 +91,22 @@ class Unrolled:
         self.formed = formed | self._slots_of(r for r in before.slot if r not in step.lost)
         changed = self.formed | self._slots_of(step.back) | set(self._who_heads_elsewhere(step))
         changed |= {row.slot for row in step.teams} | {slot for slot, _ in step.pursued}
+        off = self._who_is_off()
+        changed |= self._slots_of(off | self.off)
+        self.off = off
         work = self.services.by_slot(self.teams)
         walking = before.walking - self.formed - work.keys() - set(step.back)
         slots = ((changed | self._changed) & self.teams.robots.keys()) - walking
         self._complete(step)
         self.others = self.phases.follow(
-            self.mission, self.teams, step, slots, before, formed, work, self.goals
+            self.mission, self.teams, step, slots, before, formed, work, self.goals, off
         )
         self._changed = changed | self._slots_of(self.services.touched)
+
+    def _who_is_off(self) -> set[int]:
+        """Return who is outside its shifts in the latest step."""
+        made = self.steps - 1
+        return {robot for robot, rota in self._rotas if rota.fits(made, 1) != made}
 
     def _slots_of(self, robots: Iterable[int]) -> set[int]:
         return {self.teams.slot[robot] for robot in robots} - {NOBODY}

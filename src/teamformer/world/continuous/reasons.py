@@ -1,16 +1,17 @@
-"""Why tasks were left out in continuous time."""
+"""Why tasks were left out of a mission in continuous time."""
 
 from __future__ import annotations
 
-from teamformer.world.continuous.moving import MovingWorld
+from teamformer.mission.model import Mission
+from teamformer.world.continuous.ways import Ways
 from teamformer.world.rules import left_out
 
 
-def why_left_out(world: MovingWorld, task: int) -> str:
-    """Return why nobody has begun a task, in a word of `WHY_MISSED`."""
-    truth, at = world.truth, world.truth.tasks[task].at
+def why_left_out(truth: Mission, ways: Ways, task: int) -> str:
+    """Return why nobody has begun a task of a mission, in a word of `WHY_MISSED`."""
+    at = truth.tasks[task].at
     comes = (
-        (world.ways.length(robot.at, at, robot.moves) / robot.speed, number)
+        (ways.length(robot.at, at, robot.moves) / robot.speed, number)
         for number, robot in enumerate(truth.robots)
     )
     return left_out.why_left_out(truth, task, comes)

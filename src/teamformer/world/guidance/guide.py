@@ -274,6 +274,6 @@ def _make_parts(worlds: Worlds, missions: Sequence[Mission]) -> Parts:
         kinds: dict[tuple[object, ...], int] = {}
         for r, robot in enumerate(mission.robots):
             region = mission.world.region(robot.at)
-            kind = (*sorted(robot.can.items()), robot.speed, robot.flies, region)
+            kind = (*sorted(robot.can.items()), robot.speed, robot.flies, region, robot.rota)
             parts.kind[w, r] = kinds.setdefault(kind, r)
     return parts

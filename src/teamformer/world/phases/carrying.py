@@ -50,13 +50,20 @@ def expect_arrival(world: World, team: int, task: int) -> None:
 
 
 @kernel
+def carried_for(world: World, team: int, task: int) -> int:
+    """Return how many steps a team that takes up a load carries and unloads it."""
+    unload = world.tasks[task].unload
+    if _is_there(world, team, task):
+        return int(unload)
+    return int(unload + _steps_to_go(world, team, task, 0.0))
+
+
+@kernel
 def carries_in_time(world: World, team: int, task: int, step: int) -> bool:
     """Say whether a team that begins with a load in a step is done with it by the end of all."""
     if world.rules.until == NEVER:
         return True
-    takes = world.tasks[task].duration + world.tasks[task].unload
-    if not _is_there(world, team, task):
-        takes += _steps_to_go(world, team, task, 0.0)
+    takes = world.tasks[task].duration + carried_for(world, team, task)
     return bool(step + takes <= world.rules.until)
 
 

@@ -8,11 +8,13 @@ from teamformer.base.kernels.jit import entry, kernel
 from teamformer.world.phases.assignment import can_do_alone
 from teamformer.world.phases.beliefs import expect_end
 from teamformer.world.phases.carrying import (
+    carried_for,
     carries_in_time,
     expect_arrival,
     is_delivered,
     note_place,
 )
+from teamformer.world.phases.delays import is_in_shift
 from teamformer.world.phases.motion import is_way
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.state.arrays import (
@@ -48,7 +50,7 @@ def complete_tasks(world: World, step: int) -> None:
         for i in range(find_tasks_here(world, team)):
             task = world.here[i]
             is_free = _is_free(world, task, step) and not world.tasks[task].is_load
-            if is_free and can_do_alone(world, team, task):
+            if is_free and _can_do(world, team, task, step):
                 _begin(world, team, task, step)
     if world.count.done > done_before:
         _close_gaps_in_order(world)
@@ -88,7 +90,7 @@ def _is_loaded(world: World, team: int, step: int) -> bool:
     if world.teams[team].serves > 0:
         return bool(world.tasks[task].server == team)
     is_free = _is_free(world, task, step) and not world.tasks[task].is_carried
-    if is_free and stands_at(world, team, task) and can_do_alone(world, team, task):
+    if is_free and stands_at(world, team, task) and _can_do(world, team, task, step):
         if carries_in_time(world, team, task, step):
             _begin(world, team, task, step)
             return True
@@ -197,15 +199,35 @@ def _give_up(world: World) -> None:
 
 
 @kernel
+def _can_do(world: World, team: int, task: int, step: int) -> bool:
+    """Say whether a team can begin a task in a step: alone, and within a shift of each robot."""
+    if not can_do_alone(world, team, task):
+        return False
+    if not world.rules.has_shifts:
+        return True
+    takes = world.tasks[task].duration
+    if world.tasks[task].is_load:
+        takes += carried_for(world, team, task)
+    return is_in_shift(world, team, step, step + takes)
+
+
+@kernel
+def _goes_on(world: World, team: int, task: int, step: int) -> bool:
+    """Say whether a team has all that the task needs which it serves, in the shifts it began in."""
+    is_able = can_do_alone(world, team, task)
+    return is_able and is_in_shift(world, team, world.tasks[task].begun_at, step)
+
+
+@kernel
 def _serve(world: World, team: int, task: int, step: int) -> None:
     """One step of service; a team that has lost what the task needs breaks it off.
 
-    So does one that is carried away from it: its motion may come from outside.
+    So does one of which a shift is over, or that is carried away: its motion may come from outside.
     """
     world.tasks[task].served += 1
     if world.tasks[task].is_carried:
         _carry(world, team, task, step)
-    elif not (can_do_alone(world, team, task) and stands_at(world, team, task)):
+    elif not (_goes_on(world, team, task, step) and stands_at(world, team, task)):
         _end_service(world, team, task)
         world.count.news |= BROKEN_OFF
     elif world.tasks[task].is_load:
@@ -238,8 +260,11 @@ def _take_up(world: World, team: int, task: int, step: int) -> None:
 
 @kernel
 def _carry(world: World, team: int, task: int, step: int) -> None:
-    """The end of a step with a load; a team that has lost what it takes lets go of it."""
-    if not can_do_alone(world, team, task):
+    """The end of a step with a load; a team that has lost what it takes lets go of it.
+
+    So does one of which a shift is over.
+    """
+    if not _goes_on(world, team, task, step):
         note_place(world, task, world.teams[team].x, world.teams[team].y)
         _end_service(world, team, task)
         world.count.news |= BROKEN_OFF
@@ -264,7 +289,7 @@ def _begin(world: World, team: int, task: int, step: int) -> None:
         _finish(world, team, task, step)
         return
     world.tasks[task].server = team
-    world.tasks[task].served = 0
+    world.tasks[task].served, world.tasks[task].begun_at = 0, step
     world.tasks[task].expected = max(1, world.tasks[task].duration)
     world.teams[team].serves += 1
     world.teams[team].credit = 0.0
@@ -372,12 +397,14 @@ def _ordered_at(world: World, task: int) -> int:
 def is_possible(world: World, task: int, needs: Array, counts_due: bool) -> bool:
     """Say whether the robots that are left and can get there cover the needs of a task together.
 
-    With those that are due back, if `counts_due`; `needs` are (caps,).
+    With those that are due back, if `counts_due`; `needs` are (caps,). Those whose last shift is
+    over are not left.
     """
     for cap in range(len(needs)):
         short = needs[cap]
         for robot in range(world.rules.robots):
             is_there = is_way(world.robots[robot].region, world.tasks[task].region)
+            is_there &= world.count.steps < world.robots[robot].over
             is_due = counts_due and world.count.steps < world.robots[robot].back < NEVER
             if short > 0 and is_there and (is_due or world.robots[robot].team != NOBODY):
                 short -= world.brings[robot, cap]
@@ -390,13 +417,13 @@ def is_possible(world: World, task: int, needs: Array, counts_due: bool) -> bool
 def judge_status(world: World, is_news: bool) -> None:
     """Say how the trial stands after a step: done, impossible, out of steps, or running.
 
-    What was possible stays so unless there is news: robots may have been lost. A task that is to be
-    called off stops nobody.
+    What was possible stays so unless there is news, as robots may have been lost, or the last shift
+    of one is over. A task that is to be called off stops nobody.
     """
     if world.count.done + world.count.cancelled + world.count.missed == world.rules.tasks:
         world.count.status = TOO_LATE if _has_failed(world) else COMPLETED
         return
-    if is_news:
+    if is_news or _any_stops(world):
         for task in range(world.rules.tasks):
             needs = world.true_needs[task] if world.rules.hides_needs else world.needs[task]
             is_wanted = world.tasks[task].cancelled == NEVER and not world.tasks[task].is_optional
@@ -413,5 +440,14 @@ def _has_failed(world: World) -> bool:
     """Say whether a task is missed that must be done."""
     for task in range(world.rules.tasks):
         if world.tasks[task].missed_at != NOBODY and not world.tasks[task].is_optional:
+            return True
+    return False
+
+
+@kernel
+def _any_stops(world: World) -> bool:
+    """Say whether the last shift of a robot has just ended."""
+    for robot in range(world.rules.robots):
+        if world.robots[robot].over == world.count.steps:
             return True
     return False

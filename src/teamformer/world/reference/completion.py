@@ -5,7 +5,7 @@ from __future__ import annotations
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.reach import can_reach
-from teamformer.world.reference.carrying import carry, steps_to_go, take_up
+from teamformer.world.reference.carrying import carried_for, carry, take_up
 from teamformer.world.reference.state import PlainTeam, PlainWorld
 
 
@@ -32,7 +32,10 @@ def _serve(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
             _finish(world, slot, team, task)
         return
     team.serving[task] -= 1
-    if not (world.covers(team.has, task) and world.is_same(team.at, world.at[task])):
+    is_able = world.covers(team.has, task) and world.is_in_shift(
+        team.robots, world.begun_at[task], world.steps + 1
+    )
+    if not (is_able and world.is_same(team.at, world.at[task])):
         del team.serving[task]
         world.served.discard(task)
         world.happened.any_broken_off = True
@@ -68,9 +71,9 @@ def _is_with_load(world: PlainWorld, slot: int, team: PlainTeam) -> bool:
 
 def _carries_in_time(world: PlainWorld, team: PlainTeam, task: int) -> bool:
     """Say whether a team that begins with a load now is done with it by the end of the mission."""
-    to = world.mission.tasks[task].to
-    assert to is not None
-    return _ends_in_time(world, task, world.steps + 1 + steps_to_go(world, team, to))
+    wanted, until = world.mission.tasks[task], world.mission.until
+    carried = carried_for(world, team, task)
+    return until is None or world.steps + 1 + wanted.duration + carried <= until
 
 
 def _ends_in_time(world: PlainWorld, task: int, begins: int) -> bool:
@@ -132,7 +135,17 @@ def _is_ready(world: PlainWorld, team: PlainTeam, task: int) -> bool:
     """Say whether a team can do a task, which may begin and which nobody does."""
     is_free = task in world.open and task in world.may_begin and task not in world.served
     is_free = is_free and _ends_in_time(world, task, world.steps + 1)
-    return is_free and task not in world.let_go and world.covers(team.has, task)
+    is_able = is_free and task not in world.let_go and world.covers(team.has, task)
+    return is_able and _fits(world, team, task)
+
+
+def _fits(world: PlainWorld, team: PlainTeam, task: int) -> bool:
+    """Say whether a task that begins in this step fits, as it is believed, into shifts of all."""
+    if not world.rotas:
+        return True
+    wanted, now = world.mission.tasks[task], world.steps + 1
+    carried = 0 if wanted.to is None else carried_for(world, team, task)
+    return world.is_in_shift(team.robots, now, now + int(wanted.duration) + carried)
 
 
 def _begin(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
@@ -140,6 +153,7 @@ def _begin(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
     if duration or is_load is not None:
         world.served.add(task)
         world.happened.begun.append(task)
+        world.begun_at[task] = world.steps + 1
         team.serving[task] = duration
         team.credit = 0.0
         world.due[task] = max(1, int(world.mission.tasks[task].duration))
@@ -194,13 +208,14 @@ def drop_assignments(world: PlainWorld) -> None:
 def blocked_tasks(world: PlainWorld) -> list[str]:
     """Name the undone tasks that the robots left and due back can never do.
 
+    A robot whose last shift is over is not left.
     A task that is to be called off is none of them.
     """
     mission = world.truth
     robots = [
         robot
         for robot, slot in zip(mission.robots, world.slot_of, strict=True)
-        if slot is not None or robot.is_due(world.steps)
+        if (slot is not None or robot.is_due(world.steps)) and robot.rota.over > world.steps
     ]
     return [
         task.name
@@ -222,6 +237,7 @@ def status_of(world: PlainWorld) -> str:
         has_failed = any(not tasks[task].optional for task in world.missed)
         return "too late" if has_failed else "completed"
     is_news = bool(happened.lost or happened.back or happened.cancelled or happened.is_elsewhere)
+    is_news |= any(rota.over == world.steps for rota in world.rotas)
     if is_news and blocked_tasks(world):
         return "infeasible"
     return "step limit" if world.steps >= world.mission.step_limit else "running"

@@ -14,6 +14,7 @@ from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.shifts import fits_now, rotas_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.reference.ways import PlainWays, apart_squared
 
@@ -103,6 +104,7 @@ class PlainWorld:
         self.finding_radius = max(mission.finding_radius, self.here)
         self.brings = [self.in_units(robot.can) for robot in mission.robots]
         self.regions = [None if robot.flies else world.region(robot.at) for robot in mission.robots]
+        self.rotas = rotas_of(mission.robots)  # by robot; empty where all always work
         self.teams: dict[int, PlainTeam] = {}
         self.slot_of: list[int | None] = [None] * len(mission.robots)
         for robots in mission.starting_teams:
@@ -145,6 +147,7 @@ class PlainWorld:
         self.carried: set[int] = set()  # loads; `serving` has steps at their goals left
         self.let_go: dict[int, Place] = {}  # loads set down in this step, and where
         self.due: dict[int, int] = {}  # of services, how many steps they are expected to take
+        self.begun_at: dict[int, int] = {}  # the step in which each service began
         self.happened = Happenings()
 
     def in_units(self, counts: Counts) -> Units:
@@ -172,6 +175,15 @@ class PlainWorld:
             self.slot_of[robot] = members[0]
         self.teams[members[0]] = team
         return team
+
+    def is_in_shift(self, robots: Iterable[int], begin: int, end: int) -> bool:
+        """Say whether one shift of each robot has all the time between two numbers of steps."""
+        rotas = [self.rotas[robot] for robot in robots] if self.rotas else []
+        return fits_now(rotas, begin, end - begin)
+
+    def is_at_work(self, robots: Iterable[int]) -> bool:
+        """Say whether all robots work in the step that is made next, or now."""
+        return self.is_in_shift(robots, self.steps, self.steps + 1)
 
     def in_slot_order(self) -> list[tuple[int, PlainTeam]]:
         """Return all teams with their slots, the lowest first."""

@@ -54,14 +54,15 @@ def carried_for(world: PlainWorld, team: PlainTeam, task: int) -> int:
     """Return how many steps a team that takes up a load carries and unloads it."""
     wanted = world.mission.tasks[task]
     assert wanted.to is not None
-    return _steps_to(world, team, wanted.to) + int(wanted.unload)
+    return steps_to_go(world, team, wanted.to) + int(wanted.unload)
 
 
-def _steps_to(world: PlainWorld, team: PlainTeam, goal: Place) -> int:
+def steps_to_go(world: PlainWorld, team: PlainTeam, goal: Place, credit: float = 0.0) -> int:
+    """Return how many steps a team takes to a place, by what it has saved of a cell."""
     if world.is_same(team.at, goal):
         return 0
     if isinstance(world.world, Plane):
         way = apart(team.at, goal) - world.here
     else:
-        way = world.ways.length(team.at, goal, team.flies)
+        way = world.ways.length(team.at, goal, team.flies) - credit
     return math.ceil(way / team.pace - ROUNDING)

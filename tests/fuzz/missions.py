@@ -43,8 +43,8 @@ WEIGHTS = (1, 0.001, 0.5, 3, 3000, 1_000_000)
 COSTS = tuple(key.name for key in COST_KEYS if key.name != "missed")
 COSTS_IN_STEPS = tuple(part for part in COSTS if part != "travel")
 
-ENDS = (8, 30.5, 3, 100)
-"""When missions are over, in continuous time."""
+ENDS, ENDS_IN_STEPS = (8, 30.5, 3, 100), (8, 30, 3, 100)
+"""When missions are over."""
 
 
 @dataclass(frozen=True)
@@ -130,10 +130,13 @@ def missions(
 
 
 @st.composite
-def optional_missions(draw: st.DrawFn, most_robots: int = MOST_ROBOTS) -> Tree:
-    """Return a mission in continuous time that is over at a time, and may leave tasks out."""
-    tree = draw(continuous_missions(most_robots=most_robots))
-    tree["until"] = pick(draw, ENDS)
+def optional_missions(
+    draw: st.DrawFn, most_robots: int = MOST_ROBOTS, is_in_steps: bool = False
+) -> Tree:
+    """Return a mission that is over at a time, and may leave tasks out."""
+    timed = missions() if is_in_steps else continuous_missions(most_robots=most_robots)
+    tree = draw(timed)
+    tree["until"] = pick(draw, ENDS_IN_STEPS if is_in_steps else ENDS)
     tasks = {task.get("name", f"t{number + 1}"): task for number, task in enumerate(tree["tasks"])}
     may = {name for name in tasks if now_and_then(draw, 2)}
     for _ in tasks:  # what comes after optional tasks, or is linked with them, is optional, too

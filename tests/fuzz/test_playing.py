@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from methods import METHODS, play
-from missions import SEEDS, missions
+from missions import SEEDS, missions, optional_missions
 from teamformer.files.mission_files import mission_from_tree
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.bounds.makespan import lower_bound
@@ -47,3 +47,16 @@ def test_the_critical_path_adds_up(mission: Any, method: str, seed: int) -> None
     assert [stretch.begin for stretch in path] == [0, *ends[:-1]]
     assert ends[-1] == record.end.makespan
     assert len(why_so_late(record.true_mission, path)) > 1
+
+
+@fuzzed(45, RUN, mission=optional_missions(is_in_steps=True), method=METHODS, seed=SEEDS)
+def test_a_mission_that_is_over_at_a_step_is_legal(mission: Any, method: str, seed: int) -> None:
+    source = mission_from_tree(mission)
+    record = play(source, method, seed).record
+    findings = judge(record).findings
+    assert not findings, findings[0].message
+    assert source.until is not None
+    assert record.end.steps <= source.until
+    ends = [stretch.end for stretch in path_of_record(record)]
+    assert record.end.makespan is None or not ends or ends[-1] == record.end.makespan
+    assert lower_bound(draw_truth(source, seed)) <= (record.end.makespan or source.until)

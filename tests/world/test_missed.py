@@ -21,7 +21,7 @@ from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
-from teamformer.mission.model import Mission, Robot, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
 from teamformer.record.files.reading import record_from_tree
@@ -180,6 +180,15 @@ def test_a_service_that_takes_longer_than_believed_is_under_way_at_the_end() -> 
     record = run_trial(mission, InTurn(), truth=truth).record
     assert judge(record).findings == ()
     assert missed_tasks(record) == {0: (10, "under way")}
+
+
+def test_what_is_missed_is_not_blocked_when_robots_are_lost_later() -> None:
+    """The first task could not end by 10 if it began in step 4; in step 5 the robot is lost."""
+    robot = Robot("r", (0, 0), {"a": 1}, absences=(Absence(5),))
+    late, other = Task("late", (9, 0), {"a": 1}, 7), Task("other", (9, 0), {"a": 1})
+    record = played(corridor(late, other, robots=(robot,)), InTurn())
+    assert (record.end.status, record.end.blocked_tasks) == ("infeasible", ("other",))
+    assert missed_tasks(record) == {0: (3, "too far")}
 
 
 def test_what_comes_after_a_missed_task_may_begin() -> None:

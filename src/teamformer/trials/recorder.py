@@ -251,10 +251,11 @@ class Recorder:
         left |= {r for r, robot in enumerate(mission.robots) if robot.is_due(made)}
         at_work = (mission.robots[r] for r in left if mission.robots[r].rota.over > made)
         have = totals_by_region(mission.world, at_work)
+        over = {*self._env.ends(), *self._env.missed()}
         return tuple(
             task.name
             for k, task in enumerate(mission.tasks)
-            if self._env.worlds.tasks["done_at"][0, k] == NOBODY
+            if k not in over
             and task.cancelled is None
             and not task.optional
             and not covers(have[mission.world.region(task.at)], task.needs)

@@ -12,7 +12,7 @@ from teamformer.mission.precedence import tasks_before
 from teamformer.planning.steps.shared_plan import kept_plan, shared_plan_of
 from teamformer.planning.steps.situation import Situation, situation_of
 from teamformer.planning.steps.starts import plan_from_crews
-from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
+from teamformer.planning.steps.timed_plan import TimedPlan, must_come_first, time_team_plan
 
 ROUNDS, MOST_ROUNDS = 1500, 1_500_000
 """How many changes are tried for each open task, and in all; with more than that plans of 3,000
@@ -43,7 +43,7 @@ class Crews:
         situation = situation_of(replace(known, open_tasks=ready), in_table=False)
         rounds = min(self.rounds * len(situation.tasks), MOST_ROUNDS)
         dealt = plan_from_crews(situation.problem, situation.company, rounds)
-        crews = time_team_plan(situation, dealt)
+        crews = must_come_first(situation, time_team_plan(situation, dealt))
         timed = [("crews", crews)]
         if crews.has_prices:
             timed.append(("crews", _by_due(situation, crews)))

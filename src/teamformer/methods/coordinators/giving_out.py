@@ -18,7 +18,7 @@ from teamformer.mission.coordination import NEWS, Known, Plan
 from teamformer.planning.steps.reactive import soonest_plan
 from teamformer.planning.steps.shared_plan import kept_plan
 from teamformer.planning.steps.situation import Situation, plan_of, situation_of
-from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
+from teamformer.planning.steps.timed_plan import TimedPlan, must_come_first, time_team_plan
 
 HEAT = 0.04
 """How much chance there is in a sample, in what a task takes a robot."""
@@ -61,7 +61,11 @@ class GivesOutTasks:
         given, rng = [one.given for one in forecasts], np.random.default_rng(seed)
         could = give_out_all(given[:1], self.score).tolist()
         could += give_out_all(given[1:], self.score, by_chance(rng, HEAT)).tolist()
-        found = [one.timed() for one, is_able in zip(forecasts, could, strict=True) if is_able]
+        found = [
+            must_come_first(situation, one.timed())
+            for one, is_able in zip(forecasts, could, strict=True)
+            if is_able
+        ]
         found = found if old is None else [old, *found]
         return min(found, key=lambda timed: timed.rank, default=None)
 

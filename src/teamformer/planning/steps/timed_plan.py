@@ -89,3 +89,16 @@ def _time(situation: Situation, plan: CoalitionPlan) -> TimedPlan:
     cost, lead = settle(problem, situation.crossings, own, groups)
     ends = groups.end[: len(problem.appears)].copy()
     return TimedPlan(own, int(cost), int(lead), ends, has_prices(problem))
+
+
+def must_come_first(situation: Situation, timed: TimedPlan) -> TimedPlan:
+    """Return the better one of a plan and of the same with optional tasks behind all others.
+
+    For those who deal tasks out without a look at when the mission is over.
+    """
+    misses = situation.problem.misses
+    if not can_miss(misses):
+        return timed
+    order = timed.plan.order[np.argsort(misses.optional[timed.plan.order], kind="stable")]
+    other = time_team_plan(situation, timed.plan._replace(order=order))
+    return min(timed, other, key=lambda one: one.rank)

@@ -1,0 +1,57 @@
+"""Missions in steps with optional tasks that run while things happen to them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from random_worlds import random_world, with_optional
+from teamformer.live.running.forecasts import forecast
+from teamformer.live.running.incidents import Incident, LostRobot, NewTask, RobotBack
+from teamformer.live.steps.mission_with_past import RunningMission
+from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Mission
+from teamformer.record.referee import judge
+from teamformer.record.task_times import missed_tasks
+from teamformer.trials.trial import run_trial
+
+
+def drawn(number: int) -> Mission:
+    rng = np.random.default_rng(number)
+    return with_optional(random_world(rng, with_losses=False), rng)
+
+
+@pytest.mark.parametrize("method", ["plan", "crews", "join-fitting"])
+def test_a_mission_to_which_nothing_happens_is_what_run_makes_of_it(method: str) -> None:
+    for number in range(6):
+        run = RunningMission(drawn(number), lambda: load_method(method), seed=0)
+        while run.is_running:
+            run.step()
+        assert run.record() == run_trial(drawn(number), load_method(method)).record
+        assert judge(run.record()).findings == ()
+
+
+@pytest.mark.parametrize("method", ["plan", "reactive"])
+def test_robots_are_lost_and_tasks_appear(method: str) -> None:
+    missed = 0
+    for number in range(10, 20):
+        mission = drawn(number)
+        run = RunningMission(mission, lambda: load_method(method), seed=0)
+        robot, task = mission.robots[0], mission.tasks[0]
+        incidents: dict[int, Incident] = {
+            1: LostRobot(robot.name),
+            2: NewTask(replace(task, name="new", after=(), between=None, appears=0)),
+            4: RobotBack(robot.name),
+        }
+        while run.is_running:
+            if run.steps in incidents:
+                run.happen(incidents.pop(run.steps))
+                forecast(run.past())
+            if run.is_running:
+                run.step()
+        record = run.record()
+        assert judge(record).findings == ()
+        missed += len(missed_tasks(record))
+    assert missed > 3

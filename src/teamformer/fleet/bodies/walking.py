@@ -9,6 +9,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from teamformer.fleet.bodies.journey import Journey
@@ -51,7 +52,10 @@ class WalkingWorld:
         self.mission = mission
         self.now = 0.0
         self._map = mission.source.world
-        self._still = StandingStill((truth or mission.source).robots)
+        real = (truth or mission.source).robots
+        self._still = StandingStill(real)
+        unbound = [replace(robot, shifts=(), every=0.0) for robot in real]
+        self._still_with_load = StandingStill(unbound)  # which is set down when a shift ends
         self.robots = [
             SimulatedRobot(Journey((Passed(0.0, robot.at),))) for robot in mission.source.robots
         ]
@@ -81,7 +85,7 @@ class WalkingWorld:
         if is_grid and stages and at + 1 < len(way) and stages[0][0] == way[at + 1].place:
             begin = (way[at],)  # on the way there already
         pace = self.mission.paces[robot]
-        rest = self.passing((robot,), begin[-1].at, [(p, d / pace) for p, d in stages])
+        rest = self.passing(self._still, (robot,), begin[-1].at, [(p, d / pace) for p, d in stages])
         self.set_out(robot, Journey((*begin, *self._with_pauses(robot, begin[-1], tuple(rest)))))
 
     def _with_pauses(self, robot: int, start: Passed, ahead: Sequence[Passed]) -> list[Passed]:
@@ -97,14 +101,14 @@ class WalkingWorld:
         )
 
     def passing(
-        self, who: Sequence[int], begin: float, stages: Iterable[Stage]
+        self, still: StandingStill, who: Sequence[int], begin: float, stages: Iterable[Stage]
     ) -> Iterator[Passed]:
         """Yield when robots that go together pass places; delays come in whole steps."""
         step, robots = self.mission.step, [self.mission.source.robots[robot] for robot in who]
         for place, spent in stages:
             at = begin + spent
             if any(robot.delays or robot.rota for robot in robots):
-                at = step * self._still.after(who, begin / step, spent / step)
+                at = step * still.after(who, begin / step, spent / step)
             yield Passed(at, place)
 
     def stop(self, robot: int) -> None:

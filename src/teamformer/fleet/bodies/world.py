@@ -268,7 +268,7 @@ class FleetWorld(WalkingWorld):
             begin = way.beginning(self.now, self._map)
             movers = [(self.mission.source.robots[r].moves, self.mission.paces[r]) for r in who]
             stages = way_together(self.mission.ways, movers, begin[-1].place, to)
-            way = Journey((*begin, *self.passing(who, begin[-1].at, stages)))
+            way = Journey((*begin, *self.passing(self._still_with_load, who, begin[-1].at, stages)))
         self._ways_of_loads[key] = way
         for robot in who:  # in a plane each a little way from the load
             at = Passed(way.way[0].at, self.place(robot))

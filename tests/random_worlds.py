@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from teamformer.base.errors import MissionError
+from teamformer.mission.checks.windows import earliest_ends
 from teamformer.mission.model import (
     Absence,
     Arrivals,
@@ -127,6 +129,25 @@ def with_precedence_and_windows(
         tasks.append(replace(task, after=after, between=between))
     turned = rng.permutation(len(tasks))  # so that tasks come after later ones in the file, too
     return replace(mission, tasks=tuple(tasks[k] for k in turned), step_limit=0)
+
+
+def with_optional(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission that is over at a time, in which about half of the tasks may be left out.
+
+    What comes after such a task may be left out, too.
+    """
+    optional = {task.name for task in mission.tasks if rng.random() < 0.5}
+    for _ in mission.tasks:
+        optional |= {t.name for t in mission.tasks if not optional.isdisjoint(t.after)}
+    tasks = tuple(
+        replace(task, optional=task.name in optional, weight=float(rng.choice([1.0, 2.0, 0.5])))
+        for task in mission.tasks
+    )
+    ends = earliest_ends(mission)
+    least = max([0.0, *(end for name, end in ends.items() if name not in optional)])
+    until = max(math.ceil(least), math.ceil(min(ends.values()))) + int(rng.integers(12))
+    cost = {"makespan": 1.0, "missed": 20.0} if optional and rng.random() < 0.3 else None
+    return replace(mission, tasks=tasks, until=until, cost=cost)
 
 
 def _absences(robot: int, lost: int | None, back: int | None) -> tuple[Absence, ...]:

@@ -36,6 +36,8 @@ class PlanPlayer:
         self._rank = {task: place for place, task in enumerate(order)}
         self._routes = [list(route) for route in routes]
         self._at = [0] * len(routes)  # how far on its route each robot is
+        planned = {task for route in routes for task in route}
+        self.left_out = frozenset(range(len(mission.tasks))) - planned
         self._places = np.array([task.at for task in mission.tasks], dtype=np.float64)
         world = mission.world
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
@@ -47,7 +49,8 @@ class PlanPlayer:
     def decide_in(self, env: TeamFormation) -> Decision:
         """Return every team's decision in the first world of an environment."""
         tasks, teams = env.worlds.tasks[0], env.worlds.teams[0]
-        self._is_done = (tasks["done_at"] != NOBODY).tolist()
+        is_done = (tasks["done_at"] != NOBODY) | (tasks["missed_at"] != NOBODY)
+        self._is_done = is_done.tolist()  # or missed
         self._is_open = tasks["is_open"]
         members: dict[int, list[int]] = {}
         for robot, slot in enumerate(env.worlds.robots["team"][0][: len(self._routes)].tolist()):

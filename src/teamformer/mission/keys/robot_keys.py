@@ -169,7 +169,7 @@ ROBOT_KEYS = (
         without="always",
         since="0.2.0",
         example=[[0, 480], [540, 960]],
-        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "works in shifts"),
+        unknown=Unknown((STEPS, ROBOTARIUM), "works in shifts"),
     ),
     Key(
         "every",

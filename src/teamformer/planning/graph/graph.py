@@ -35,6 +35,7 @@ from teamformer.planning.graph.pauses import fitted
 from teamformer.planning.graph.worth import (
     WORTH,
     counted_end,
+    counted_makespan,
     is_left_out,
     missed,
     missed_leads,
@@ -243,13 +244,23 @@ def aim_of(problem: ArcProblem, graph: Graph, makespan: int, price: int) -> int:
 
 @kernel
 def cost_of(
-    problem: ArcProblem, graph: Graph, makespan: int, back_sum: int, end_sum: int, price: int
+    problem: ArcProblem,
+    graph: Graph,
+    makespan: int,
+    back_sum: int,
+    end_sum: int,
+    price: int,
+    leads: int,
 ) -> int:
-    """Return what a search goes by, in ticks: plans of one aim cost less if all is over early."""
+    """Return what a search goes by, in ticks: plans of one aim cost less if all is over early.
+
+    `leads` is what it takes missed tasks to cost.
+    """
     if is_in_steps(graph):
         weights = problem.weights
-        return (weights[0] * makespan + weights[1] * end_sum + price) // weights[2]
-    return makespan + back_sum // (SPREAD * len(graph.back))
+        return (weights[0] * makespan + weights[1] * end_sum + price) // weights[2] + leads
+    counted = counted_makespan(problem, graph, makespan, leads)
+    return counted + back_sum // (SPREAD * len(graph.back)) + leads
 
 
 @entry
@@ -336,7 +347,7 @@ def sum_up(problem: ArcProblem, graph: Graph) -> None:
     total[LATEST], total[MAKESPAN] = latest, back[latest]
     total[BACK_SUM], total[END_SUM], total[PRICE] = back_sum, end_sum, price
     total[AIM] = aim_of(problem, graph, back[latest], price) + total[MISSED]
-    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, price) + total[LEADS]
+    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, price, total[LEADS])
 
 
 def plan_of(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> CoalitionPlan:

@@ -309,7 +309,7 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
             misses += missed(problem, worth, end) - missed(problem, worth, old_end)
             leads += missed_leads(problem, worth, end) - missed_leads(problem, worth, old_end)
     number[AIMED] = aim_of(problem, graph, makespan, price) + misses
-    return cost_of(problem, graph, makespan, back_sum, end_sum, price) + leads
+    return cost_of(problem, graph, makespan, back_sum, end_sum, price, leads)
 
 
 @kernel

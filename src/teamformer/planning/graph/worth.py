@@ -46,6 +46,17 @@ def counted_end(problem: ArcProblem, worth: Any, end: int) -> int:
 
 
 @kernel
+def counted_makespan(problem: ArcProblem, graph: Graph, makespan: int, leads: int) -> int:
+    """Return when all is over: if something is missed, at the end of the mission at the earliest.
+
+    `leads` is what it takes missed tasks to cost.
+    """
+    if may_miss(problem) and leads > 0:
+        return max(makespan, graph.worth[0].until)
+    return makespan
+
+
+@kernel
 def priced(problem: ArcProblem, worth: Any, end: int) -> int:
     """Return what it costs that a task ends then, unless it is missed."""
     if is_missed(problem, worth, end):

@@ -86,6 +86,7 @@ def gather_at_start(problem: Relaxed, groups: Groups) -> None:
         groups.end[group] = groups.free[group] = problem.ready[robot]
     for task in range(tasks):
         groups.is_done[task] = False
+        groups.start[task] = groups.end[task] = FAR
         groups.passed_to[task] = NOBODY
     groups.passes[0] = 0
     groups.too_early[0] = groups.spare[0] = NOBODY
@@ -102,6 +103,15 @@ def opens(problem: Relaxed, groups: Groups, task: int) -> Any:
             return FAR
         opens = max(opens, groups.end[other] + 1)
     return opens
+
+
+@kernel
+def may_begin(problem: Relaxed, groups: Groups, task: int, step: int) -> bool:
+    """Say whether a task may start in a step, and ends before the mission is over."""
+    if step < opens(problem, groups, task):
+        return False
+    until = problem.misses.until
+    return len(until) == 0 or step + problem.duration[task] <= until[0]
 
 
 @kernel

@@ -11,8 +11,8 @@ from teamformer.planning.step_times.groups import (
     can_do,
     do_on_the_way,
     is_crew,
+    may_begin,
     note_too_early,
-    opens,
 )
 
 
@@ -54,7 +54,7 @@ def _do_what_is_here(
     for index in range(crossings.first[way], crossings.first[way + 1]):
         other = crossings.task[index]
         is_late = groups.is_done[other] and groups.start[other] <= start
-        if is_late or start < opens(problem, groups, other):
+        if is_late or not may_begin(problem, groups, other, start):
             continue
         if not can_do(problem, plan, groups, task, task, other):
             continue

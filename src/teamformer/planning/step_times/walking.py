@@ -15,8 +15,8 @@ from teamformer.planning.step_times.groups import (
     can_do,
     do_on_the_way,
     is_crew,
+    may_begin,
     note_too_early,
-    opens,
 )
 from teamformer.world.rules.constants import NOBODY, ROUNDING
 
@@ -55,7 +55,7 @@ def walk(
             if away != here:
                 came = since + _steps_of(problem, crossings, rank, away - passed)
             is_late = groups.is_done[other] and groups.start[other] <= came
-            if is_late or came < opens(problem, groups, other):
+            if is_late or not may_begin(problem, groups, other, came):
                 continue
             if away != cells and not _is_stop(crossings.speeds[rank], away - passed):
                 continue

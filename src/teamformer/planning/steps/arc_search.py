@@ -16,7 +16,9 @@ from teamformer.planning.problem.coalition_plan import (
 )
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.constants import TICKS
-from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.planning.problem.misses import Misses, can_miss
+from teamformer.planning.problem.prices import STEP
+from teamformer.planning.problem.relaxed_problem import Relaxed, cost_of_step, has_prices
 from teamformer.planning.search.arc_search import ArcSearch
 from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
@@ -31,6 +33,9 @@ FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 60, 7
 
 LARGE = 100
 """Missions of so many tasks are planned from an empty plan, not from coalitions."""
+
+STEP_OF_SEARCH = 100
+"""What a step of makespan costs in a graph, for each task, where that alone counts."""
 
 COOL = 20
 """An annealing at a plan begins at what a task takes a robot on average, divided by this."""
@@ -165,7 +170,19 @@ def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProb
         apart=problem.lost[robots],
         spares=riders,
         ready=problem.ready[leaders].astype(np.int64) * TICKS,
+        misses=_misses_in_ticks(problem),
     )
+
+
+def _misses_in_ticks(problem: Relaxed) -> Misses:
+    """Return what is missed of tasks that end after a step, whatever their place in it."""
+    misses = problem.misses
+    if not can_miss(misses):
+        return misses
+    leads = np.maximum(1, misses.leads * TICKS // cost_of_step(problem))
+    until = (misses.until + 1) * TICKS - 1
+    scale = 1 if has_prices(problem) else STEP // STEP_OF_SEARCH
+    return misses._replace(until=until, judged=misses.judged // scale * TICKS, leads=leads)
 
 
 def _together(problem: Relaxed) -> Int32s:

@@ -44,6 +44,7 @@ class Narrator:
         now, step = self._now, self._now.latest
         found = [
             *(LogEntry(now.steps, "cancelled", task=task) for task in now.called_off),
+            *(LogEntry(now.steps, "missed", task=task) for task in now.missed),
             *(LogEntry(now.steps, "lost", (robot,)) for robot in step.lost),
             *(LogEntry(now.steps, "back", (robot,)) for robot in step.back),
             *(LogEntry(now.steps, "found", task=task) for task in step.found),

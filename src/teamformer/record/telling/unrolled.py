@@ -38,6 +38,7 @@ class Unrolled:
         self.opened: list[int] = []
         self.news: list[int] = []  # tasks that appeared in the latest step
         self.called_off: list[int] = []
+        self.missed: list[int] = []
         self.done: set[int] = set()
         self.is_planned = False
         self.goals: list[Place] = []  # where each task is believed to be, or is brought to
@@ -104,6 +105,7 @@ class Unrolled:
         elsewhere = {row.task for row in (*step.moved, *step.left)}
         elsewhere.update(task for task, _ in (*step.taken, *step.done, *step.served))
         elsewhere.update(self._cancelled.get(self.steps, ()))
+        elsewhere.update(task for task, _ in step.missed)
         if elsewhere:
             yield from (slot for slot, task in self.teams.task.items() if task in elsewhere)
 
@@ -113,7 +115,9 @@ class Unrolled:
         due = self._cancelled.get(self.steps, ())
         self.called_off = [k for k in due if k not in self.over and k not in done]
         self.news = [k for k in self._appear.get(self.steps, ()) if k not in self.over]
-        let_go = (*self.called_off, *(task for task, robots in step.served if not robots))
+        self.missed = [task for task, _ in step.missed]
+        gone = (*self.called_off, *self.missed)
+        let_go = (*gone, *(task for task, robots in step.served if not robots))
         for task in (k for k in let_go if self.services.is_up(k)):
             self.lies[task] = self.goals[task] = self._place_of(self.services.who_serves(task))
         for task in done:
@@ -125,13 +129,13 @@ class Unrolled:
         taken = [(task, slot) for task, slot in step.taken if task not in self.over]
         for task in (k for k, _ in taken if k not in done):
             self.goals[task] = self.mission.tasks[task].to or self.lies[task]
-        self.plans.pass_over(self.called_off)
-        ended = {*self.called_off, *(row.task for row in step.left)}
+        self.plans.pass_over(gone)
+        ended = {*gone, *(row.task for row in step.left)}
         self.services.go_on(self.mission, self.teams, step, self.steps, ended, taken)
-        self.over |= done | {*self.called_off}
+        self.over |= done.union(gone)
         self.opened = [
             task
-            for other in (*done, *self.called_off)
+            for other in (*done, *gone)
             for task in self._after.get(other, ())
             if self.over.issuperset(self.before[task])
         ]

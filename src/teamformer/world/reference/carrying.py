@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.plane import Plane
 from teamformer.world.reference.state import PlainTeam, PlainWorld
+from teamformer.world.reference.ways import ROUNDING, apart
 
 
 def take_up(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> bool:
@@ -16,6 +21,17 @@ def take_up(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> bool:
     if team.serving.get(task):
         world.put_task(task, wanted.to)
     return is_unloaded
+
+
+def steps_to_go(world: PlainWorld, team: PlainTeam, goal: Place, credit: float = 0.0) -> int:
+    """Return how many steps a team takes to a place, by what it has saved of a cell."""
+    if world.is_same(team.at, goal):
+        return 0
+    if isinstance(world.world, Plane):
+        way = apart(team.at, goal) - world.here
+    else:
+        way = world.ways.length(team.at, goal, team.flies) - credit
+    return math.ceil(way / team.pace - ROUNDING)
 
 
 def carry(world: PlainWorld, team: PlainTeam, task: int) -> bool:

@@ -69,6 +69,7 @@ class Happenings:
     taken: dict[int, int] = field(default_factory=dict)  # loads taken up, by which slot
     left: dict[int, Place] = field(default_factory=dict)  # loads set down, and where they lie
     done: dict[int, int] = field(default_factory=dict)  # tasks, by which slot
+    missed: list[int] = field(default_factory=list)  # tasks that are not done any more
     known: list[int] = field(default_factory=list)  # tasks that appeared
     opened: list[int] = field(default_factory=list)  # tasks that may begin from now on
     is_elsewhere: bool = False  # a task was found elsewhere than it was believed to be
@@ -139,6 +140,7 @@ class PlainWorld:
         self.may_begin: set[int] = set()
         self.done: dict[int, int] = {}  # task -> step
         self.cancelled: dict[int, int] = {}
+        self.missed: dict[int, int] = {}
         self.served: set[int] = set()
         self.carried: set[int] = set()  # loads; `serving` has steps at their goals left
         self.let_go: dict[int, Place] = {}  # loads set down in this step, and where
@@ -210,13 +212,23 @@ class PlainWorld:
         regions = (self.regions[robot] for robot in team.robots)
         return team.flies or self.task_regions[task] in regions
 
+    def drop(self, task: int) -> None:
+        """Let a task be done no more: who serves it or heads for it is free, and a load lies."""
+        for tasks in (self.open, self.carried, self.served):
+            tasks.discard(task)
+        self.let_go.pop(task, None)
+        for team in self.teams.values():
+            team.serving.pop(task, None)
+            if team.task == task:
+                team.task, team.is_detour = None, False
+
     def rank(self, task: int) -> int:
         """Return the place of a task in the order; of one that has none yet, the first."""
         return self.order.index(task) if task in self.order else 0
 
     def over_in(self, task: int) -> int | None:
-        """Return the step in which a task was done or called off; None if it was not yet."""
-        return self.done.get(task, self.cancelled.get(task))
+        """Return in which step a task was done, called off or missed; None if it is not over."""
+        return self.done.get(task, self.cancelled.get(task, self.missed.get(task)))
 
     def shared_out(self) -> set[int]:
         """Return the tasks that plans have, all known ones, or the order: those that may begin."""

@@ -18,8 +18,8 @@ from teamformer.world.rules.constants import NEVER
 LATEST = NEVER - 1
 """The latest step that arrays know; it is later than any step limit."""
 
-RUNNING, COMPLETED, STEP_LIMIT, INFEASIBLE = 0, 1, 2, 3
-STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
+RUNNING, COMPLETED, STEP_LIMIT, INFEASIBLE, TOO_LATE = range(5)
+STATUS_NAMES = ("running", "completed", "step limit", "infeasible", "too late")
 
 RESOLVE, NEAREST = 0, 1
 """What happens to the order when tasks appear: a new tour, or each after its nearest."""
@@ -59,6 +59,7 @@ RULES = np.dtype(
         ("arrival_radius", np.float64),  # teams so near to each other are in the same place
         ("unit", np.float64),  # the length that counts as one cell for a learned policy
         ("cells_per_length", np.float64),  # 1 on a grid
+        ("until", np.int32),  # the step after which the mission is over, or NEVER
     ],
     align=True,
 )
@@ -75,6 +76,7 @@ COUNT = np.dtype(
         ("splits", np.int32),
         ("illegal", np.int32),
         ("status", np.int32),
+        ("missed", np.int32),
     ],
     align=True,
 )
@@ -158,7 +160,10 @@ TASK = np.dtype(
         ("left_at", np.int32),  # the step in which it was last set down elsewhere, or NOBODY
         ("done_at", np.int32),  # step, or NOBODY
         ("done_by", np.int32),  # slot
-        ("is_open", np.bool_),  # known, and neither done nor called off
+        ("is_open", np.bool_),  # known, and neither done, called off nor missed
+        ("is_optional", np.bool_),  # it may be left out
+        ("is_planned", np.bool_),  # its plan has it, be it for nobody yet, or does not know it
+        ("missed_at", np.int32),  # the step after which it was not done any more, or NOBODY
     ],
     align=True,
 )

@@ -115,11 +115,12 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
     worlds.teams["task"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
     worlds.tasks["appears"] = worlds.tasks["cancelled"] = NEVER
-    for field in ("next_here", "server", "done_at", "done_by"):
+    for field in ("next_here", "server", "done_at", "done_by", "missed_at"):
         worlds.tasks[field] = NOBODY
     for field in ("shown_at", "moved_at", "found_at", "taken_at", "left_at"):
         worlds.tasks[field] = NOBODY
     worlds.robots["next"] = NOBODY
+    worlds.tasks["is_planned"] = True
     worlds.count["news"] = START
     return worlds
 
@@ -147,6 +148,7 @@ def _pack_rules(worlds: Worlds, w: int, mission: Mission) -> None:
         "arrival_radius": here,
         "unit": plane.unit if plane else 1.0,
         "cells_per_length": cells_per_length,
+        "until": NEVER if mission.until is None else min(int(mission.until), LATEST),
     }
     for name, value in rules.items():
         worlds.rules[name][w] = value
@@ -226,6 +228,7 @@ def _pack_tasks(worlds: Worlds, w: int, mission: Mission, truth: Mission, foresi
         record["takes"], record["hides_needs"] = truth.tasks[k].duration, bool(task.may_need)
         record["appears"], record["awaits"] = task.appears, len(task.after)
         record["opens"] = window_opens(task)
+        record["is_optional"] = task.optional
         if task.cancelled is not None:
             record["cancelled"] = min(task.cancelled, LATEST)
         if task.to is not None:

@@ -24,7 +24,9 @@ UNCERTAIN = tuple(
 )
 EXAMPLES = tuple(
     sorted(
-        file.stem for file in (ROOT / "examples").glob("*.yaml") if "robotarium" not in file.name
+        file.stem
+        for file in (ROOT / "examples").glob("*.yaml")
+        if "robotarium" not in file.name and "time: continuous" not in file.read_text()
     )
 )
 REHEARSED = ("four-robots", "plane", "piano", "warehouse")
@@ -35,6 +37,7 @@ TIMED = (
     "plane",
     "roads",
     "visits",
+    "hospital-night",
 )
 
 
@@ -52,6 +55,8 @@ def timed(setting: str) -> tf.Mission:
     """Return a mission in continuous time."""
     if setting in ("roads", "visits"):
         return tf.load(Path(__file__).parent / f"{setting}.yaml")
+    if setting == "hospital-night":
+        return read(setting)
     if setting == "plane":
         return replace(read("plane"), time="continuous")
     family, seed = setting.split()

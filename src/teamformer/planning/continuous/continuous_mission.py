@@ -136,7 +136,7 @@ class ContinuousMission:
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
         has_shifts = len(self.clock.rotas) > 0
         kept = [task for task in found.order.tolist() if found.size[task] > 0]
-        order = [task for task in kept if not has_shifts or math.isfinite(ends[task])]
+        order = [task for task in kept if not has_shifts or math.isfinite(ends.get(task, math.inf))]
         is_done = all(math.isfinite(ends.get(task, math.inf)) for task in order)  # nobody runs dry
         return Plan(
             order=tuple(self.tasks[task] for task in order),

@@ -32,9 +32,9 @@ FEW_IF_WEIGHED, SECONDS_EACH_IF_WEIGHED = 100, 15.0
 more it anneals once in all the time there is."""
 
 
-CHARGED_SEARCHES, CHARGED_PARTS = 4, 7
+CHARGED_SEARCHES, CHARGED_PARTS, CHARGED_PARTS_IF_WEIGHED = 4, 28, 50
 """Where robots have batteries, so many annealings share the rounds, and of each plans are judged
-after so many parts."""
+after so many parts, more if plans have a cost."""
 
 
 @dataclass(frozen=True)
@@ -87,13 +87,14 @@ def _plan_charged(
     they begin there, less hot.
     """
     best = None if start is None else _timed(problem, start)
+    parts = CHARGED_PARTS_IF_WEIGHED if have_weights(problem.links) else CHARGED_PARTS
     for number in range(CHARGED_SEARCHES):
         search = ArcSearch(problem, seed + number)
         if start is None or not search.begin_at(start):
             start = None
             if not search.begin_anew():
                 return None
-        for _ in search.anneal_in_parts(CHARGED_SEARCHES, CHARGED_PARTS, start is not None):
+        for _ in search.anneal_in_parts(CHARGED_SEARCHES, parts, start is not None):
             for plan in (search.best, search.present):
                 found = _timed(problem, plan)
                 best = found if best is None or found.rank < best.rank else best

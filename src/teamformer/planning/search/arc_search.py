@@ -46,6 +46,10 @@ hot it begins."""
 QUENCHED_IF_CHARGED = 500
 """The same where robots have batteries."""
 
+HOTTER_IF_CHARGED = 2
+"""An annealing begins so many times hotter then: where robots charge hangs on all that came before,
+so more of a plan changes with a moved task."""
+
 WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task then, and so many at most: about a second."""
 
@@ -227,6 +231,7 @@ class ArcSearch:
                 )
                 yield
             return
+        hot *= HOTTER_IF_CHARGED
         heats = (max(cold, hot / LESS_HOT) if is_again else hot, cold)
         for part in range(parts):
             self.anneal(*heats, rounds * part // parts, rounds * (part + 1) // parts, rounds)

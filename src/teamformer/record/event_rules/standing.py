@@ -231,7 +231,7 @@ def turning(way: tuple[Passed, ...], now: float, is_plane: bool) -> tuple[Passed
     one, other = way[after - 1], way[after]
     if is_near(one.at, now):
         return (Passed(now, one.place),)
-    if not is_plane:
+    if not is_plane and one.place != other.place:  # else it pauses there
         return one, other
     part = (now - one.at) / (other.at - one.at)
     x, y = (a + part * (b - a) for a, b in zip(one.place, other.place, strict=True))

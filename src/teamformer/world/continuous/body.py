@@ -88,7 +88,7 @@ def turning(way: tuple[Passed, ...], now: float, is_plane: bool) -> tuple[Passed
     before = way[following - 1]
     if now - before.at <= SAME * max(1.0, now):
         return (Passed(now, before.place),)
-    if is_plane:
+    if is_plane or before.place == after.place:  # it pauses there
         part = (now - before.at) / (after.at - before.at)
         return (Passed(now, part_of_way(before.place, after.place, part)),)
     return before, after

@@ -1,4 +1,4 @@
-"""Every plan of small missions with optional tasks, shifts or batteries, beside those of methods.
+"""Every plan of small missions with optional tasks, shifts, batteries or zones, and of methods.
 
 `PYTHONPATH=tests python tests/fuzz/every_plan.py 30 1` draws so many missions of each kind, and
 gives `central` so many seconds for each; `plan` takes what it takes.
@@ -24,6 +24,7 @@ from plain_times import able_crews, fitting, walked
 from teamformer.base.errors import MissionError
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.zones import Zone
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous, warm_up
 from teamformer.planning.problem.batteries import charged_totals
@@ -34,6 +35,9 @@ ROBOTS, TASKS = 4, 6
 
 ROTAS = (((0.0, 60.0), (75.0, 150.0)), ((30.0, 110.0),), ((0.0, 100.0),), ())
 EVERY = 160.0
+
+IN_ZONES = 0.8
+"""Of the tasks."""
 
 NEAR = 1e-5
 """Times are told in whole ticks, of which there are a million and more in all."""
@@ -56,6 +60,20 @@ def draw_in_shifts(number: int, tasks: int = TASKS) -> Mission:
     while True:
         try:
             return _drawn(draws, f"shifts {number}", tasks)
+        except MissionError:
+            continue
+
+
+def draw_in_zones(number: int, tasks: int = TASKS) -> Mission:
+    """Draw a mission that can be done, most of whose tasks are in a zone with little room."""
+    draws = random.Random(number)
+    while True:
+        try:
+            mission = _drawn(draws, f"zones {number}", tasks)
+            names = tuple(task.name for task in mission.tasks if draws.random() < IN_ZONES)
+            zones = (Zone("dock", tasks=names, room=draws.choice([1, 1, 2])),)
+            robots = tuple(replace(robot, shifts=(), every=0.0) for robot in mission.robots)
+            return replace(mission, robots=robots, zones=zones)
         except MissionError:
             continue
 
@@ -90,8 +108,8 @@ def _drawn(draws: random.Random, name: str, tasks: int) -> Mission:
     )
 
 
-def best_in_shifts(mission: Mission) -> float:
-    """Return the least makespan of all plans of a mission on a plane whose robots have shifts."""
+def best_on_a_plane(mission: Mission) -> float:
+    """Return the least makespan of all plans of a mission on a plane, with shifts and zones."""
     robots, tasks = mission.robots, mission.tasks
     number_of = {task.name: number for number, task in enumerate(tasks)}
     before = [[number_of[name] for name in task.after] for task in tasks]
@@ -112,7 +130,10 @@ def best_in_shifts(mission: Mission) -> float:
 
     crews = [least_crews(able_crews(mission, task)) for task in range(len(tasks))]
     durations = [task.duration for task in tasks]
-    return _least(crews, before, durations, len(robots), start, home, lambda order, made: 0.0)
+    zones = [(zone.tasks_in(tasks), zone.room) for zone in mission.zones]
+    return _least(
+        crews, before, durations, len(robots), start, home, lambda order, made: 0.0, zones
+    )
 
 
 def _at(mission: Mission, robot: int, place: int) -> tuple[float, float]:
@@ -172,10 +193,23 @@ def _least(
     start: Start,
     home: Callable[[int, int, float], float],
     really: Callable[[list[int], dict[int, tuple[int, ...]]], float],
+    zones: Sequence[tuple[Sequence[int], int]] = (),
 ) -> float:
-    """Return the least makespan; `really` says what a plan comes to, if that is more."""
+    """Return the least makespan; `really` says what a plan comes to, if that is more.
+
+    `zones` has the tasks of each, and how many of them go on at once.
+    """
     best, stand = math.inf, Stand([NOBODY] * robots, [0.0] * robots)
     made, ends = dict[int, tuple[int, ...]](), dict[int, float]()
+
+    def has_room(task: int) -> float:
+        """Return from when on a task has room that begins after all others that are made."""
+        moments = [0.0]
+        for inside, room in zones:
+            busy = sorted((ends[one] for one in inside if one in ends), reverse=True)
+            if task in inside and len(busy) >= room:
+                moments.append(busy[room - 1])
+        return max(moments)
 
     def go_on(last: float) -> None:
         nonlocal best
@@ -187,7 +221,7 @@ def _least(
         for task, able in enumerate(crews):
             if task in made or any(one not in made for one in before[task]):
                 continue
-            earliest = max((ends[one] for one in before[task]), default=0.0)
+            earliest = max([has_room(task), *(ends[one] for one in before[task])])
             for crew in able:
                 begin = start(task, crew, stand, earliest)
                 end = begin + durations[task]
@@ -220,12 +254,13 @@ def best_worth(mission: Mission) -> tuple[float, float]:
     if mission.chargers:
         posed = pose_mission(mission)
         return 0.0, best_charged(posed.problem) / posed.scale
-    return 0.0, best_in_shifts(mission)
+    return 0.0, best_on_a_plane(mission)
 
 
 DRAWN: dict[str, Callable[[int], Mission]] = {
     "optional": lambda number: every_optional_plan.draw_mission(number, TASKS, share=0.2),
     "shifts": draw_in_shifts,
+    "zones": draw_in_zones,
     "charging": lambda number: replace(charged_mission(number, ROBOTS, TASKS), forming=0.0),
 }
 

@@ -26,12 +26,16 @@ NO_FLEETS = {
     "robots": ("shifts", "every", "battery"),
     "tasks": ("starts", "optional"),
 }
-"""Keys of robots and tasks that fleets refuse; others are a mission's `until` and `chargers`."""
+"""Keys of robots and tasks that fleets refuse; a mission's are `until`, `chargers` and `zones`."""
 
 
 def for_fleets(tree: Any) -> Any:
     """Return a mission in continuous time without what fleets refuse."""
-    tree = {key: value for key, value in tree.items() if key not in ("until", "chargers", "cost")}
+    tree = {
+        key: value
+        for key, value in tree.items()
+        if key not in ("until", "chargers", "zones", "cost")
+    }
     for part, keys in NO_FLEETS.items():
         tree[part] = [{k: v for k, v in it.items() if k not in keys} for it in tree[part]]
     return tree

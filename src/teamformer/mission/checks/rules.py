@@ -13,6 +13,7 @@ from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
 from teamformer.mission.checks.optional import find_optional_problems, has_optional
 from teamformer.mission.checks.windows import find_endless_play
+from teamformer.mission.checks.zone_checks import zones_not_served
 from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, FLEETS, ROBOTARIUM, STEPS
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.mission_keys import HOME, TIMES
@@ -97,6 +98,7 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
         yield from rules_not_played(mission)
         return
     yield from rules_not_run_with_batteries(mission)
+    yield from zones_not_served(mission)
 
 
 def rules_not_advised(mission: Mission) -> Iterator[Problem]:

@@ -25,6 +25,7 @@ from teamformer.planning.graph.arc_problem import (
     Records,
     StepRules,
     different_needs,
+    is_permit,
     least_durations,
     most_seats,
     takes_with,
@@ -159,21 +160,24 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
         return LEFT_OUT
     if is_in_steps(graph):
         return start_in_steps(problem, graph, task, first_seat)
-    there, comes_apart = 0, False
-    first_site = problem.site[graph.seats[graph.seats[first_seat].prev].node]
+    there, room, comes_apart, first_site = 0, 0, False, NOBODY
     for seat in range(first_seat, first_seat + node.taken):
         place = graph.seats[graph.seats[seat].prev].node
         pace = problem.kinds[graph.seats[seat].kind].pace
         way = problem.ways_to[pace, task, place]
         kind = graph.seats[seat].kind
+        if is_permit(problem, kind):
+            room = max(room, graph.nodes[place].end)
+            continue
         there = max(there, walked_by(problem, kind, graph.nodes[place].end, way))
+        first_site = problem.site[place] if first_site == NOBODY else first_site
         comes_apart |= problem.site[place] != first_site
     if is_charged(problem):
         there = there_charged(problem, graph, first_seat, node.taken)
     if comes_apart and problem.forming[0] > 0:
         there = fitted(problem, graph, task, first_seat, there, problem.forming[0])
         there += problem.forming[0]
-    start = max(node.release, there)
+    start = max(node.release, there, room)
     if node.has_links:
         for other in problem.before[task]:
             if other == NOBODY:

@@ -48,8 +48,9 @@ def foresee(
 
     forming, rotas = known.mission.forming, rotas_of(robots)
     rules = StartRules(
-        way, site, takes, known.free_at, waits.release, waits.before, waits.gaps, forming, rotas
-    )
+        way, site, takes, known.free_at, waits.release, waits.before, waits.gaps, forming, rotas,
+        waits.rooms,
+    )  # fmt: skip
     return time_tasks(rules, order, robots_of)
 
 

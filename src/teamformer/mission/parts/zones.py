@@ -96,6 +96,6 @@ def lets_in(
             yield from ends
 
 
-def with_mates(rooms: Sequence[ZoneRoom]) -> Iterator[tuple[int, frozenset[int]]]:
+def that_share_zones(rooms: Sequence[ZoneRoom]) -> Iterator[tuple[int, frozenset[int]]]:
     """Yield each task with all that are in a zone with it, itself included; once for each zone."""
     return ((task, room.tasks) for room in rooms for task in sorted(room.tasks))

@@ -247,12 +247,12 @@ def near_tasks(problem: CoalitionProblem, count: int) -> Int32s:
     ways, tasks = problem.ways[0], len(problem.needs)
     permits = problem.counts[problem.bodies :].any(axis=0)  # (caps,)
     inside = problem.needs[:, permits] > 0  # (tasks, zones)
-    are_mates = (inside.astype(np.int64) @ inside.T.astype(np.int64)) > 0
-    count = min(count + int(are_mates.sum(axis=1).max(initial=0)), tasks - 1)
+    share_zones = (inside.astype(np.int64) @ inside.T.astype(np.int64)) > 0
+    count = min(count + int(share_zones.sum(axis=1).max(initial=0)), tasks - 1)
     near = np.zeros((tasks, count), np.int32)
     for task in range(tasks):
         there = ways[task] + ways[:tasks, task]  # there and back: ways may differ by direction
-        there[are_mates[task]] = -1
+        there[share_zones[task]] = -1
         there[task] = np.iinfo(np.int64).max
         near[task] = np.argsort(there, kind="stable")[:count]
     return near

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from test_imports_of_others import CHAO
 
 from home_care import HHCRSP
 from teamformer.base.errors import TeamformerError
@@ -61,6 +62,18 @@ def test_instances_come_with_what_tables_say(folder: Path) -> None:
     assert (two.name, ten.name) == ("ral/env_2", "ral/env_10")
     assert two.published == {"mine": 12.5, "yours": 13.0, "theirs": 14.25}
     assert (two.best, ten.published, ten.best) == (12.5, {"mine": 11.0}, 11.0)
+
+
+def test_prizes_that_are_missed_are_compared_with_the_best_published(tmp_path: Path) -> None:
+    """Two paths of 10 collect 12 of 32; a table that says 15 makes that 20% less than the best."""
+    (tmp_path / "p1.2.a.txt").write_text(CHAO)
+    (tmp_path / "best.csv").write_text("instance,prize\np1.2.a,15\n")
+    [instance] = read_instances([tmp_path])
+    assert instance.best == 32 - 15
+    measured = measure(instance, "plan", 0.0)
+    assert measured is not None
+    assert (measured.makespan, measured.prizes) == (20, 32)
+    assert measured.percent_above_best == pytest.approx(20)
 
 
 def test_instances_of_home_care_come_with_the_best_costs_published(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from teamformer.base.errors import TeamformerError
-from teamformer.files.drawn.continuous_incidents import WHEN, robots_to_spare
+from teamformer.files.drawn.continuous_incidents import INCIDENTS, WHEN, robots_to_spare
 from teamformer.files.drawn.continuous_missions import (
     CONTINUOUS_FAMILIES,
     EVERY,
@@ -28,9 +28,7 @@ from teamformer.mission.parts.roads import Roads
 from teamformer.trials.trial import run_trial
 
 WORLDS = 60
-DISTURBED = [
-    (name, incident) for name, it in CONTINUOUS_FAMILIES.items() for incident in it.incidents
-]
+DISTURBED = [(name, incident) for name in CONTINUOUS_FAMILIES for incident in INCIDENTS]
 
 
 def worlds(setting: str) -> list[Mission]:

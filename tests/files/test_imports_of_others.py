@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -162,6 +163,43 @@ def test_hhcrsp_files_that_are_broken(
         import_missions("hhcrsp", write(tmp_path / "care.json", tree))
     assert told in str(caught.value)
     assert caught.value.hint
+
+
+CHAO = "n 5\nm 2\ntmax 10\n1 1 0\n4 1 7\n1 5 5\n9 9 20\n4 1 0\n"
+"""From (1, 1) to (4, 1): t1 is at the end, t2 4 + 5 away from both, t3 too far off."""
+
+
+def test_team_orienteering(tmp_path: Path) -> None:
+    """Two paths of 10 take what lies within 3 and within 9, and cannot take 11.3 + 9.4."""
+    path = tmp_path / "p0.2.a.txt"
+    path.write_text(CHAO)
+    [mission] = import_missions("top", path)
+    assert isinstance(mission, tf.Mission)
+    assert mission.until == 10
+    assert [task.weight for task in mission.tasks if task.optional] == [7, 5, 20]
+    trial = tf.run(mission, method="plan")
+    assert trial.check().is_legal
+    assert trial.completed
+    assert trial.record.end.missed == ("t3",)
+    assert trial.makespan == 10
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("n 5\nm 2\n", ":3: here should be 'tmax NUMBER'"),
+        ("n 5\nm two\ntmax 10\n", ":2: 'two' is no number"),
+        (CHAO.replace("n 5", "n 6"), "n says 6 points, and there are 5"),
+        (CHAO.replace("m 2", "m 0"), "m is 0"),
+        (CHAO.replace("9 9 20", "9 9"), ":7: here should be a point"),
+        (CHAO.replace("9 9 20", "9 9 -20"), ":7: the score is -20"),
+    ],
+)
+def test_team_orienteering_files_that_are_broken(text: str, told: str, tmp_path: Path) -> None:
+    path = tmp_path / "p0.2.a.txt"
+    path.write_text(text)
+    with pytest.raises(TeamformerError, match=re.escape(told)):
+        import_missions("top", path)
 
 
 def unchanged(graph: dict[str, Any]) -> None:

@@ -56,6 +56,27 @@ def test_who_is_shown_a_former_life_begins_a_later_one() -> None:
     assert said(notices).life == 5
 
 
+def test_who_has_heard_nobody_says_that_it_is_fit_as_soon_as_it_hears_somebody() -> None:
+    """Its word would else tell for up to a second that nobody is to count on it."""
+    agent = agents_of(trio())[0]
+    for tick in range(1, 70):
+        agent.tick(tick / 10, standing(agent, tick), [])
+    assert not agent.membership.is_fit
+    _, notices = agent.tick(6.91, standing(agent, 70), [beat_from(agent, 1, Word(1, 1))])
+    assert said(notices).is_fit
+
+
+def test_who_hears_that_a_robot_has_heard_nobody_answers_at_once() -> None:
+    agent = agents_of(trio())[0]
+    agent.tick(0.0, standing(agent, 1), [])
+    agent.tick(0.1, standing(agent, 2), [])
+    _, notices = agent.tick(0.2, standing(agent, 2), [beat_from(agent, 1, Word(1, 1))])
+    assert notices == []  # nothing to tell before the second is over
+    unfit = beat_from(agent, 1, Word(1, 2, is_fit=False))
+    _, notices = agent.tick(0.3, standing(agent, 2), [unfit])
+    assert said(notices).robot == 0
+
+
 def test_a_silent_robot_is_called_lost_and_a_plan_is_made_without_it() -> None:
     agent = agents_of(trio())[0]
     for tick in range(1, 130):

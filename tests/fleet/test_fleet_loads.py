@@ -175,6 +175,14 @@ def test_a_load_that_nobody_can_tell_of_is_looked_for_on_its_way() -> None:
     assert 2 < lifts_of(rehearsal.world)[1].place[0] < 15
 
 
+def test_a_mission_is_over_once_the_load_of_who_is_stuck_for_good_is_set_down() -> None:
+    """Its one robot takes the load up at 3, is stuck from 5 on, and lets go 5 s later."""
+    mission = FleetMission(make([robot("a", 2)], [load("a", 2, 10, duration=3)]))
+    outcome, _ = outcome_of(mission, Faults(stuck=(Spell(0, 5.0, None),)))
+    assert (outcome.status, outcome.blocked_tasks) == ("infeasible", ("t0",))
+    assert 10.0 <= outcome.end <= 13.0
+
+
 @pytest.mark.parametrize("begin", [1.0, 8.0])
 @pytest.mark.parametrize("stuck", [0, 1])
 def test_who_carries_and_does_not_get_on_lets_go(stuck: int, begin: float) -> None:

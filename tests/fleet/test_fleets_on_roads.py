@@ -8,11 +8,14 @@ from pathlib import Path
 import pytest
 
 from fleets import plan_of
+from teamformer.fleet.agent.knowledge import Knowledge, Remembered
+from teamformer.fleet.agent.meeting import Meeting, turn_time, turns
+from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.rehearsal.checking.trace import Trace
-from teamformer.fleet.rehearsal.faults import Crash, Faults, Spell, draw_faults, losses_of
+from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Spell, draw_faults, losses_of
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
 from teamformer.mission.model import Absence, Arrivals, Breakdown, Delays, Mission, Robot, Task
@@ -49,6 +52,12 @@ def ended(mission: Mission, faults: Faults = Faults()) -> dict[str, float]:  # n
     rehearsal, outcome, violations = play(fleet, plan_of(fleet), faults)
     assert (violations, outcome.status) == ([], "ended")
     return {rehearsal.world.tasks[key].name: done.at for key, done in rehearsal.world.done.items()}
+
+
+def meeting_of(fleet: FleetMission, robot: int) -> Meeting:
+    """Return where a robot meets others, which knows nothing but the mission."""
+    knowledge = Knowledge(fleet, robot, Remembered())
+    return Meeting(knowledge, Membership(knowledge, fleet.timers, 0, 0.0))
 
 
 def test_between_two_places_a_robot_is_so_far_from_the_next() -> None:
@@ -233,12 +242,58 @@ def test_who_cannot_come_to_the_base_is_met_where_it_was() -> None:
     one_way = Roads(("dock", "ward"), {"ground": ((0, 4), (FAR, 0))})
     source = ring([Task("t", DOCK, {"a": 1})])
     fleet = FleetMission(replace(source, world=one_way))
-    assert fleet.place_to_wait(0, DOCK, {}) is None
-    assert fleet.place_to_wait(0, DOCK, {1: DOCK}) == DOCK
-    assert fleet.place_to_wait(0, DOCK, {1: (1, 2.5)}) == WARD
-    assert fleet.place_to_wait(0, WARD, {1: DOCK}) is None  # it cannot get back itself
+    meeting = meeting_of(fleet, 0)
+    assert meeting.place(DOCK, {}, 0.0) is None
+    assert meeting.place(DOCK, {1: DOCK}, 0.0) == DOCK
+    assert meeting.place(DOCK, {1: (1, 2.5)}, 0.0) == WARD
+    assert meeting.place(WARD, {1: DOCK}, 0.0) is None  # it cannot get back itself
     assert fleet.reach(0, fleet.tasks[0])
     assert not fleet.reach(0, fleet.tasks[0], WARD)
+
+
+DEAD_END = Roads(
+    ("dock", "ward", "lab"),
+    {
+        "ground": ((0, 4, FAR), (FAR, 0, 2.5), (1, FAR, 0)),
+        "cart": ((0, 4, 9), (FAR, 0, FAR), (9, FAR, 0)),
+    },
+)
+"""Carts do not get away from the ward; others get round the ring."""
+
+
+def dead_end(tasks: list[Task]) -> FleetMission:
+    """Return a fleet of a robot that gets away from the ward, and a cart with `b` that does not."""
+    robots = (Robot("r", DOCK, {"a": 1}), Robot("cart", DOCK, {"a": 1, "b": 1}, moves="cart"))
+    what = ("a", "b")
+    return FleetMission(
+        Mission("dead end", DEAD_END, what, robots, tuple(tasks), time="continuous")
+    )
+
+
+def test_robots_that_miss_others_look_by_turns_where_some_cannot_get_away() -> None:
+    """A turn takes 13, the longest way (from lab to ward by cart), and 10; all go by its age."""
+    fleet = dead_end([Task("t", WARD, {"a": 2})])
+    assert turns(fleet) == (WARD,)
+    assert turn_time(fleet) == 23.0
+    meeting = meeting_of(fleet, 0)
+    ages = (0.0, 22.9, 23.1, 45.9, 46.1, 69.1)
+    places = [meeting.place(DOCK, {1: DOCK}, age) for age in ages]
+    assert places == [DOCK, DOCK, WARD, WARD, DOCK, WARD]
+    assert meeting_of(fleet, 1).place(DOCK, {0: DOCK}, 23.1) == DOCK  # it would not come back
+    assert meeting.place(DOCK, {}, 23.1) is None
+
+
+def test_who_went_where_nobody_heard_of_and_cannot_come_back_is_met() -> None:
+    """The cart goes to the ward for a task, while the other robot hears nothing from the start.
+
+    Its last word is from the dock, where it never comes back to.
+    """
+    look, late = Task("look", WARD, {"b": 1}), Task("t", WARD, {"a": 2}, duration=3, appears=30.0)
+    fleet, both = dead_end([look, late]), frozenset({0, 1})
+    faults = Faults(radio=2.0, cuts=(Cut(both, both, 0.0, 20.0),))
+    rehearsal, outcome, violations = play(fleet, plan_of(fleet), faults)
+    assert (violations, outcome.status) == ([], "ended")
+    assert rehearsal.world.done[1].robots == (0, 1)
 
 
 def test_radios_reach_as_far_as_the_shorter_way_takes() -> None:

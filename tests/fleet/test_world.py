@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from fleets import pair
@@ -114,3 +116,34 @@ def test_who_cannot_move_stays_until_it_is_let_go() -> None:
     world.let_go(0)
     world.advance(13.0)
     assert world.place(0) == (6, 0)
+
+
+def hidden_in_a_plane(finding_radius: float) -> FleetMission:
+    """Return a robot 5 away from a task that is up to 0.4 off, where 0.3 apart is one place."""
+    field = Plane(9.0, 9.0, arrival_radius=0.3, unit=0.2)
+    who = (Robot("r", (0.0, 5.0), {"a": 1}),)
+    tasks = (Task("t", (5.0, 5.0), {"a": 1}, duration=2.0, within=0.4),)
+    mission = Mission("field", field, ("a",), who, tasks, time="continuous")
+    return FleetMission(replace(mission, finding_radius=finding_radius))
+
+
+def test_who_stands_where_a_task_is_sees_it_however_near_it_has_to_be() -> None:
+    """On its way to (5, 5) it is at the task in (5.2, 5) once it is within 0.3: from 4.9 on."""
+    fleet = hidden_in_a_plane(0.0)
+    truth = replace(
+        fleet.source, tasks=(fleet.source.tasks[0].once_known((5.2, 5.0), {"a": 1}, 2),)
+    )
+    world = FleetWorld(fleet, truth)
+    world.command(0, Command(1, (5.0, 5.0), 0))
+    world.advance(4.89)
+    assert (world.report(0).load, world.report(0).is_gone) == (None, True)
+    world.advance(4.91)
+    assert (world.report(0).load, world.report(0).is_gone) == ((5.2, 5.0), False)
+
+
+@pytest.mark.parametrize(("radius", "places"), [(0.0, 13), (0.3, 13), (0.51, 9), (0.71, 1)])
+def test_places_to_look_count_with_who_stands_a_little_beside_them(
+    radius: float, places: int
+) -> None:
+    """Of 13 places; who is 0.3 beside one surely sees what is within the radius less 0.3 of it."""
+    assert len(hidden_in_a_plane(radius).hidden[0]) == places

@@ -7,7 +7,7 @@ Plans are gone through task after task, in the order in which these begin, each 
 of which nobody can be spared: forming takes no time, so nobody has to come along. A plan goes no
 further once it is over no sooner than the best one. Those of robots with batteries are gone through
 as if nobody had one, which is never slower, and only then carried out with batteries by the plain
-rule.
+rule. Beside batteries there are windows, shifts, optional tasks, a cost or loads.
 """
 
 from __future__ import annotations
@@ -19,17 +19,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import every_optional_plan
+from charged_keys import drawn_with
 from charging_missions import charged_mission
 from plain_times import able_crews, fitting, walked
 from teamformer.base.errors import MissionError
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.shifts import ALWAYS, fits_all
 from teamformer.mission.parts.zones import Zone
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.rules import plan_continuous, warm_up
-from teamformer.planning.problem.batteries import charged_totals
+from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
+from teamformer.planning.problem.batteries import charged_totals, totals_of
 from teamformer.planning.problem.coalition_plan import plan_of_lists
 from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
+from teamformer.planning.problem.rotas import rotas_as_told
 
 ROBOTS, TASKS = 4, 6
 
@@ -131,9 +134,7 @@ def best_on_a_plane(mission: Mission) -> float:
     crews = [least_crews(able_crews(mission, task)) for task in range(len(tasks))]
     durations = [task.duration for task in tasks]
     zones = [(zone.tasks_in(tasks), zone.room) for zone in mission.zones]
-    return _least(
-        crews, before, durations, len(robots), start, home, lambda order, made: 0.0, zones
-    )
+    return _least(crews, before, durations, len(robots), start, home, zones)
 
 
 def _at(mission: Mission, robot: int, place: int) -> tuple[float, float]:
@@ -141,35 +142,58 @@ def _at(mission: Mission, robot: int, place: int) -> tuple[float, float]:
     return float(at[0]), float(at[1])
 
 
-def best_charged(problem: CoalitionProblem) -> float:
-    """Return the least makespan in ticks of all plans of a problem whose robots have batteries."""
-    tasks = range(len(problem.needs))
+def best_charged(problem: CoalitionProblem, known: float) -> float:
+    """Return what the best plan of a problem with batteries is judged by, in ticks.
+
+    Only plans better than the one `known` are looked for. Nobody gets anywhere sooner because of a
+    battery, so plans are gone through as if nobody had one, and are left as soon as that is no
+    better.
+    """
+    tasks, robots = range(len(problem.needs)), range(len(problem.counts))
     before = [[o for o in row if o != NOBODY] for row in problem.before.tolist()]
-
-    def at(robot: int, place: int) -> int:
-        return int(problem.origin[robot]) if place == NOBODY else place
-
-    def start(task: int, crew: Sequence[int], stand: Stand, earliest: float) -> float:
-        came = [at(r, stand.place[r]) for r in crew]
-        there = max(
-            stand.free[r] + problem.ways[problem.pace[r], one, task]
-            for r, one in zip(crew, came, strict=True)
-        )
-        return max(earliest, float(there))
-
-    def home(robot: int, place: int, free: float) -> float:
-        return free + float(problem.home[problem.kind[robot], at(robot, place)])
-
-    def carried_out(order: list[int], made: dict[int, tuple[int, ...]]) -> float:
-        plan = plan_of_lists(order, [made[task] for task in tasks])
-        return charged_totals(problem, plan)[0]
-
-    able = [
-        [c for c in _all_crews(len(problem.counts)) if _covers(problem, c, task)] for task in tasks
-    ]
+    able = [[c for c in _all_crews(len(robots)) if _covers(problem, c, task)] for task in tasks]
     crews = [least_crews(one) for one in able]
-    durations = problem.duration.tolist()
-    return _least(crews, before, durations, len(problem.counts), start, home, carried_out)
+    rotas = rotas_as_told(problem.rotas, problem.kind) or [ALWAYS for _ in robots]
+    optional = problem.misses.optional.tolist() or [0 for _ in tasks]
+    at, free = (
+        problem.origin.tolist(),
+        [float(problem.ready[k - len(tasks)]) for k in problem.origin],
+    )
+    made, ends, best = dict[int, tuple[int, ...]](), dict[int, float](), known
+
+    def go_on(last: float) -> None:
+        nonlocal best
+        least = totals_of(problem, [ends.get(task, 0.0) for task in tasks], free, 0.0)[0]
+        if least >= best:
+            return
+        if all(task in made or optional[task] for task in tasks):
+            order = [*made, *(task for task in tasks if task not in made)]
+            plan = plan_of_lists(order, [made.get(task, ()) for task in tasks])
+            best = min(best, charged_totals(problem, plan)[0])
+        for task in tasks:
+            if task in made or any(one not in made for one in before[task]):
+                continue
+            earliest = max([float(problem.release[task]), *(ends[one] for one in before[task])])
+            for crew in crews[task]:
+                ways = [float(problem.ways[problem.pace[r], at[r], task]) for r in crew]
+                there = [rotas[r].walked(free[r], way) for r, way in zip(crew, ways, strict=True)]
+                slower = max(int(problem.slower[problem.pace[r], task]) for r in crew)
+                takes = int(problem.duration[task]) + slower
+                bound = [rotas[r] for r in crew]
+                begin = fits_all(bound, max(earliest, *there), takes)
+                if begin < last or math.isinf(begin):
+                    continue
+                was = [(at[r], free[r]) for r in crew]
+                made[task], ends[task] = crew, begin + takes
+                for r in crew:
+                    at[r], free[r] = task, begin + takes
+                go_on(begin)
+                del made[task], ends[task]
+                for r, (place, when) in zip(crew, was, strict=True):
+                    at[r], free[r] = place, when
+
+    go_on(0.0)
+    return best
 
 
 def _all_crews(robots: int) -> list[tuple[int, ...]]:
@@ -192,13 +216,9 @@ def _least(
     robots: int,
     start: Start,
     home: Callable[[int, int, float], float],
-    really: Callable[[list[int], dict[int, tuple[int, ...]]], float],
     zones: Sequence[tuple[Sequence[int], int]] = (),
 ) -> float:
-    """Return the least makespan; `really` says what a plan comes to, if that is more.
-
-    `zones` has the tasks of each, and how many of them go on at once.
-    """
+    """Return the least makespan; `zones` has the tasks of each, and how many go on at once."""
     best, stand = math.inf, Stand([NOBODY] * robots, [0.0] * robots)
     made, ends = dict[int, tuple[int, ...]](), dict[int, float]()
 
@@ -215,8 +235,7 @@ def _least(
         nonlocal best
         if len(made) == len(crews):
             over = max(home(r, stand.place[r], stand.free[r]) for r in range(robots))
-            if over < best:
-                best = min(best, max(over, really(list(made), made)))
+            best = min(best, over)
             return
         for task, able in enumerate(crews):
             if task in made or any(one not in made for one in before[task]):
@@ -240,21 +259,32 @@ def _least(
 
 
 def worth_by(mission: Mission, method: str, seconds: float) -> tuple[float, float]:
-    """Return what a method's plan misses by weight, and its makespan; infinite without a plan."""
-    made = plan_continuous(pose_mission(mission), method, seconds)
+    """Return what a method's plan misses by weight, and its makespan; infinite without a plan.
+
+    Where robots have batteries it is what the plan is judged by, in ticks, missed tasks included.
+    """
+    posed = pose_mission(mission)
+    if mission.chargers:
+        found = PLANNERS[method](posed.problem, seconds, None)
+        return 0.0, math.inf if found is None else found.worth
+    made = plan_continuous(posed, method, seconds)
     if made is None:
         return math.inf, math.inf
     return sum(mission.tasks[task].weight for task in made.missed), made.makespan
 
 
 def best_worth(mission: Mission) -> tuple[float, float]:
-    """Return what the best plan of all misses by weight, and its makespan."""
+    """Return what the best plan of all misses by weight, and its makespan; see `worth_by`."""
+    if mission.chargers:
+        return 0.0, best_charged(pose_mission(mission).problem, worth_by(mission, "plan", 0)[1])
     if mission.until is not None:
         return every_optional_plan.best_plan(mission)
-    if mission.chargers:
-        posed = pose_mission(mission)
-        return 0.0, best_charged(posed.problem) / posed.scale
     return 0.0, best_on_a_plane(mission)
+
+
+def draw_charged(keys: str) -> Callable[[int], Mission]:
+    """Return what draws missions with batteries and other keys, without forming."""
+    return lambda number: replace(drawn_with(keys, number, ROBOTS, TASKS), forming=0.0)
 
 
 DRAWN: dict[str, Callable[[int], Mission]] = {
@@ -262,6 +292,11 @@ DRAWN: dict[str, Callable[[int], Mission]] = {
     "shifts": draw_in_shifts,
     "zones": draw_in_zones,
     "charging": lambda number: replace(charged_mission(number, ROBOTS, TASKS), forming=0.0),
+    "charging, windows": draw_charged("windows"),
+    "charging, shifts": draw_charged("shifts"),
+    "charging, optional": draw_charged("optional"),
+    "charging, a cost": draw_charged("cost"),
+    "charging, loads": draw_charged("loads"),
 }
 
 

@@ -7,11 +7,13 @@ from typing import Any
 import pytest
 from hypothesis import strategies as st
 
+from charged_keys import FORESEEN, KEYS, check_foreseen, drawn_with
 from charging_missions import charged_mission
 from clock_missions import RandomPlans, draw_mission
 from clock_promises import check_promises
 from missions import continuous_missions, optional_missions
 from teamformer.base.errors import TeamformerError
+from teamformer.files.drawn.continuous_incidents import INCIDENTS
 from teamformer.files.drawn.continuous_missions import CONTINUOUS_FAMILIES
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.files.mission_files import mission_from_tree, mission_to_tree
@@ -27,12 +29,22 @@ from watching import fuzzed
 NEAR = 1e-9
 FAMILIES = [
     name if incident is None else f"{name}-{incident}"
-    for name, family in CONTINUOUS_FAMILIES.items()
-    for incident in (None, *family.incidents)
+    for name in CONTINUOUS_FAMILIES
+    for incident in (None, *INCIDENTS)
 ]
 RUN = "run FILE --seed {seed}"
 SEEDS = st.integers(0, 10**6)
 """Of what happens, and of plans at random."""
+
+CHARGED_WITH, CHARGED_DISTURBED = (
+    st.builds(
+        lambda keys, seed: mission_to_tree(drawn_with(" ".join(keys), seed)),
+        st.lists(st.sampled_from(keys), min_size=1, max_size=3, unique=True),
+        SEEDS,
+    )
+    for keys in (FORESEEN, tuple(KEYS))
+)
+"""Missions with batteries and other keys: nothing unforeseen happens, or all may."""
 
 CHARGED = SEEDS.map(lambda seed: mission_to_tree(charged_mission(seed)))
 DRAWN = SEEDS.map(lambda seed: mission_to_tree(draw_mission(seed)))
@@ -60,6 +72,20 @@ def test_robots_that_charge_take_as_long_as_their_plan(mission: Any) -> None:
     record = run_trial(source, SharedPlan()).record
     assert made is not None
     assert record.end.makespan == pytest.approx(made.makespan, rel=NEAR, abs=NEAR)
+    assert judge(record).findings == ()
+
+
+@fuzzed(8, "run FILE", mission=CHARGED_WITH)
+def test_robots_that_charge_keep_to_their_plan_whatever_else_there_is(mission: Any) -> None:
+    record = run_trial(mission_from_tree(mission), SharedPlan()).record
+    assert judge(record).findings == ()
+    check_foreseen(record)
+
+
+@fuzzed(8, RUN, mission=CHARGED_DISTURBED, seed=SEEDS)
+def test_robots_that_charge_are_legal_whatever_happens(mission: Any, seed: int) -> None:
+    record = run_trial(mission_from_tree(mission), SharedPlan(), seed).record
+    assert record.end.status in ("completed", "infeasible", "too late")
     assert judge(record).findings == ()
 
 

@@ -17,7 +17,6 @@ from live_server import serving_session
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.live.continuous import running_course
-from teamformer.live.continuous.futures import possible_truth
 from teamformer.live.continuous.running_course import RunningCourse, nice
 from teamformer.live.drawing.drafts import Draft
 from teamformer.live.keeping.autosave import NAME, Autosave, Identity
@@ -457,7 +456,7 @@ def test_futures_agree_with_what_has_been_seen() -> None:
         run.move(0.5)
         world = run.past().course.world
         for seed in range(20):
-            drawn = possible_truth(run.source, world, seed)
+            drawn = run.past().possible_truth(seed)
             for number, task in enumerate(drawn.tasks):
                 if number in world.done:
                     assert task.duration == real.tasks[number].duration
@@ -478,7 +477,7 @@ def test_breakdowns_in_futures_are_those_seen_or_later(when: float) -> None:
     run.move(when)
     been = [away for away in real if away.lost <= when]
     for seed in range(20):
-        drawn = possible_truth(run.source, run.past().course.world, seed).robots[0].absences
+        drawn = run.past().possible_truth(seed).robots[0].absences
         for one, other in zip(drawn, been, strict=False):
             assert one.lost == other.lost
             assert (one.back == other.back) if other.back <= when else (one.back > when)  # type: ignore[operator]

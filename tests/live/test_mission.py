@@ -23,7 +23,6 @@ from teamformer.live.running.incidents import (
     RobotBack,
     search_plan,
 )
-from teamformer.live.steps.futures import possible_truth
 from teamformer.live.steps.mission_with_past import RunningMission
 from teamformer.methods.by_name import Method, load_method
 from teamformer.methods.central.policy import Central
@@ -263,7 +262,7 @@ def test_what_appears_at_random_is_forecast_by_what_is_known(
     for _ in range(9):
         run.step()
     known, now = run.past().env.truths[0], run.past()
-    futures = [possible_truth(now.mission, now.env, seed) for seed in range(30)]
+    futures = [now.possible_truth(seed) for seed in range(30)]
     for future in futures:
         calls = [it for it in future.tasks if it.has_arrived]
         assert [it for it in calls if it.appears <= 12] == [
@@ -404,7 +403,7 @@ def test_futures_agree_with_what_has_been_seen() -> None:
     past = run.past()
     real, seen = past.env.truths[0], past.env.worlds.tasks[0]
     for seed in range(30):
-        truth = possible_truth(past.mission, past.env, seed)
+        truth = past.possible_truth(seed)
         for drawn, true, state in zip(truth.tasks, real.tasks, seen, strict=True):
             if state["done_at"] >= 0:
                 assert drawn.duration == true.duration
@@ -421,7 +420,7 @@ def test_in_futures_a_task_is_where_nobody_has_looked_yet() -> None:
     before: set[float] = set(range(6, 15))
     while run.is_running:
         past = run.past()
-        found = {possible_truth(mission, past.env, seed).tasks[0].at[0] for seed in range(60)}
+        found = {past.possible_truth(seed).tasks[0].at[0] for seed in range(60)}
         assert real.at[0] in found
         assert found <= before
         before = found
@@ -439,7 +438,7 @@ def test_breakdowns_in_futures_are_those_seen_or_later(steps: int) -> None:
         run.step()
     been = [away for away in real if away.lost <= steps]
     for seed in range(30):
-        drawn = possible_truth(mission, run.past().env, seed).robots[0].absences
+        drawn = run.past().possible_truth(seed).robots[0].absences
         seen, later = drawn[: len(been)], drawn[len(been) :]
         assert [away.lost for away in seen] == [away.lost for away in been]
         for one, other in zip(seen, been, strict=True):
@@ -457,7 +456,7 @@ def test_in_futures_nobody_breaks_down_after_the_trial() -> None:
     for _ in range(3):
         run.step()
     for seed in range(3):
-        drawn = possible_truth(mission, run.past().env, seed).robots[0].absences
+        drawn = run.past().possible_truth(seed).robots[0].absences
         assert drawn == (Absence(1, 10**9 + 1),)
 
 

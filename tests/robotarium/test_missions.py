@@ -20,6 +20,7 @@ from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Mission
 from teamformer.robotarium.benchmark import ROUGH, bench_robotarium, count_missions, summarise
 from teamformer.robotarium.deployment.folder import deploy, verify
+from teamformer.robotarium.deployment.policies import maker_of
 from teamformer.robotarium.draw import Film
 from teamformer.robotarium.experiment import Experiment, Simulator, run_experiment
 from teamformer.robotarium.flight import Snapshot
@@ -121,12 +122,14 @@ def test_pictures_of_every_phase(tmp_path: Path) -> None:
         assert gif.n_frames == done.outcome.ticks // 15 + 1
 
 
-@pytest.mark.parametrize("method", ["heuristic", "teamformer", "join-fitting"])
+@pytest.mark.parametrize(
+    "method", ["heuristic", "teamformer", "join-fitting", "teamformer-c8", "gnn-c8-ppo"]
+)
 def test_the_folder_to_upload(method: str, tmp_path: Path) -> None:
     files = deploy(four(), method, 0, tmp_path)
     assert files[0].name == "main.py"
     assert all(file.parent == tmp_path and file.suffix in (".py", ".npy") for file in files)
-    assert (tmp_path / "weights.npy").exists() == (method == "teamformer")
+    assert (tmp_path / "weights.npy").exists() == (method not in ("heuristic", "join-fitting"))
     for file in files:
         if file.suffix == ".py":
             compile(file.read_text(), file.name, "exec")
@@ -136,17 +139,21 @@ def test_the_folder_to_upload(method: str, tmp_path: Path) -> None:
         assert copied.read_text() == (ours / name).read_text()
 
 
-def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "name", ["teamformer", "teamformer-c4", "teamformer-c4-ppo", "deepset-c4-ppo", "gnn-c4"]
+)
+def test_the_folder_decides_as_we_do(name: str, tmp_path: Path) -> None:
     """Without the package, numba and ONNX Runtime, its views and decisions are the same."""
     mission = random_mission(8, 4, 4, np.random.default_rng(2))
-    deploy(mission, "teamformer", 0, tmp_path)
+    deploy(mission, name, 0, tmp_path)
+    maker = maker_of(name)
     script = (
         "import os, sys, json, numpy as np; sys.path.insert(0, '.')\n"
         "sys.modules.update(dict.fromkeys(('numba', 'onnxruntime')))\n"
         "from tf_experiment import MISSION\n"
         "from teamformer.world.env import TeamFormation\n"
-        "from teamformer.methods.learned.any_fleet import teamformer\n"
-        "env, policy, steps = TeamFormation([MISSION]), teamformer(), []\n"
+        f"from teamformer.{maker.module} import {maker.function} as maker\n"
+        f"env, policy, steps = TeamFormation([MISSION]), maker(*{maker.arguments!r}), []\n"
         "policy.begin(None, np.random.default_rng(0))\n"
         "while env.is_running[0]:\n"
         "    env.step(policy.decide(env.view()))\n"
@@ -161,7 +168,7 @@ def test_the_folder_decides_as_we_do(tmp_path: Path) -> None:
     )
     from teamformer.world.env import TeamFormation
 
-    env, policy, steps = TeamFormation([mission]), load_method("teamformer").policy, []
+    env, policy, steps = TeamFormation([mission]), load_method(name).policy, []
     policy.begin(None, np.random.default_rng(0))
     while env.is_running[0]:
         env.step(policy.decide(env.view()))

@@ -123,7 +123,9 @@ def generate(
 def import_(
     form: Annotated[
         str,
-        typer.Argument(metavar="FORMAT", help="hetero-mrta, dcmrta, sadcher, hhcrsp, rmf or lif"),
+        typer.Argument(
+            metavar="FORMAT", help="hetero-mrta, dcmrta, sadcher, hhcrsp, top, rmf or lif"
+        ),
     ],
     path: Annotated[Path, typer.Argument(metavar="FILE", help="the instance: a file or a folder")],
     out: Annotated[

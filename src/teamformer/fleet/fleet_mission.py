@@ -95,7 +95,6 @@ class FleetMission:
         keep(self, "paces", tuple(pace(robot.speed) / self.step for robot in robots))
         expected = (pace(robot.expected_speed) / self.step for robot in robots)
         keep(self, "longest_walk", _length_across(world) / min(expected))
-        keep(self, "bases", tuple(map(self._base_of, range(len(robots)))))
 
     number: int = field(init=False)  # the same for who has the same mission, 62 bits
     counts: tuple[Row, ...] = field(init=False)  # of each robot
@@ -107,7 +106,6 @@ class FleetMission:
     forming: float = field(init=False)  # seconds that a split or join takes
     paces: tuple[float, ...] = field(init=False)  # of each robot, cells or metres a second
     longest_walk: float = field(init=False)  # seconds that the slowest takes across the map
-    bases: tuple[Place, ...] = field(init=False)  # where each robot looks for others
     sight: float = field(init=False)  # within which a robot sees a load
     ways: Ways = field(init=False, repr=False, compare=False)
     unsure: frozenset[int] = field(init=False)  # tasks that may need more than is known
@@ -143,19 +141,6 @@ class FleetMission:
         ends = self.source.ends
         return self.source.robots[robot].at if isinstance(ends, str) else ends
 
-    def place_to_wait(self, robot: int, here: Place, missed: Mapping[int, Place]) -> Place | None:
-        """Return where a robot goes without a task: to meet those it misses, else home.
-
-        They meet at its base, or where one is who cannot get there any more. None: nowhere.
-        """
-        base = self.bases[robot]
-        strays = (at for other, at in sorted(missed.items()) if not self.leads(other, at, base))
-        stray = next(((at[0], 0) for at in strays if self.leads(robot, here, at)), base)
-        is_on_roads = isinstance(self.source.world, Roads)
-        meeting = stray if is_on_roads else base
-        place = meeting if missed else self.home_of(robot)
-        return place if place is not None and self.leads(robot, here, place) else None
-
     def begin_of(self, moment: float) -> float:
         """Return the seconds after which a step begins, or what is the time in continuous time."""
         return (moment - 1 if self.source.time == "steps" else moment) * self.step
@@ -174,17 +159,6 @@ class FleetMission:
         delays = [self.source.robots[robot].delays for robot in robots]
         still = max((2 * self.step / (1 - it.chance) for it in delays if it), default=0.0)
         return still + (1.0 / pace if isinstance(self.source.world, Grid) else 0.0)
-
-    def _base_of(self, robot: int) -> Place:
-        """Return where a robot looks for others when it has nothing else to do.
-
-        It is where the first of those starts that it can get to, and back from.
-        """
-        at, others = self.source.robots[robot].at, self.source.robots
-        if not isinstance(self.source.world, Roads):
-            return others[self.regions.index(self.regions[robot])].at
-        starts = (other.at for other in others)
-        return next(s for s in starts if self.leads(robot, at, s) and self.leads(robot, s, at))
 
     def leads(self, robot: int, here: Place, there: Place) -> bool:
         """Say whether a way leads a robot from one place to another."""
@@ -324,10 +298,14 @@ def place_in(world: World, at: Place) -> Place:
 
 
 def places_to_look(mission: Mission, task: Task) -> tuple[Place, ...]:
-    """Return places from which all are seen that a task may be in, nearest first; often none."""
-    tour: list[Place] = []
-    for place in possible_places(mission.world, task.at, task.within) if task.within else ():
-        if not any(math.dist(place, seen) <= mission.finding_radius for seen in tour):
+    """Return places from which all are seen that a task may be in, nearest first; often none.
+
+    Who is at one of them may be off by the radius within which places are the same.
+    """
+    world, tour = mission.world, list[Place]()
+    off = world.arrival_radius if isinstance(world, Plane) else 0.0
+    for place in possible_places(world, task.at, task.within) if task.within else ():
+        if not any(math.dist(place, seen) <= mission.finding_radius - off for seen in tour):
             tour.append(place)
     return tuple(tour)
 

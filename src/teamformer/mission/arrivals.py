@@ -8,12 +8,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from teamformer.mission.model import Mission, Task
+from teamformer.base.errors import TeamformerError
+from teamformer.mission.model import Mission, Task, as_believed
+from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import busiest_part
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.reach import can_reach, totals_by_region
 from teamformer.mission.parts.roads import Roads
+
+MOST_DRAWS = 1000
+"""So often a task is drawn again that nobody can do with a full battery."""
 
 MILLIMETRES = 1000
 """In a metre: places on a plane are drawn to one of them, as random missions have them."""
@@ -33,14 +38,37 @@ def draw_arrivals(mission: Mission, rng: np.random.Generator) -> tuple[Task, ...
     drawn = []
     for step in range(1, arrivals.until + 1):
         if rng.random() < arrivals.rate:
-            place = _draw_place(mission, part, rng)
-            most = min(arrivals.most_needs or len(caps), len(caps))
-            chosen = rng.permutation(len(caps))[: rng.integers(1, most + 1)]
-            needs = {caps[cap]: 1 for cap in sorted(chosen.tolist())}
+            task = _draw_task(mission, caps, part, rng)
             if step > arrivals.since:  # those before are drawn, so that the others stay the same
-                named = Task(next(names), place, needs, arrivals.duration, step, has_arrived=True)
-                drawn.append(named)
+                drawn.append(replace(task, name=next(names), appears=step))
     return tuple(drawn)
+
+
+def _draw_task(mission: Mission, caps: list[str], part: int, rng: np.random.Generator) -> Task:
+    """Return a task that appears; where robots have batteries, one that they can do from full."""
+    arrivals = mission.arrivals
+    assert arrivals is not None, "tasks appear"
+    for _ in range(MOST_DRAWS):
+        place = _draw_place(mission, part, rng)
+        most = min(arrivals.most_needs or len(caps), len(caps))
+        chosen = rng.permutation(len(caps))[: rng.integers(1, most + 1)]
+        needs = {caps[cap]: 1 for cap in sorted(chosen.tolist())}
+        task = Task("", place, needs, arrivals.duration, has_arrived=True)
+        if _is_in_reach(mission, task):
+            return task
+    raise TeamformerError(
+        f"{mission.name}: hardly anywhere tasks can appear that robots can do with full batteries",
+        "put chargers nearer to one another, or give batteries that last longer",
+    )
+
+
+def _is_in_reach(mission: Mission, task: Task) -> bool:
+    """Say whether those with batteries that are able for a task bring what it needs."""
+    charging = as_believed(mission, tasks=(task,)).charging
+    if charging is None:
+        return True
+    able = charging.able(range(len(mission.robots)), 0)
+    return covers(total(mission.robots[robot].can for robot in able), task.needs)
 
 
 def once_appeared(mission: Mission, truth: Mission, steps: float) -> Mission:

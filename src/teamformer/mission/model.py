@@ -121,6 +121,18 @@ class Robot:
         return max(SLOWEST, self.speed * (1 - self.delays.chance)) if self.delays else self.speed
 
     @property
+    def as_expected(self) -> Robot:
+        """Return it as one that never breaks down, and walks as fast as it does on average.
+
+        Its battery lasts as far as before: a robot that is held up spends nothing.
+        """
+        battery, longer = self.battery, self.speed / self.expected_speed
+        if battery is not None and longer != 1.0:
+            battery = battery.in_longer_units(longer)
+        speed = self.expected_speed
+        return replace(self, breaks=None, delays=None, speed=speed, battery=battery)
+
+    @property
     def lost_for_good(self) -> float | None:
         """Return the step from which it is lost and never back; None if there is none."""
         last = self.absences[-1] if self.absences else None
@@ -199,6 +211,11 @@ class Task:
         return replace(
             self, at=at, needs=needs, duration=duration, lasts=None, may_need={}, within=0.0
         )
+
+    @property
+    def ends_at(self) -> Place:
+        """Return where its robots are once they have done it."""
+        return self.at if self.to is None else self.to
 
     @property
     def longest(self) -> float:

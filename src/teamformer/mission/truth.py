@@ -50,9 +50,7 @@ def draw_truth(mission: Mission, seed: int) -> Mission:
 def _true_robot(robot: Robot, mission: Mission, seed: int, number: int) -> Robot:
     rng, other = (np.random.default_rng([what, seed, number]) for what in (OF_ROBOTS, OF_DELAYS))
     if robot.breaks is not None:
-        draw = draw_absences if mission.time == "steps" else draw_absences_by_rate
-        absences = draw(robot.breaks, mission.step_limit, rng)
-        robot = replace(robot, breaks=None, absences=absences)
+        robot = replace(robot, breaks=None, absences=draw_absences(robot.breaks, mission, rng))
     if robot.delays is not None and robot.delays.seed is None:
         seed_of_delays = int(other.integers(LARGEST_NUMBER))
         robot = replace(robot, delays=replace(robot.delays, seed=seed_of_delays))
@@ -61,10 +59,8 @@ def _true_robot(robot: Robot, mission: Mission, seed: int, number: int) -> Robot
 
 def _true_task(task: Task, mission: Mission, rng: np.random.Generator) -> Task:
     duration, world = task.duration, mission.world
-    if task.lasts is not None and mission.time == "continuous":
-        duration = float(rng.uniform(*task.lasts))
-    elif task.lasts is not None:
-        duration = int(rng.integers(int(task.lasts[0]), int(task.lasts[1]) + 1))
+    if task.lasts is not None:
+        duration = draw_between(task.lasts, mission, rng)
     more = {cap: 1 for cap, probability in task.may_need.items() if rng.random() < probability}
     needs = total([task.needs, more]) if task.may_need else task.needs
     at = task.at
@@ -75,44 +71,33 @@ def _true_task(task: Task, mission: Mission, rng: np.random.Generator) -> Task:
 
 
 def draw_absences(
-    breaks: Breakdown, step_limit: int, rng: np.random.Generator, sound_from: int = 0
+    breaks: Breakdown, mission: Mission, rng: np.random.Generator, sound_from: float = 0
 ) -> tuple[Absence, ...]:
-    """Return when a robot that is sound from a step on breaks down and is back.
+    """Return when a robot that is sound from a time on breaks down and is back.
 
-    As long as a trial may last.
+    As long as a mission may last. In steps breakdowns come with a probability in each step, in
+    continuous time at any time, by their rate.
     """
     absences: list[Absence] = []
-    back: float | None = None
+    is_whole = mission.time == "steps"
     while breaks.rate > 0 and len(absences) < MOST_BREAKDOWNS:
-        lost = sound_from + int(rng.geometric(breaks.rate))
-        if lost > step_limit:
-            break
-        if breaks.repair is not None:
-            least, most = map(int, breaks.repair)
-            sound_from = back = lost + int(rng.integers(least, most, endpoint=True))
-        absences.append(Absence(lost, back))
-        if back is None:
-            break
-    return tuple(absences)
-
-
-def draw_absences_by_rate(
-    breaks: Breakdown, until: float, rng: np.random.Generator, sound_from: float = 0.0
-) -> tuple[Absence, ...]:
-    """Return when a robot that is sound from a time on breaks down and is back, until a time.
-
-    That is in continuous time: between two breakdowns lies any time, by their rate.
-    """
-    absences: list[Absence] = []
-    while breaks.rate > 0 and len(absences) < MOST_BREAKDOWNS:
-        lost = sound_from + float(rng.exponential(1 / breaks.rate))
-        if lost > until:
+        wait = rng.geometric(breaks.rate) if is_whole else rng.exponential(1 / breaks.rate)
+        lost = sound_from + (int(wait) if is_whole else float(wait))
+        if lost > mission.step_limit:
             break
         if breaks.repair is None:
             return (*absences, Absence(lost, None))
-        sound_from = lost + float(rng.uniform(*breaks.repair))
+        sound_from = lost + draw_between(breaks.repair, mission, rng)
         absences.append(Absence(lost, sound_from))
     return tuple(absences)
+
+
+def draw_between(ends: tuple[float, float], mission: Mission, rng: np.random.Generator) -> float:
+    """Return a length of time between two, both included: in steps a whole number."""
+    least, most = ends
+    if mission.time == "steps":
+        return int(rng.integers(int(least), int(most), endpoint=True))
+    return float(rng.uniform(least, most))
 
 
 def truth_until(mission: Mission, truth: Mission, steps: float) -> Mission:
@@ -147,11 +132,8 @@ def believed_mission(
         )
         for number, task in enumerate(mission.tasks)
     )
-    robots = (
-        replace(robot, breaks=None, delays=None, speed=robot.expected_speed)
-        for robot in mission.robots
-    )
-    return replace(mission, arrivals=None, tasks=tuple(tasks), robots=tuple(robots))
+    robots = tuple(robot.as_expected for robot in mission.robots)
+    return replace(mission, arrivals=None, tasks=tuple(tasks), robots=robots)
 
 
 def expected_mission(mission: Mission) -> Mission:

@@ -172,4 +172,5 @@ LINE = ChargeRules([Battery(40, 1)], [0, 30, 60], [1, 1, 1], lambda robot, a, b:
 def test_a_robot_goes_to_the_charger_with_the_least_detour(
     here: int, left: float, goal: int, spent: float | None, charger: int
 ) -> None:
-    assert LINE.stop(0, here, left, goal, spent) == charger
+    wanted = 0.0 if spent is None else LINE.wanted(0, spent, goal)
+    assert LINE.stop(0, here, left, goal, wanted) == charger

@@ -176,7 +176,7 @@ def test_runs_are_as_planned(method: str) -> None:
         assert record.end.makespan == pytest.approx(made.makespan, rel=1e-9)
 
 
-@pytest.mark.parametrize("incident", ["lost", "arrivals", "cancelled", "durations", "delays"])
+@pytest.mark.parametrize("incident", ["lost", "arrivals", "cancelled", "places", "all"])
 def test_runs_with_incidents_are_legal(incident: str) -> None:
     for seed in range(2):
         assert run(world_of(f"zones-{incident}", seed)).end.status == "completed"

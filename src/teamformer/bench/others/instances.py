@@ -15,6 +15,7 @@ from teamformer.bench.others.published import (
     REPORTED_OF,
     Published,
     Reported,
+    read_prizes,
     read_published,
 )
 from teamformer.files.imports import import_missions
@@ -29,7 +30,8 @@ LARGEST_TABLE = 1_000_000  # bytes
 class Instance:
     """A mission of others, the folder that it belongs to, and what is published of it.
 
-    That are makespans, or costs where plans are judged by a cost.
+    That are makespans, costs where plans are judged by a cost, or the prizes that are missed where
+    tasks are optional.
     """
 
     collection: str
@@ -51,8 +53,8 @@ def read_instances(folders: Sequence[Path]) -> list[Instance]:
     """Return all instances in folders, each with what tables (`*.csv`) beside it say.
 
     A folder holds HeteroMRTA's `env_*.json`, DCMRTA's folders `env_*`, SADCHER's JSON files, or
-    those of HHCRSP, for which what `*best.md` says is read, in the folder or beside it. A folder
-    without instances stands for the folders in it.
+    those of HHCRSP, for which what `*best.md` says is read, in the folder or beside it, or Chao's
+    `p*.txt`. A folder without instances stands for the folders in it.
     """
     collections = [inner for folder in _told_apart(folders) for inner in collections_in(folder)]
     found = [one for folder in _told_apart(collections) for one in _instances_in(folder)]
@@ -88,7 +90,7 @@ def collections_in(folder: Path) -> list[Path]:
 
 
 def _instances_in(folder: Path) -> Iterator[Instance]:
-    tables, best = read_published(folder), _read_best(folder)
+    tables, best, prizes = read_published(folder), _read_best(folder), read_prizes(folder)
     for path in sorted(folder.iterdir(), key=_natural):
         form = _form_of(path)
         if form is None:
@@ -97,6 +99,8 @@ def _instances_in(folder: Path) -> Iterator[Instance]:
         published = tables.get(int(number[1]), {}) if number else best.get(path.name, {})
         for mission in import_missions(form, path):
             assert isinstance(mission, Mission), "a site is no instance"
+            if path.stem in prizes:
+                published = {BEST: prize_of(mission) - prizes[path.stem]}
             yield Instance(folder.resolve().name, mission, published)
 
 
@@ -104,6 +108,8 @@ def _form_of(path: Path) -> str | None:
     """Return the format of what lies in a folder; None if it is no instance."""
     if path.is_dir() and (path / "graph.yaml").is_file():
         return "dcmrta"
+    if re.fullmatch(r"p\d\.\d\.[a-z]\.txt", path.name):
+        return "top"
     if path.suffix != ".json":
         return None
     if path.stem.startswith("env_"):
@@ -129,3 +135,8 @@ def _read_best(folder: Path) -> dict[str, Published]:
             if NUMBER.fullmatch(told_of.get("total_cost", "")):
                 told[told_of.get("instance", "")] = {BEST: float(told_of["total_cost"])}
     return told
+
+
+def prize_of(mission: Mission) -> float:
+    """Return what all optional tasks of a mission weigh together."""
+    return sum(task.weight for task in mission.tasks if task.optional)

@@ -76,6 +76,15 @@ def read_published(folder: Path) -> dict[int, Published]:
     return told
 
 
+def read_prizes(folder: Path) -> dict[str, float]:
+    """Return the best prizes known by instance, from tables with `instance` and `prize`."""
+    return {
+        row["instance"]: _number(path, line, row, "prize")
+        for path, line, row in _rows_about(folder)
+        if {"instance", "prize"} <= row.keys()
+    }
+
+
 def read_reported(folder: Path) -> tuple[Reported, ...]:
     """Return the means that others report of a folder."""
     return tuple(

@@ -127,7 +127,9 @@ def _sections(results: Sequence[Result], reported: AllReported) -> Iterator[str]
     had = f"; `central` had {limits[0]:g} s" if limits else ""
     yield (
         f"Means{had}. Wins, ties and losses are against the best published of each instance. "
-        "Plans are told by their cost if the mission has one, others by their makespan. "
+        "Plans are told by their cost if the mission has one, by the prizes that they miss if "
+        "tasks are optional, and others by their makespan; above the best are then percent of the "
+        "best published prize. "
         "Processor seconds are those of all threads together: fewer than the seconds if the "
         "machine was busy."
     )

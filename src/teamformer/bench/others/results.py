@@ -9,13 +9,15 @@ from statistics import fmean
 from typing import Any
 
 from teamformer.base.errors import TeamformerError
-from teamformer.bench.others.instances import Instance
+from teamformer.bench.others.instances import Instance, prize_of
 from teamformer.bench.others.plan_given_out import plan_given_out
 from teamformer.bench.others.published import Published
 from teamformer.bench.peers.names import PEERS, plan_by_peer
 from teamformer.methods.by_name import load_method
+from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
+from teamformer.planning.problem.routes import MissionPlan
 
 EQUAL = 1e-3
 """Makespans that differ by less are the same: published ones are told to three places."""
@@ -35,7 +37,8 @@ class Result:
     """What a method reached on an instance; `curve` holds (seconds, makespan).
 
     `processor_seconds` are those that its threads together were given of the machine. Where plans
-    are judged by a cost, it stands in place of the makespan.
+    are judged by a cost, it stands in place of the makespan, and what they miss of all `prizes`
+    where tasks are optional.
     """
 
     collection: str
@@ -49,6 +52,7 @@ class Result:
     curve: tuple[tuple[float, float], ...]
     published: Published
     processor_seconds: float = 0.0
+    prizes: float = 0.0
 
     @property
     def best(self) -> float | None:
@@ -57,8 +61,11 @@ class Result:
 
     @property
     def percent_above_best(self) -> float | None:
-        """Return by how much it is above the best published makespan."""
-        return None if self.best is None else 100 * (self.makespan / self.best - 1)
+        """Return by how much it is above the best published makespan, or below the best prize."""
+        if self.best is None:
+            return None
+        reference = self.prizes - self.best if self.prizes else self.best
+        return 100 * (self.makespan - self.best) / reference if reference > 0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -100,19 +107,38 @@ def measure(instance: Instance, method: str, time_limit: float) -> Result | None
         made = plan_given_out(mission, load_method(method))
     seconds, worked = time.perf_counter() - begun, time.process_time() - worked
     assert made is not None, "tasks that nobody can do are refused with the mission"
+    prizes = prize_of(instance.mission) if made.cost is None else 0.0
     return Result(
         collection=instance.collection,
         instance=instance.name,
         method=method,
-        makespan=round(made.makespan if made.cost is None else made.cost, DIGITS),
-        bound=round(made.bound if made.least_cost is None else made.least_cost, DIGITS),
-        proven=made.is_proven,
+        makespan=round(_judged(made, instance.mission), DIGITS),
+        bound=0.0 if prizes else round(_bound_told(made), DIGITS),
+        proven=made.is_proven and not prizes,
         seconds=round(seconds, 3),
         time_limit=time_limit,
-        curve=tuple((round(when, 3), round(value, DIGITS)) for when, value in made.curve),
+        curve=() if prizes else _rounded(made.curve),
         published=instance.published,
         processor_seconds=round(worked, 3),
+        prizes=prizes,
     )
+
+
+def _bound_told(made: MissionPlan) -> float:
+    return made.bound if made.least_cost is None else made.least_cost
+
+
+def _rounded(curve: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    return tuple((round(when, 3), round(value, DIGITS)) for when, value in curve)
+
+
+def _judged(made: MissionPlan, mission: Mission) -> float:
+    """Return what a plan is judged by: its cost, what it misses of the prizes, or its makespan."""
+    if made.cost is not None:
+        return made.cost
+    if any(task.optional for task in mission.tasks):
+        return sum(mission.tasks[task].weight for task in made.missed)
+    return made.makespan
 
 
 def result_of(row: dict[str, Any]) -> Result:
@@ -189,7 +215,7 @@ def anytime_curve(results: Sequence[Result]) -> list[tuple[float, float]]:
     return [
         (moment, fmean(_best_by(result.curve, moment) for result in planned))
         for moment in MOMENTS
-        if moment <= limit and all(result.curve[0][0] <= moment for result in planned)
+        if moment <= limit and all(each.curve and each.curve[0][0] <= moment for each in planned)
     ]
 
 

@@ -84,27 +84,13 @@ ZONE_ROOM = (1, 1, 2, 3)
 """The room of an area."""
 
 
-NOT_WITH_ZONES = ("places", "mixed", "all")
-"""What does not go with zones yet."""
-
-
-NOT_WITH_BATTERIES = ("delays", "places", "mixed", "all")
-"""What does not go with batteries yet."""
-
-
 @dataclass(frozen=True)
 class ContinuousFamily:
-    """How missions of a family are drawn, how large they are at most, and what cannot happen."""
+    """How missions of a family are drawn, and how large they are at most."""
 
     draw: Callable[[np.random.Generator, str], Mission]
     robots: int = ROBOTS[1]
     capabilities: int = len(CAPABILITIES)
-    without: Sequence[str] = ()
-
-    @property
-    def incidents(self) -> list[str]:
-        """Return what may happen in its missions, as their names end."""
-        return [one for one in INCIDENTS if one not in self.without]
 
 
 def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
@@ -288,8 +274,8 @@ CONTINUOUS_FAMILIES = {
     "clock": ContinuousFamily(draw_by_the_clock),
     "shifts": ContinuousFamily(draw_in_shifts),
     "optional": ContinuousFamily(draw_optional),
-    "charging": ContinuousFamily(draw_charging, without=NOT_WITH_BATTERIES),
-    "zones": ContinuousFamily(draw_zones, without=NOT_WITH_ZONES),
+    "charging": ContinuousFamily(draw_charging),
+    "zones": ContinuousFamily(draw_zones),
 }
 
 
@@ -298,9 +284,8 @@ def split_continuous(setting: str) -> tuple[str, str | None] | None:
     name, _, incident = setting.partition("-")
     if name not in CONTINUOUS_FAMILIES:
         return None
-    incidents = CONTINUOUS_FAMILIES[name].incidents
-    if incident and incident not in incidents:
-        known = ", ".join([name, *(f"{name}-{one}" for one in incidents)])
+    if incident and incident not in INCIDENTS:
+        known = ", ".join([name, *(f"{name}-{one}" for one in INCIDENTS)])
         raise TeamformerError(f"'{setting}' is no setting", f"of this family there are {known}")
     return name, incident or None
 

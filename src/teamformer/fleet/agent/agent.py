@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.loads import note_load, note_place
+from teamformer.fleet.agent.meeting import Meeting
 from teamformer.fleet.agent.membership import HEARS_ALL, Membership, neighbours
 from teamformer.fleet.agent.planning import FleetPlan, PlanKeeper
 from teamformer.fleet.agent.service import Service
@@ -71,6 +72,7 @@ class Agent:
         self.membership = Membership(self.knowledge, mission.timers, life, now)
         self.keeper = PlanKeeper(self.knowledge, plan, planner)
         self.service = Service(self.knowledge, self.membership)
+        self.meeting = Meeting(self.knowledge, self.membership)
         self.leading = None if policy is None else self._lead_by(policy, now)
         self.voice = Voice(self, now, nonce)
         self.command = Command()
@@ -198,10 +200,12 @@ class Agent:
                 old = membership.hear(word, now)
                 if old is None:
                     continue
+                if old.is_fit and not word.is_fit:
+                    self.voice.hurry()  # it may only not have heard anybody
                 if goal != NOBODY and goal in (word.goal, old.goal):
                     self._mates_changes += 1
         membership.count_missed(beat.word)
-        membership.heard = now
+        membership.hear_somebody(now)
         if beat.word.version < words[sender].version:
             self.voice.relay_again(sender)  # it may not know what is said about it
         for key in beat.news:
@@ -365,20 +369,15 @@ class Agent:
         if self.membership.is_stuck and (goal == NOBODY or self._has_load(goal)):
             place = self._wanted  # it goes on trying
         elif goal == NOBODY:
-            place = self.mission.place_to_wait(self.me, self._place, self._missed(now))
+            is_home_bound = self.is_over and self.mission.ends
+            missed = {} if is_home_bound else self.meeting.missed(now, self.watched)
+            place = self.meeting.place(self._place, missed, self.age(now))
         elif now >= service.formed:
             is_here = command.task == goal and command.place is None and self._is_at(goal)
             place = None if is_here else self.knowledge.place_of(goal)
         if place is None and goal == command.task != NOBODY:
             return command.place  # forming where it stands
         return place
-
-    def _missed(self, now: float) -> dict[int, Place]:
-        """Return who is out of hearing, and where it is or goes to by its word."""
-        seen, patience = self.membership.seen, 2 * self.mission.timers.near
-        watched = frozenset[int]() if self.is_over and self.mission.ends else self.watched
-        missed = (robot for robot in watched if now - seen[robot] > patience)
-        return {robot: self.knowledge.heads_to(robot) for robot in missed}
 
     def _listen(self, now: float) -> None:
         """In a large fleet, listen to neighbours and to those that this robot is to meet."""

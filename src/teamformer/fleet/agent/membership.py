@@ -103,6 +103,14 @@ class Membership:
         stretch = STRETCH * (1.0 + self._missing)  # 1 / (1 - loss), if `missing` for one heard
         self.stretch = 1.0 if stretch < 1.0 else min(stretch, MOST_STRETCH)
 
+    def hear_somebody(self, now: float) -> None:
+        """Note that somebody was heard just now: who was deaf is not any more."""
+        self.heard = now
+        if self._is_deaf:
+            self._is_deaf = False
+            self.is_fit = not (self.is_stuck or self.is_unable)
+            self.changes += 1
+
     def call_lost(self, now: float, watched: frozenset[int]) -> None:
         """Call those lost of whom nothing new was heard for long."""
         patience = self.timers.lost * self.stretch

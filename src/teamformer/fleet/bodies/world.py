@@ -160,7 +160,8 @@ class FleetWorld:
         if is_here and task.key in self.mission.unsure:
             report = report._replace(needs=task.needs)
         if task.key in self.mission.hidden:
-            is_seen = self.mission.apart((x, y), at) <= self.mission.source.finding_radius
+            radius = self.mission.source.finding_radius
+            is_seen = is_here or self.mission.apart((x, y), at) <= radius
             return report._replace(load=at if is_seen else None, is_gone=not is_here)
         if task.to is None:
             return report

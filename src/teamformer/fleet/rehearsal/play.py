@@ -7,21 +7,19 @@ something new and when it is due, not otherwise.
 from __future__ import annotations
 
 import math
-from itertools import chain
 from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.knowledge import Remembered
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.bodies.world import NEVER, FleetWorld
+from teamformer.fleet.bodies.world import NEVER, FleetWorld, Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import OPERATOR, Beat, Message, Notice, Post
-from teamformer.fleet.operator import AGAIN, Operator
+from teamformer.fleet.operator import AGAIN
 from teamformer.fleet.planner import FleetPlanner
 from teamformer.fleet.rehearsal.agenda import Agenda
 from teamformer.fleet.rehearsal.checking.trace import (
-    Accepted,
     Broke,
     Finished,
     Said,
@@ -29,6 +27,7 @@ from teamformer.fleet.rehearsal.checking.trace import (
     Trace,
     Worked,
 )
+from teamformer.fleet.rehearsal.desk import Desk
 from teamformer.fleet.rehearsal.ending import EndingWatch
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.late_reports import EVERY, LateReports
@@ -88,11 +87,8 @@ class Rehearsal:
         self._worked = [(NOBODY, NOBODY)] * robots
         self._moves = 0
         self._finished, self._is_to_look = 0, True  # something a mission can end with has changed
-        self._operators = [Operator(order.task, robots) for order in faults.orders]
-        self._operators += [
-            Operator(mission.tasks[off.task], robots, calls_off=True) for off in faults.withdrawals
-        ]
-        self._ending = EndingWatch(mission, faults, self.world, self._operators)
+        self._desk = Desk(mission, faults)
+        self._ending = EndingWatch(mission, faults, self.world, self._desk.operators)
         self._plans = 0
         self._alive_since = [0.0] * robots
         self._robot_seconds = 0.0
@@ -121,8 +117,7 @@ class Rehearsal:
 
     def is_promised(self, key: int) -> bool:
         """Say whether an operator was told that its task is accepted, or the task is done."""
-        accepted = {it.task.key for it in self._operators if it.is_accepted and not it.calls_off}
-        return key in accepted or key in self.world.done
+        return key in self._desk.accepted() or key in self.world.done
 
     def _step(self) -> None:
         tick, agenda = self._tick, self._agenda
@@ -132,7 +127,7 @@ class Rehearsal:
         self._touched |= awake
         for sender, receiver, message in agenda.letters.pop(tick, ()):
             if receiver == OPERATOR:
-                self._tell_operators(message)
+                self._is_to_look |= self._desk.hear(message, self.now, self.trace)
             elif self.agents[receiver] is not None:
                 if self.trace.with_messages:
                     kind = type(message.body).__name__.removesuffix("Note").lower()
@@ -226,8 +221,11 @@ class Rehearsal:
         """Write down who has set out, and which loads were taken up or set down."""
         moves = self.world.moves
         if len(moves) > self._moves:
-            self.trace.events += moves[self._moves :]
+            new = moves[self._moves :]
+            self.trace.events += new
             self._moves = len(moves)
+            if not all(isinstance(move, Walked) for move in new):
+                self._is_to_look = True  # as a load was set down that nobody takes up any more
 
     def _send(self, robot: int, notice: Notice) -> None:
         body = notice.body
@@ -288,8 +286,7 @@ class Rehearsal:
                 self._put(spell.begin, what, spell.robot)
                 if spell.end is not None:
                     self._put(spell.end, ending, spell.robot)
-        times = [it.at for it in faults.orders], [it.at for it in faults.withdrawals]
-        for number, at in enumerate(chain(*times)):
+        for number, at in enumerate(self._desk.times):
             self._put(at, "order", number)
         for at in self.mission.off_at.values():
             self._put(at, "over", 0)  # the mission may end with it
@@ -341,7 +338,7 @@ class Rehearsal:
         self.agents[robot] = self._start(robot, self._saved[robot] if keeps_facts else None)
 
     def _offer(self, number: int) -> set[int]:
-        operator = self._operators[number]
+        operator = self._desk.operators[number]
         if not operator.is_accepted:
             if operator.calls_off:
                 self.world.call_off(operator.task.key)
@@ -351,16 +348,6 @@ class Rehearsal:
             self._network.send(self.now, OPERATOR, operator.offer(), alive)
             self._put(self.now + AGAIN, "order", number)
         return set()
-
-    def _tell_operators(self, message: Message) -> None:
-        for operator in self._operators:
-            was = operator.is_accepted
-            operator.hear(message)
-            if operator.is_accepted and not was:
-                holders = tuple(sorted(operator.holders))
-                if not operator.calls_off:
-                    self.trace.events.append(Accepted(self.now, operator.task.key, holders))
-                self._is_to_look = True
 
     def _spoil(self) -> set[int]:
         """Let a message come that nobody should send."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from teamformer.base.worker_processes import work_in_processes
+from teamformer.fleet.agent.meeting import turn_time, turns
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.methods import PLAN, planner_of, policy_of
@@ -90,6 +91,7 @@ def deadline(mission: FleetMission, faults: Faults) -> float:
     walks += sum(task.unload for task in tasks)
     walks += across * sum(len(tour) for tour in mission.hidden.values())
     walks += across * mission.ends
+    walks += 2 * turn_time(mission) * len(turns(mission))
     begins = max([*mission.opens.values(), *(task.appears for task in tasks)])
     return faults.over + begins + SLACK / (1 - faults.loss) + 2 * walks
 

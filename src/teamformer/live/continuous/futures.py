@@ -6,15 +6,12 @@ Nothing is played again: what has been seen stays as it is, and what is yet open
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-
-import numpy as np
+from functools import partial
 
 from teamformer.live.running.forecasts import IsOver, Played
-from teamformer.mission.arrivals import once_appeared
+from teamformer.live.running.possible_truths import Seen, possible_truth
 from teamformer.mission.coordination import Plan
-from teamformer.mission.keys.kinds import LARGEST_NUMBER
-from teamformer.mission.model import Absence, Mission, Robot, Task
-from teamformer.mission.truth import draw_absences_by_rate, draw_truth
+from teamformer.mission.model import Mission
 from teamformer.planning.continuous.longer_search import search_longer
 from teamformer.world.continuous.body import SERVING
 from teamformer.world.continuous.course import Course
@@ -53,8 +50,14 @@ class PastInTime:
 
     def future(self, seed: int) -> PastInTime:
         """Return the present under a truth that is drawn."""
-        truth = possible_truth(self.mission, self.course.world, seed)
+        truth = self.possible_truth(seed)
         return PastInTime(self.mission, self.course.under(self.mission, truth))
+
+    def possible_truth(self, seed: int) -> Mission:
+        """Draw a truth that could be behind what has been seen so far."""
+        world = self.course.world
+        seen = partial(seen_in, world)
+        return possible_truth(self.mission, world.truth, world.now, seen, seed)
 
     def with_plan(self, plan: Plan) -> PastInTime:
         """Return the same if a plan were taken over now."""
@@ -72,70 +75,13 @@ def ends_of(world: PhysicalWorld) -> dict[int, float]:
     return {task: world.events[world.over[task]].at for task in sorted(world.done)}
 
 
-def possible_truth(mission: Mission, world: PhysicalWorld, seed: int) -> Mission:
-    """Draw a truth that could be behind what has been seen in a world so far."""
-    rng, drawn = np.random.default_rng(seed), draw_truth(mission, seed)
-    own = len(mission.tasks)
-    tasks = [
-        _possible_task(task, other, number, world, rng)
-        for number, (task, other) in enumerate(zip(mission.tasks, drawn.tasks, strict=False))
-    ]
-    now = once_appeared(mission, world.truth, world.now)
-    arrived = world.truth.tasks[own : len(now.tasks)]
-    later = draw_truth(now, seed).tasks[len(now.tasks) :]
-    robots = (
-        _possible_robot(mission, robot, real, world.now, rng)
-        for robot, real in zip(mission.robots, world.truth.robots, strict=True)
+def seen_in(world: PhysicalWorld, task: int) -> Seen:
+    """Return what has been seen of a task in a world so far."""
+    work = world.works.get(task)
+    is_served = work is not None and work.part == SERVING
+    return Seen(
+        places=world.maybe.get(task, ()),
+        are_needs_known=task not in world.unseen,
+        is_duration_known=task in world.over or (work is not None and work.part > SERVING),
+        served=world.now - work.begun if work is not None and is_served else None,
     )
-    return replace(drawn, tasks=(*tasks, *arrived, *later), robots=tuple(robots))
-
-
-def _possible_task(
-    task: Task, drawn: Task, number: int, world: PhysicalWorld, rng: np.random.Generator
-) -> Task:
-    """Return a task as it could be.
-
-    Where it is once it is found, else in one of the places left; what it needs once that is known;
-    how long it takes once it is done, or its load taken up.
-    """
-    real, work = world.truth.tasks[number], world.works.get(number)
-    needs = drawn.needs if number in world.unseen else real.needs
-    duration = drawn.duration
-    if number in world.over or (work is not None and work.part > SERVING):
-        duration = real.duration
-    elif task.lasts is not None and work is not None and work.part == SERVING:
-        duration = _lasts_on(task.lasts, world.now - work.begun, rng)
-    at, left = real.at, world.maybe.get(number, ())
-    if left:
-        at = left[int(rng.integers(len(left)))]
-    return task.once_known(at, needs, duration)
-
-
-def _lasts_on(lasts: tuple[float, float], so_far: float, rng: np.random.Generator) -> float:
-    """Return how long a service lasts that has lasted so long and is not done."""
-    least, most = lasts
-    return float(rng.uniform(max(least, so_far), max(most, so_far)))
-
-
-def _possible_robot(
-    mission: Mission, robot: Robot, real: Robot, now: float, rng: np.random.Generator
-) -> Robot:
-    """Return a robot as it could be: lost and back when it was, and later when nobody knows.
-
-    Nor does anybody know when it will stand still.
-    """
-    if robot.delays is not None and robot.delays.seed is None:
-        seed = int(rng.integers(LARGEST_NUMBER))
-        real = replace(real, delays=replace(robot.delays, seed=seed))
-    if robot.breaks is None:
-        return real
-    been = [away for away in real.absences if away.lost <= now]
-    if been and been[-1].back is None:
-        return replace(real, absences=tuple(been))
-    sound_from = now
-    if been and robot.breaks.repair is not None and (been[-1].back or 0.0) > now:
-        lost = been[-1].lost
-        sound_from = lost + _lasts_on(robot.breaks.repair, now - lost, rng)
-        been[-1] = Absence(lost, sound_from)
-    later = draw_absences_by_rate(robot.breaks, mission.step_limit, rng, sound_from)
-    return replace(real, absences=(*been, *later))

@@ -7,17 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from teamformer.live.running.forecasts import IsOver, Played
+from teamformer.live.running.possible_truths import Seen, possible_truth
 from teamformer.methods.by_name import Method
 from teamformer.methods.coordinators.replayed import Replayed
-from teamformer.mission.arrivals import once_appeared
 from teamformer.mission.coordination import Coordinator, Plan
-from teamformer.mission.model import Absence, Mission, Robot, Task
+from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid, Place
-from teamformer.mission.truth import draw_absences, draw_truth
 from teamformer.planning.steps.longer_search import search_longer
 from teamformer.trials.trial import decide
 from teamformer.world.env import Decision, TeamFormation
@@ -58,6 +58,11 @@ class PastInSteps:
         env = _future(self, seed)
         return None if env is None else replace(self, env=env)
 
+    def possible_truth(self, seed: int) -> Mission:
+        """Draw a truth that could be behind what has been seen so far."""
+        env, seen = self.env, partial(seen_in, self.env)
+        return possible_truth(self.mission, env.truths[0], env.tally().steps, seen, seed)
+
     def with_plan(self, plan: Plan) -> PastInSteps:
         """Return the same if a plan were taken over now."""
         env, steps = self.env.fork(), self.env.tally().steps
@@ -85,7 +90,7 @@ def _tasks_known(env: TeamFormation) -> int:
 
 def _future(past: PastInSteps, seed: int) -> TeamFormation | None:
     """Return the present under a truth that is drawn; None if the past would have been another."""
-    truth = possible_truth(past.mission, past.env, seed)
+    truth = past.possible_truth(seed)
     coordinator = replayed(past.env, past.begin().coordinator)
     env = TeamFormation([past.mission], truths=[truth], coordinator=coordinator)
     for made, decision in enumerate([*past.decisions, None]):
@@ -122,51 +127,15 @@ def _looks_alike(one: TeamFormation, other: TeamFormation) -> bool:
     )
 
 
-def possible_truth(mission: Mission, env: TeamFormation, seed: int) -> Mission:
-    """Draw a truth that could be behind what has been seen in an environment so far."""
-    drawn, known = draw_truth(mission, seed), env.truths[0]
-    rng, steps = np.random.default_rng(seed), env.tally().steps
-    seen = env.worlds.tasks[0]
-    tasks = (
-        _possible_task(task, other, real, seen[number], _places_left(env, number), rng)
-        for number, (task, other, real) in enumerate(
-            zip(mission.tasks, drawn.tasks, known.tasks, strict=False)  # these have no arrivals
-        )
+def seen_in(env: TeamFormation, task: int) -> Seen:
+    """Return what has been seen of a task in an environment so far."""
+    row = env.worlds.tasks[0][task]
+    return Seen(
+        places=() if row["found_at"] != NOBODY else _places_left(env, task),
+        are_needs_known=bool(row["shown_at"] != NOBODY),
+        is_duration_known=bool(row["done_at"] != NOBODY or row["taken_at"] != NOBODY),
+        served=int(row["served"]) or None,
     )
-    now = once_appeared(mission, known, steps)
-    arrived = known.tasks[len(mission.tasks) : len(now.tasks)]
-    later = draw_truth(now, seed).tasks[len(now.tasks) :]
-    robots = (
-        _possible_robot(mission, robot, real, steps, rng)
-        for robot, real in zip(mission.robots, known.robots, strict=True)
-    )
-    return replace(drawn, tasks=(*tasks, *arrived, *later), robots=tuple(robots))
-
-
-def _possible_task(
-    task: Task,
-    drawn: Task,
-    real: Task,
-    seen: np.void,
-    places: Sequence[Place],
-    rng: np.random.Generator,
-) -> Task:
-    """Return a task as it could be.
-
-    Where it is once it is found, else in one of the places left; what it needs once that is shown;
-    how long it takes once it is done, or its load taken up.
-    """
-    at = drawn.at
-    if task.within:
-        at = real.at if seen["found_at"] != NOBODY else places[int(rng.integers(len(places)))]
-    needs = real.needs if seen["shown_at"] != NOBODY else drawn.needs
-    duration = drawn.duration
-    if seen["done_at"] != NOBODY or seen["taken_at"] != NOBODY:
-        duration = real.duration
-    elif task.lasts is not None and seen["served"] > 0:
-        shortest, longest = map(int, task.lasts)
-        duration = int(rng.integers(max(shortest, seen["served"] + 1), longest + 1))
-    return task.once_known(at, needs, duration)
 
 
 def _places_left(env: TeamFormation, task: int) -> list[Place]:
@@ -175,22 +144,3 @@ def _places_left(env: TeamFormation, task: int) -> list[Place]:
     spots = env.worlds.spots[0]
     left = spots[task][spots[task]["is_possible"]] if len(spots) else ()
     return [(along(spot["x"]), along(spot["y"])) for spot in left]
-
-
-def _possible_robot(
-    mission: Mission, robot: Robot, real: Robot, steps: int, rng: np.random.Generator
-) -> Robot:
-    """Return a robot as it could be: lost and back when it was, and later when nobody knows."""
-    if robot.breaks is None:
-        return real
-    been = [away for away in real.absences if away.lost <= steps]
-    if been and been[-1].back is None:
-        return replace(real, absences=tuple(been))
-    sound_from = steps
-    if been and robot.breaks.repair is not None and (been[-1].back or 0) > steps:
-        lost, (shortest, longest) = int(been[-1].lost), map(int, robot.breaks.repair)
-        least = max(shortest, steps + 1 - lost)
-        sound_from = lost + int(rng.integers(least, longest, endpoint=True))
-        been[-1] = Absence(been[-1].lost, sound_from)
-    later = draw_absences(robot.breaks, mission.step_limit, rng, sound_from)
-    return replace(real, absences=(*been, *later))

@@ -103,6 +103,11 @@ def policy_of(speller: Speller) -> Learned:
     return Learned(SpellingCodec(speller.capabilities), speller)
 
 
+def shipped_spelling(name: str) -> Learned:
+    """Return the policy of a network that comes with the package."""
+    return policy_of(shipped_speller(name))
+
+
 def spelled_in(folder: Path) -> Learned:
     """Return the policy that `export_teamformer` wrote into a folder."""
     encoder, step = (read_network(folder / file) for file in (ENCODER_FILE, STEP_FILE))

@@ -14,7 +14,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.errors import TeamformerError
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.methods.learned.onnx_sessions import GreedyChoice, OnnxNetwork
+from teamformer.methods.learned.onnx_sessions import GreedyChoice, OnnxNetwork, shipped
 from teamformer.methods.learned.policy import Learned
 from teamformer.methods.learned.token_features import TASK_FEATURES, TEAM_FEATURES, SpellingCodec
 from teamformer.world.rules.splitting import anybody_fits
@@ -164,3 +164,8 @@ def combining(content: bytes, name: str, capabilities: int) -> Learned:
         hint = "its policy.json has been changed; train or export it again"
         raise TeamformerError(f"{name} is not made for {capabilities} capabilities", hint)
     return Learned(CombinationCodec(capabilities), GreedyChoice(network))
+
+
+def shipped_combining(name: str, capabilities: int) -> Learned:
+    """Return the policy of a network that comes with the package: `NAME.onnx`."""
+    return combining(shipped(f"{name}.onnx"), name, capabilities)

@@ -57,10 +57,9 @@ def shipped_policy(name: str) -> Learned:
     found = NAME.fullmatch(name)
     assert found is not None, f"{name} has no card"
     if found[1] == "teamformer":
-        from teamformer.methods.learned.autoregressive import policy_of, shipped_speller
+        from teamformer.methods.learned.autoregressive import shipped_spelling
 
-        return policy_of(shipped_speller(name))
-    from teamformer.methods.learned.combinations import combining
-    from teamformer.methods.learned.onnx_sessions import shipped
+        return shipped_spelling(name)
+    from teamformer.methods.learned.combinations import shipped_combining
 
-    return combining(shipped(f"{name}.onnx"), name, int(found[2]))
+    return shipped_combining(name, int(found[2]))

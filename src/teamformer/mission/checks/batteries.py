@@ -1,4 +1,4 @@
-"""What is wrong with batteries and chargers, and which missions with batteries are not run."""
+"""What is wrong with batteries and chargers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from teamformer.base.errors import Problem
 from teamformer.mission.keys.charging_keys import MOST_ROOM, MOST_SPENT
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
-from teamformer.mission.keys.unknown import Found, told_once
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
 from teamformer.mission.parts.charging import Charger, has_batteries
 
@@ -87,36 +86,3 @@ def _problems_of_reach(mission: Mission) -> Iterator[Problem]:
             short = describe(missing(have, needs))
             message = f"task '{task.name}' is too far from chargers for full batteries of robots"
             yield Problem(("tasks", number, "at"), f"{message} that bring {short}; {REMEDY}")
-
-
-def rules_not_run_with_batteries(mission: Mission) -> Iterator[Problem]:
-    """Return what a mission in continuous time has that batteries do not go with yet."""
-    if not has_batteries(mission.robots):
-        return
-    _, name = _first_with_battery(mission)
-    rest = f"which does not go with the battery of robot '{name}' yet; drop one of the two"
-    yield from told_once(mission, _found_beside_batteries(mission), lambda _: rest)
-    if mission.arrivals is not None:
-        yield Problem(("arrivals",), f"tasks appear at random, {rest}")
-    if mission.until is not None:
-        yield Problem(("until",), f"until is given, {rest}")
-    if mission.cost is not None:
-        yield Problem(("cost",), f"the mission has a cost, {rest}")
-
-
-def _found_beside_batteries(mission: Mission) -> Iterator[Found]:
-    for number, robot in enumerate(mission.robots):
-        if robot.delays is not None:
-            yield ("robots", number, "delays"), f"robot '{robot.name}' may stand still"
-        if robot.shifts:
-            yield ("robots", number, "shifts"), f"robot '{robot.name}' works in shifts"
-    for number, task in enumerate(mission.tasks):
-        has = {
-            "to": (task.to, "has a load"),
-            "between": (task.between, "has a time window"),
-            "starts": (task.starts, "has a linked start"),
-            "within": (task.within, "has an uncertain place"),
-        }
-        for key, (value, what) in has.items():
-            if value:
-                yield ("tasks", number, key), f"task '{task.name}' {what}"

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
-from teamformer.mission.checks.batteries import rules_not_run_with_batteries
 from teamformer.mission.checks.costs import COST_PARTS, ONLY_IN_CONTINUOUS_TIME, find_cost_problems
 from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
@@ -96,9 +95,8 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
     """Return why a mission cannot be run, be it in steps or in continuous time."""
     if mission.time == "steps":
         yield from rules_not_played(mission)
-        return
-    yield from rules_not_run_with_batteries(mission)
-    yield from zones_not_served(mission)
+    else:
+        yield from zones_not_served(mission)
 
 
 def rules_not_advised(mission: Mission) -> Iterator[Problem]:

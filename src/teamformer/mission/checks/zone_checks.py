@@ -128,8 +128,6 @@ def _found_beside_zones(mission: Mission) -> Iterator[Found]:
     for number, task in enumerate(mission.tasks):
         if task.to is not None and any(_touches(zone, task) for zone in mission.zones):
             yield ("tasks", number, "to"), f"task '{task.name}' has a load"
-        if task.within and any(zone.area or zone.places for zone in mission.zones):
-            yield ("tasks", number, "within"), f"task '{task.name}' has an uncertain place"
 
 
 def _touches(zone: Zone, task: Task) -> bool:

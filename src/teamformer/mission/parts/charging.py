@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 from teamformer.mission.parts.grid import FREE, Grid, Place
+from teamformer.mission.parts.places import possible_places
 from teamformer.mission.parts.regions import walks
 from teamformer.mission.parts.roads import AIR, Roads
 
@@ -33,13 +34,20 @@ class Battery:
     serving: float = 0.0
     waiting: float = 0.0
 
+    def in_longer_units(self, times: float) -> Battery:
+        """Return it for a robot that takes so many times longer for each way, and gets as far."""
+        lasts, serving, waiting = (
+            times * spent for spent in (self.lasts, self.serving, self.waiting)
+        )
+        return replace(self, lasts=lasts, serving=serving, waiting=waiting)
+
     def time_to_full(self, left: float) -> float:
         """Return how long it charges with so much left."""
         return (self.lasts - left) / self.lasts * self.fills
 
-    def spent_on(self, task: Task) -> float:
-        """Return what the service of a task takes, as long as it is believed to last."""
-        return self.serving * task.duration
+    def spent_on(self, task: Task, carried: float = 0.0) -> float:
+        """Return what a task takes, as long as it is believed to last, its load carried so long."""
+        return self.serving * (task.duration + task.unload) + carried
 
     def suffices(self, left: float, spent: float) -> bool:
         """Say whether what is left is enough for something."""
@@ -72,14 +80,15 @@ class Charging:
         }
 
     def _ways_of(self, moves: str) -> ChargerWays:
-        world, tasks = self.mission.world, [task.at for task in self.mission.tasks]
+        world = self.mission.world
+        begins, ends = [spot[1] for spot in self._spots], [spot[2] for spot in self._spots]
         starts = [robot.at for robot in self.mission.robots]
         homes = starts if not isinstance(self.mission.ends, tuple) else [self.mission.ends]
         places = self._places
         return ChargerWays(
             between=lengths(world, moves, places, places),
-            to_task=lengths(world, moves, places, tasks),
-            from_task=lengths(world, moves, tasks, places),
+            to_spot=lengths(world, moves, places, begins),
+            from_spot=lengths(world, moves, ends, places),
             from_start=lengths(world, moves, starts, places),
             to_home=lengths(world, moves, places, homes),
         )
@@ -115,13 +124,44 @@ class Charging:
         robot = self.mission.robots[number]
         battery, ways, chargers = robot.battery, self._ways[robot.moves], self.in_reach(number)
         assert battery is not None
-        found = set()
-        for task, wanted in enumerate(self.mission.tasks):
-            there = min((ways.to_task[charger][task] for charger in chargers), default=math.inf)
-            way = there + min(ways.from_task[task], default=math.inf)
-            if battery.suffices(battery.lasts, way / robot.speed + battery.spent_on(wanted)):
-                found.add(task)
-        return found
+        undoable = set()
+        for spot, (task, _, _) in enumerate(self._spots):
+            there = min((ways.to_spot[charger][spot] for charger in chargers), default=math.inf)
+            way = there + min(ways.from_spot[spot], default=math.inf)
+            spent = battery.spent_on(self.mission.tasks[task], self._carried[spot])
+            if not battery.suffices(battery.lasts, way / robot.speed + spent):
+                undoable.add(task)
+        return set(range(len(self.mission.tasks))) - undoable
+
+    @cached_property
+    def _spots(self) -> list[tuple[int, Place, Place]]:
+        """Return the places that each task may be at, with its number and where it ends then."""
+        world = self.mission.world
+        return [
+            (number, place, task.to or place)
+            for number, task in enumerate(self.mission.tasks)
+            for place in (
+                possible_places(world, task.at, task.within) if task.within else (task.at,)
+            )
+        ]
+
+    @cached_property
+    def _carried(self) -> list[float]:
+        """Return how long loads are on their way at most, by spot; 0 for what is no load."""
+        world = self.mission.world
+        far = cache(lambda moves, here, goal: lengths(world, moves, [here], [goal])[0][0])
+
+        def way(robot: int, here: Place, goal: Place) -> float:
+            mover = self.mission.robots[robot]
+            return float(far(mover.moves, here, goal)) / mover.speed
+
+        tasks = self.mission.tasks
+        return [longest_carry(self.mission, tasks[k], at, way) for k, at, _ in self._spots]
+
+    def carried(self, task: int) -> float:
+        """Return how long the load of a task is on its way at most; 0 for what is no load."""
+        rows = zip(self._spots, self._carried, strict=True)
+        return max((takes for (number, _, _), takes in rows if number == task), default=0.0)
 
     def is_able(self, robot: int, task: int) -> bool:
         """Say whether a robot can do a task and get to a charger, if it begins with a full one."""
@@ -146,10 +186,24 @@ class ChargerWays:
     """How far it is for robots that move alike, infinite where no way leads; rows are origins."""
 
     between: Sequence[Sequence[float]]
-    to_task: Sequence[Sequence[float]]
-    from_task: Sequence[Sequence[float]]
+    to_spot: Sequence[Sequence[float]]
+    from_spot: Sequence[Sequence[float]]
     from_start: Sequence[Sequence[float]]
     to_home: Sequence[Sequence[float]]
+
+
+def longest_carry(
+    mission: Mission, task: Task, here: Place, way: Callable[[int, Place, Place], float]
+) -> float:
+    """Return how long a load is on its way that the slowest carries who may take part.
+
+    It lies `here`, and `way(robot, here, goal)` is how long a robot takes. 0 for what is no load.
+    """
+    if task.to is None:
+        return 0.0
+    able = [n for n, robot in enumerate(mission.robots) if task.needs.keys() & robot.can.keys()]
+    takes = (way(robot, here, task.to) for robot in able)
+    return max((one for one in takes if math.isfinite(one)), default=0.0)
 
 
 def lengths(

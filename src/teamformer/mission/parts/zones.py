@@ -68,6 +68,15 @@ def rooms_of(mission: Mission) -> list[ZoneRoom]:
     return [room for room in rooms if room.room < len(room.tasks)]
 
 
+def zones_by_name(mission: Mission) -> tuple[Zone, ...]:
+    """Return a mission's zones with their tasks by name, which hold them wherever they are found."""
+    return tuple(
+        Zone(zone.name, tasks=tuple(mission.tasks[k].name for k in inside), room=zone.room)
+        for zone in mission.zones
+        if (inside := zone.tasks_in(mission.tasks))
+    )
+
+
 def may_enter(
     rooms: Sequence[ZoneRoom], waiting: Sequence[int], under_way: Collection[int], task: int
 ) -> bool:

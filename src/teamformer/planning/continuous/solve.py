@@ -171,7 +171,7 @@ def measuring(problem: CoalitionProblem) -> Callable[[CoalitionPlan], Solution]:
 
     Plans that have a cost are laid out in a graph where all robots may come to a task.
     """
-    if not have_weights(problem.links):
+    if are_charged(problem.batteries) or not have_weights(problem.links):
         return partial(_timed, problem)
     search = ArcSearch(problem._replace(spares=len(problem.counts)), 0)
 
@@ -218,7 +218,7 @@ def judge(problem: CoalitionProblem, solution: Solution) -> Judgement:
     bounded = solution.worth
     if have_weights(problem.links):
         total, bounded = schedule_of(problem, solution.plan).total, math.inf
-        if is_bounded(problem.links) and total[LATE] == 0:
+        if not are_charged(problem.batteries) and is_bounded(problem.links) and total[LATE] == 0:
             bounded = int(total[MAKESPAN])
     if can_miss(problem.misses):
         bounded = math.inf

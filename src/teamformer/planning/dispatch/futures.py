@@ -23,8 +23,7 @@ from teamformer.planning.dispatch.groups import (
     time_next,
 )
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.rotas import walked
-from teamformer.planning.problem.schedule import empty_schedule
+from teamformer.planning.problem.schedule import arrival, empty_schedule
 from teamformer.world.rules.chance import draw
 
 if TYPE_CHECKING:
@@ -174,16 +173,6 @@ def is_ready(problem: CoalitionProblem, schedule: Schedule, task: int) -> bool:
         if schedule.rank[other] == tasks:
             return False
     return True
-
-
-@kernel
-def arrival(
-    problem: CoalitionProblem, schedule: Schedule, robot: int, task: int, position: int
-) -> int:
-    """Return when a robot can be at a task that is done at a position of the order."""
-    place = schedule.last[position, robot]
-    way = problem.ways[problem.pace[robot], place, task]
-    return walked(problem.rotas, problem.kind[robot], schedule.end[place], way)
 
 
 @kernel

@@ -30,8 +30,9 @@ from teamformer.planning.graph.arc_problem import (
     most_seats,
     takes_with,
 )
-from teamformer.planning.graph.charging import charged_home, is_charged, left_after, there_charged
-from teamformer.planning.graph.pauses import fitted, walked_by
+from teamformer.planning.graph.arriving import arrive, arrive_home, left_after
+from teamformer.planning.graph.charging import is_charged
+from teamformer.planning.graph.pauses import fitted
 from teamformer.planning.graph.worth import (
     WORTH,
     counted_end,
@@ -94,6 +95,7 @@ class Graph(NamedTuple):
     there: Ints  # (seats of a node,) room for the steps in which groups are there
     worth: Records  # (tasks,) WORTH
     left: Ints  # (seats,) what who leaves a seat has in its battery; empty if nobody has one
+    detour: Ints  # (seats,) by how much the way to a seat is longer as its robot charges; the same
 
 
 def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:
@@ -131,6 +133,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
     seats.node[tasks * most : tasks * most + robots] = problem.origin
     seats.node[tasks * most + robots :] = places
     seats.kind[tasks * most :] = np.tile(problem.kind, 2)
+    charged = len(seats) if are_charged(problem.batteries) else 0
     widest = max(most, int(nodes.taken.max(initial=0))) + 1
     return Graph(
         nodes,
@@ -142,7 +145,8 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
         ways=np.zeros(widest, WAY).view(np.recarray),
         there=np.zeros(widest, np.int64),
         worth=worth,
-        left=np.zeros(len(seats) if are_charged(problem.batteries) else 0, np.int64),
+        left=np.zeros(charged, np.int64),
+        detour=np.zeros(charged, np.int64),
     )
 
 
@@ -162,18 +166,15 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
         return start_in_steps(problem, graph, task, first_seat)
     there, room, comes_apart, first_site = 0, 0, False, NOBODY
     for seat in range(first_seat, first_seat + node.taken):
-        place = graph.seats[graph.seats[seat].prev].node
-        pace = problem.kinds[graph.seats[seat].kind].pace
-        way = problem.ways_to[pace, task, place]
-        kind = graph.seats[seat].kind
+        tail, kind = graph.seats[seat].prev, graph.seats[seat].kind
+        place = graph.seats[tail].node
         if is_permit(problem, kind):
             room = max(room, graph.nodes[place].end)
             continue
-        there = max(there, walked_by(problem, kind, graph.nodes[place].end, way))
+        comes, _, _ = arrive(problem, graph, kind, tail, task)
+        there = max(there, comes)
         first_site = problem.site[place] if first_site == NOBODY else first_site
         comes_apart |= problem.site[place] != first_site
-    if is_charged(problem):
-        there = there_charged(problem, graph, first_seat, node.taken)
     if comes_apart and problem.forming[0] > 0:
         there = fitted(problem, graph, task, first_seat, there, problem.forming[0])
         there += problem.forming[0]
@@ -230,11 +231,8 @@ def tail_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> in
 @kernel
 def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
     """Return when a home is reached."""
-    if is_charged(problem):
-        return charged_home(problem, graph, robot)
-    home = len(graph.seats) - len(graph.back) + robot
-    last, kind = graph.seats[graph.seats[home].prev].node, graph.seats[home].kind
-    return walked_by(problem, kind, graph.nodes[last].end, problem.home[kind, last])
+    back, _, _ = arrive_home(problem, graph, len(graph.seats) - len(graph.back) + robot)
+    return back
 
 
 @kernel
@@ -294,6 +292,8 @@ def time_anew(problem: ArcProblem, graph: Graph) -> None:
         order[gap] = task
     for depot in range(tasks, problem.ways.shape[1]):
         _send(problem, graph, depot)
+    for seat in range(len(graph.detour)):
+        graph.detour[seat] = 0
     for robot in range(len(problem.batteries.left)):
         graph.left[tasks * problem.most[0] + robot] = problem.batteries.left[robot]
     for task in order:
@@ -303,7 +303,7 @@ def time_anew(problem: ArcProblem, graph: Graph) -> None:
         nodes[task].end, nodes[task].key = start + nodes[task].duration, 2 * start + 1
         if is_charged(problem):
             for seat in range(nodes[task].first, nodes[task].first + nodes[task].taken):
-                graph.left[seat] = left_after(problem, graph, seat, start)
+                graph.left[seat], graph.detour[seat] = left_after(problem, graph, seat, start)
         _send(problem, graph, task)
     for robot in range(len(graph.back)):
         graph.back[robot] = back_of(problem, graph, robot)

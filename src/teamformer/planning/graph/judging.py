@@ -16,7 +16,8 @@ from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways
 from teamformer.planning.graph.arc_problem import ArcProblem, Records
-from teamformer.planning.graph.charging import is_charged, left_after
+from teamformer.planning.graph.arriving import left_after
+from teamformer.planning.graph.charging import is_charged
 from teamformer.planning.graph.graph import (
     AIM,
     BACK_SUM,
@@ -49,7 +50,7 @@ from teamformer.planning.problem.constants import TICKS
 ENTRY = np.dtype([("what", np.int32), ("index", np.int32), ("old", np.int64)])
 WAITING = np.dtype([("key", np.int64), ("task", np.int64)])
 
-PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN, DURATION, LEFT = range(10)
+PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN, DURATION, LEFT, DETOUR = range(11)
 """What an entry of the log has changed."""
 
 ARRIVING, PARTING = 1, 2
@@ -77,7 +78,7 @@ class ArcChange(NamedTuple):
 def empty_trial(graph: Graph, timed_again: int = 0) -> ArcChange:
     """Return room for a change; `timed_again` is how often tasks may be timed more than once."""
     room = 10 * len(graph.seats) + 5 * len(graph.nodes) + len(graph.back) + timed_again
-    room += 2 * len(graph.left)
+    room += 4 * len(graph.left)
     number = np.zeros(8, np.int64)
     number[CHAINED] = NOBODY
     return ArcChange(
@@ -171,7 +172,7 @@ def propagate(problem: ArcProblem, graph: Graph, trial: ArcChange, limit: int) -
             start = start_of(problem, graph, task, node.first)
             end = start + node.duration
             if is_charged(problem):
-                is_fit = spend(problem, graph, trial, task, start) and is_fit
+                is_fit = spend(problem, graph, trial, task, start)[0] and is_fit
         if end == node.end and is_fit and not is_parting:
             continue
         is_longer = node.key > number[PAST] and start + node.tail > limit
@@ -188,16 +189,34 @@ def propagate(problem: ArcProblem, graph: Graph, trial: ArcChange, limit: int) -
 
 
 @kernel
-def spend(problem: ArcProblem, graph: Graph, trial: ArcChange, task: int, start: int) -> bool:
-    """Note what robots have left after a task that starts then; say whether they had it before."""
-    is_same = True
-    for seat in range(graph.nodes[task].first, graph.nodes[task].first + graph.nodes[task].taken):
-        left = left_after(problem, graph, seat, start)
+def spend(
+    problem: ArcProblem, graph: Graph, trial: ArcChange, task: int, start: int
+) -> tuple[bool, int]:
+    """Note what robots have left after a task that starts then, and their detours to it.
+
+    Return whether they had it before, and by how much they go round more.
+    """
+    node, is_same, more = graph.nodes[task], True, 0
+    for seat in range(node.first, node.first + node.taken):
+        left, detour = left_after(problem, graph, seat, start)
         if left != graph.left[seat]:
             record(trial, LEFT, seat, graph.left[seat])
             graph.left[seat] = left
             is_same = False
-    return is_same
+        more += go_round(graph, trial, seat, detour)
+    for seat in range(node.first + node.taken, node.first + problem.most[0]):
+        more += go_round(graph, trial, seat, 0)
+    return is_same, more
+
+
+@kernel
+def go_round(graph: Graph, trial: ArcChange, seat: int, detour: int) -> int:
+    """Note the detour of the way to a seat, and return by how much more it is than before."""
+    before = graph.detour[seat]
+    if detour != before:
+        record(trial, DETOUR, seat, before)
+        graph.detour[seat] = detour
+    return detour - before
 
 
 @kernel
@@ -319,6 +338,8 @@ def undo(graph: Graph, trial: ArcChange) -> None:
             graph.nodes[index].duration = old
         elif trial.log[entry].what == LEFT:
             graph.left[index] = old
+        elif trial.log[entry].what == DETOUR:
+            graph.detour[index] = old
         else:
             graph.back[index] = old
 

@@ -18,6 +18,8 @@ import numpy as np
 from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, may_miss
+from teamformer.planning.graph.arriving import arrive_home
+from teamformer.planning.graph.charging import is_charged
 from teamformer.planning.graph.graph import (
     AIM,
     COST,
@@ -44,8 +46,10 @@ from teamformer.planning.graph.judging import (
     fit_duration,
     follow,
     follow_on,
+    go_round,
     propagate,
     record,
+    spend,
     sum_up_trial,
     undo,
     wait,
@@ -80,6 +84,7 @@ class Ledger(NamedTuple):
     lead: Floats  # (3,) the same and what leads a search: how early all robots are home
     start: Ints  # (tasks,) room for the starts of a group
     is_less_late: Int32s  # (1,) whether a task that was the latest is late by less
+    detours: Ints  # (2,) how long all detours to chargers take, NOW and THEN
 
 
 def empty_ledger(problem: ArcProblem) -> Ledger:
@@ -94,6 +99,7 @@ def empty_ledger(problem: ArcProblem) -> Ledger:
         lead=np.zeros(3),
         start=np.zeros(len(problem.near), np.int64),
         is_less_late=np.zeros(1, np.int32),
+        detours=np.zeros(2, np.int64),
     )
 
 
@@ -102,7 +108,8 @@ def room_for_change(problem: ArcProblem, graph: Graph) -> ArcChange:
     if len(problem.links.members) == 0:
         return empty_trial(graph)
     timed = MOST_TIMED + TIMED_EACH * len(graph.nodes)
-    return empty_trial(graph, timed * problem.links.members.shape[1])
+    noted = 1 + 2 * int(problem.most[0]) * bool(len(graph.left))  # ends; what is left, detours
+    return empty_trial(graph, timed * problem.links.members.shape[1] * noted)
 
 
 @kernel
@@ -110,6 +117,7 @@ def begin_change(trial: ArcChange, ledger: Ledger) -> None:
     """Begin a change."""
     begin_trial(trial)
     ledger.is_less_late[0] = 0
+    ledger.detours[THEN] = ledger.detours[NOW]
     for part in range(len(ledger.part)):
         ledger.then[part] = ledger.part[part]
 
@@ -186,8 +194,14 @@ def _time_groups(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Le
         for other in members:
             if other == NOBODY:
                 break
+            is_fed = True
+            if is_charged(problem):
+                is_fed, more = spend(problem, graph, trial, other, start[other])
+                ledger.detours[THEN] += more
             if start[other] + nodes[other].duration != nodes[other].end:
                 _start(problem, graph, trial, ledger, other)
+            elif not is_fed:
+                follow_on(problem, graph, trial, other)
     return True
 
 
@@ -256,6 +270,10 @@ def _add_up(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger)
     for index in range(number[HOMES]):
         robot = trial.homes[index]
         trial.is_listed[robot] = 0
+        if is_charged(problem) and problem.links.weight[TRAVEL] > 0:
+            home = len(graph.seats) - len(back) + robot
+            detour = arrive_home(problem, graph, home)[2]
+            ledger.detours[THEN] += go_round(graph, trial, home, detour)
         if counts_homes:
             now = back_of(problem, graph, robot)
             if now != back[robot]:
@@ -277,6 +295,8 @@ def _add_up(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger)
     for part in range(len(then)):
         if part != HOME:
             ledger.cost[THEN] += problem.links.weight[part] * then[part]
+    if is_charged(problem):
+        ledger.cost[THEN] += problem.links.weight[TRAVEL] * ledger.detours[THEN]
     ledger.lead[THEN] = ledger.cost[THEN] + problem.links.weight[HOME] * then[HOME]
     if may_miss(problem):
         ledger.lead[THEN] += then[LEADS]
@@ -303,6 +323,7 @@ def accept_change(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: L
         if what in (END, KEY, DURATION):
             node = graph.nodes[trial.log[place].index]
             node.key = 2 * (node.end - node.duration) + 1
+    ledger.detours[NOW] = ledger.detours[THEN]
     for part in range(len(ledger.part)):
         ledger.part[part] = ledger.then[part]
 
@@ -337,6 +358,9 @@ def open_ledger(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Led
     for robot in range(len(graph.back)):
         ledger.part[HOME] += graph.back[robot]
         ledger.part[MAKESPAN] = max(ledger.part[MAKESPAN], graph.back[robot])
+    ledger.detours[NOW] = 0
+    for seat in range(len(graph.detour)):
+        ledger.detours[NOW] += graph.detour[seat]
     begin_change(trial, ledger)
     for task in range(tasks):
         wait(graph, trial, task, graph.nodes[task].key)

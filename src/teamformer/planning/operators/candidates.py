@@ -9,8 +9,8 @@ import numpy as np
 from teamformer.base.array_types import Array, Floats, Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
+from teamformer.planning.graph.arriving import arrive
 from teamformer.planning.graph.graph import Graph
-from teamformer.planning.graph.pauses import walked_by
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import HOME, MAKESPAN, MAX_TARDINESS, TARDINESS, TRAVEL
 from teamformer.world.rules.chance import SLACKS, STEPS, draw_below
@@ -123,19 +123,20 @@ def _consider(
     found = room.found[number[FOUND]]
     found.seat, found.kind = tail, kind
     noise = room.heat[0] * room.slacks[draw_below(random, len(room.slacks))] / STEPS
-    found.cost = _cost_of(problem, graph, task, place, kind, to) + noise
+    found.cost = _cost_of(problem, graph, task, tail, to) + noise
     number[FOUND] += 1
 
 
 @kernel
-def _cost_of(problem: ArcProblem, graph: Graph, task: int, place: int, kind: int, to: int) -> float:
-    """Return about what it costs that a robot on its way between two places does a task.
+def _cost_of(problem: ArcProblem, graph: Graph, task: int, tail: int, to: int) -> float:
+    """Return about what it costs that a robot on its way from a seat to a place does a task.
 
     That is its detour, how late the task would be and, after it, the next one.
     """
+    place, kind = graph.seats[tail].node, graph.seats[tail].kind
     node, weight, pace = graph.nodes[task], problem.links.weight, problem.kinds[kind].pace
     way = problem.ways_to[pace, task, place]
-    comes = walked_by(problem, kind, graph.nodes[place].end, way)
+    comes, _, _ = arrive(problem, graph, kind, tail, task)
     end = max(comes, node.release) + takes_with(problem, pace, task)
     late, push = max(0, end - graph.worth[task].due), 0
     if to >= problem.ways.shape[1]:

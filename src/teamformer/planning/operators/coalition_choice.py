@@ -13,9 +13,8 @@ import numpy as np
 from teamformer.base.array_types import Array, Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
-from teamformer.planning.graph.charging import is_charged, reach
+from teamformer.planning.graph.arriving import arrive
 from teamformer.planning.graph.graph import Graph, leave
-from teamformer.planning.graph.pauses import walked_by
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.planning.problem.constants import TICKS
@@ -163,10 +162,7 @@ def _consider(
     if tail == choice.number[BANNED]:
         return
     place, pace = seats[tail].node, problem.kinds[kind].pace
-    way = problem.ways_to[pace, task, place]
-    comes = walked_by(problem, kind, nodes[place].end, way)
-    if is_charged(problem):
-        comes = reach(problem, graph, kind, tail, task)[0]
+    comes, _, _ = arrive(problem, graph, kind, tail, task)
     if place == choice.number[FELLOWS_FROM] and seats[head].node == choice.number[FELLOWS_TO]:
         comes -= TOGETHER
     found, best = choice.found[which], choice.candidates[which]
@@ -178,6 +174,7 @@ def _consider(
     score = comes
     if by_chain:
         straight = leave(problem, graph, kind, place, head)
+        way = problem.ways_to[pace, task, place]
         score += leaves + (way + leaves - straight) * DETOUR // 64
     if found == keeps and best[found - 1].score <= score:
         return
@@ -280,15 +277,12 @@ def pick_seat(
     problem: ArcProblem, graph: Graph, choice: Choice, task: int, tail: int, head: int
 ) -> None:
     """Pick the robot whose arc leads from one seat to another, whatever it brings."""
-    kind, place = graph.seats[tail].kind, graph.seats[tail].node
-    pick = choice.pick[choice.number[PICKS]]
+    kind, pick = graph.seats[tail].kind, choice.pick[choice.number[PICKS]]
     pick.seat, pick.kind = tail, kind
-    pace = problem.kinds[kind].pace
-    way = problem.ways[pace, place, task]
-    pick.comes = walked_by(problem, kind, graph.nodes[place].end, way)
+    pick.comes, _, _ = arrive(problem, graph, kind, tail, task)
     pick.leaves = leave(problem, graph, kind, task, head)
     if graph.nodes[task].is_load:
-        pick.leaves += takes_with(problem, pace, task)
+        pick.leaves += takes_with(problem, problem.kinds[kind].pace, task)
     for cap in range(len(choice.lacking)):
         choice.lacking[cap] -= problem.counts[problem.kinds[kind].type, cap]
     choice.number[PICKS] += 1

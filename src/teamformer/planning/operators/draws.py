@@ -5,7 +5,7 @@ from __future__ import annotations
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, takes_with
-from teamformer.planning.graph.charging import comes_to
+from teamformer.planning.graph.arriving import arrive
 from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
 from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.ledger import Ledger
@@ -92,7 +92,7 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
         if is_in_steps(graph):
             comes = graph.comes[tail]
         else:
-            comes = comes_to(problem, graph, graph.seats[seat].kind, tail, task)
+            comes, _, _ = arrive(problem, graph, graph.seats[seat].kind, tail, task)
         if comes > there:
             latest, there = seat, comes
     return latest, NOBODY
@@ -149,7 +149,7 @@ def cut_beside_near(
         if problem.useful[nodes[task].need, problem.kinds[kind].type] == 0:
             continue
         pace = problem.kinds[kind].pace
-        comes = comes_to(problem, graph, kind, tail, task)
+        comes, _, _ = arrive(problem, graph, kind, tail, task)
         takes = takes_with(problem, pace, task)
         latest = limit - takes - leave(problem, graph, kind, task, head)
         if comes <= latest:

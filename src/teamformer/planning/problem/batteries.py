@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+import math
+from collections.abc import Hashable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -10,6 +11,19 @@ import numpy as np
 from teamformer.base.array_types import Floats, Ints
 from teamformer.mission.parts.charging import Battery
 from teamformer.planning.problem.constants import SPREAD
+from teamformer.planning.problem.links import (
+    COMPLETION,
+    HOME,
+    MAKESPAN,
+    MAX_TARDINESS,
+    PARTS,
+    TARDINESS,
+    TRAVEL,
+    gaps_as_told,
+    have_weights,
+)
+from teamformer.planning.problem.misses import can_miss
+from teamformer.planning.problem.rotas import rotas_as_told
 from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.charging.times import ChargedTimes, ChargeStart, time_charged
 from teamformer.world.rules.constants import NOBODY
@@ -29,7 +43,9 @@ class Batteries(NamedTuple):
     lasts: Ints  # (kinds,)
     fills: Floats  # (kinds,) how long a tick of walking takes to charge
     waiting: Floats  # (kinds,) what a tick of waiting takes
-    spends: Ints  # (kinds, tasks) what the service of a task takes
+    spends: Ints  # (kinds, tasks) what a task may take: its load is carried by the slowest
+    serves: Ints  # (kinds, tasks) the same without the way of the load
+    services: Ints  # (tasks,) how long a task takes but for that
     left: Ints  # (robots,) what each begins with
     to: Ints  # (paces, places, chargers) ways
     nearest: Ints  # (paces, places) the way to the nearest charger
@@ -44,7 +60,7 @@ def no_batteries() -> Batteries:
     """Return what stands for batteries where nobody has one."""
     one, two, three = (np.zeros((0,) * axes, np.int64) for axes in (1, 2, 3))
     none = np.zeros(0)
-    return Batteries(one, none, none, two, one, three, two, three, three, three, one, two)
+    return Batteries(one, none, none, two, two, one, one, three, two, three, three, three, one, two)
 
 
 def are_charged(batteries: Batteries) -> bool:
@@ -53,20 +69,52 @@ def are_charged(batteries: Batteries) -> bool:
 
 
 def charged_totals(problem: CoalitionProblem, plan: CoalitionPlan) -> tuple[float, float]:
-    """Return the makespan of a plan if robots charge, and what leads a search; infinite if never.
+    """Return what a plan is judged by if robots charge, and what leads a search.
 
-    Both are in ticks, and count with who queues at chargers.
+    Both are in ticks, infinite if somebody runs dry, and count with who queues at chargers.
     """
-    back = charged_times(problem, plan).back
-    makespan = max(back)
-    return makespan, makespan + sum(back) / (SPREAD * len(back))
+    told = charged_times(problem, plan)
+    ends = [told.timed.end(task) if plan.size[task] else math.inf for task in range(len(plan.size))]
+    return totals_of(problem, ends, told.back, sum(told.walked))
+
+
+def totals_of(
+    problem: CoalitionProblem, ends: Sequence[float], back: Sequence[float], travel: float
+) -> tuple[float, float]:
+    """Return what a plan is judged by, and that with what leads, by its ends and homes, in ticks.
+
+    Tasks that are left out end at no time (infinite).
+    """
+    misses = problem.misses
+    has_end = can_miss(misses)
+    missed = [has_end and end > misses.until[0] for end in ends]
+    judged = sum(int(misses.judged[task]) for task, is_so in enumerate(missed) if is_so)
+    leads = sum(int(misses.leads[task]) for task, is_so in enumerate(missed) if is_so)
+    makespan, home = max(back), sum(back)
+    if not have_weights(problem.links):
+        return makespan + judged, makespan + home / (SPREAD * len(back)) + leads
+    if math.isinf(makespan) or any(
+        math.isinf(end) and not is_so for end, is_so in zip(ends, missed, strict=True)
+    ):
+        return math.inf, math.inf
+    weight, parts = problem.links.weight, [0.0] * PARTS
+    parts[MAKESPAN], parts[TRAVEL] = makespan, travel
+    for task, end in enumerate(ends):
+        if missed[task]:
+            continue
+        own, late = problem.links.task_weight[task], max(0.0, end - problem.due[task])
+        parts[TARDINESS] += int(own * late)
+        parts[MAX_TARDINESS] = max(parts[MAX_TARDINESS], late)
+        parts[COMPLETION] += int(own * end)
+    cost = sum(float(weight[part]) * parts[part] for part in range(PARTS))
+    return cost + judged, cost + float(weight[HOME]) * home + leads
 
 
 def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTimes:
     """Return the times of a plan in ticks if robots charge."""
     batteries, tasks, places = problem.batteries, len(problem.needs), problem.ways.shape[1]
-    order, robots = plan.order.tolist(), range(len(problem.counts))
-    home = -1
+    order = [task for task in plan.order.tolist() if plan.size[task] > 0]
+    home, robots = -1, range(len(problem.counts))
 
     def way(robot: int, here: Hashable, there: Hashable) -> float:
         assert isinstance(here, int), "places are numbers"
@@ -95,11 +143,12 @@ def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTime
         fills, waiting = batteries.fills[kind], float(batteries.waiting[kind])
         return Battery(lasts, float(fills) * lasts, serving=1.0, waiting=waiting)
 
-    def takes(task: int, _: object) -> float:
-        return int(problem.duration[task])
+    def takes(task: int, robots: Sequence[int]) -> float:
+        slower = problem.slower[problem.pace[list(robots)], task].max(initial=0)
+        return int(problem.duration[task] + slower)
 
     before = {
-        task: [other for other in row if other != NOBODY]
+        task: [other for other in row if other != NOBODY and plan.size[other] > 0]
         for task, row in enumerate(problem.before.tolist())
         if row[0] != NOBODY
     }
@@ -108,15 +157,19 @@ def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTime
     free = [int(problem.ready[place - tasks]) for place in problem.origin]
     rules = StartRules(
         way, site, takes, free, dict(enumerate(problem.release.tolist())), before,
-        forming=int(problem.forming[0]),
+        gaps=gaps_as_told(problem.links, order),
+        forming=int(problem.forming[0]), rotas=rotas_as_told(problem.rotas, problem.kind),
     )  # fmt: skip
     standing = ChargeStart(
         places=problem.origin.tolist(),
         left=batteries.left.tolist(),
         taken=[(charger, until) for charger, until in batteries.taken.tolist()],
         task_places=dict(zip(order, order, strict=True)),
+        task_ends=dict(zip(order, order, strict=True)),
         homes=[home] * len(own),
-        spent=[batteries.spends[problem.kind[robot]].tolist() for robot in robots],
+        spends=[batteries.spends[problem.kind[robot]].tolist() for robot in robots],
+        serves=[batteries.serves[problem.kind[robot]].tolist() for robot in robots],
+        services=batteries.services.tolist(),
     )
     charging = ChargeRules(own, chargers, batteries.room.tolist(), way)
     coalitions = {task: plan.coalition[task, : plan.size[task]].tolist() for task in order}

@@ -92,8 +92,8 @@ def pose_problem(
     `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
     `site` no two places lie at the same position; without `slower` all carry loads equally fast.
     Robots with different numbers in `apart` (robots,) are of different kinds; `rotas` has the
-    shifts of those of each number. Without `ready` all robots can leave at once. The last `permits`
-    of the robots have no body: coalitions need them, and nobody forms with them.
+    shifts of each robot. Without `ready` all robots can leave at once. The last `permits` of the
+    robots have no body: coalitions need them, and nobody forms with them.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
@@ -127,7 +127,7 @@ def pose_problem(
         ready=np.asarray(np.zeros(ways.shape[1] - tasks) if ready is None else ready, np.int64),
         links=no_links() if links is None else links,
         misses=no_misses() if misses is None else misses,
-        rotas=no_rotas() if rotas is None else of_kinds(rotas, apart[first]),
+        rotas=no_rotas() if rotas is None else of_kinds(rotas, first),
         batteries=no_batteries(),
         bodies=len(counts) - permits,
     )

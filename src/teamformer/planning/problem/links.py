@@ -16,6 +16,7 @@ import numpy.typing as npt
 from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.planning.problem.constants import NEVER, SPREAD
 from teamformer.world.rules.constants import NOBODY
+from teamformer.world.rules.starts import Gap
 
 FREE = -NEVER
 """A gap that says nothing."""
@@ -67,6 +68,16 @@ def no_links() -> Links:
 def have_weights(links: Links) -> bool:
     """Say whether plans are judged by a cost, which links need too."""
     return len(links.weight) > 0
+
+
+def gaps_as_told(links: Links, tasks: Sequence[int]) -> list[Gap]:
+    """Return the gaps between starts of some tasks as the plain rule has them, in ticks."""
+    among = set(tasks)
+    return [
+        Gap(later, sooner, int(links.gap[sooner, later]), NEVER)
+        for sooner, later in np.argwhere(links.gap > FREE).tolist()
+        if sooner in among and later in among
+    ]
 
 
 def is_bounded(links: Links) -> bool:

@@ -35,7 +35,7 @@ def no_rotas() -> Rotas:
 def rotas_in_ticks(
     rotas: Sequence[Rota], ticks: Callable[[float], int], late: int, rounding: int
 ) -> Rotas:
-    """Return the shifts of kinds of robots in ticks, counted from the present.
+    """Return the shifts of robots in ticks, counted from the present.
 
     They are longer by what times are rounded, so that what just fits does.
     """
@@ -66,11 +66,23 @@ def _rows(
 
 
 def of_kinds(rotas: Rotas, rows: Ints) -> Rotas:
-    """Return shifts by kinds of robots, of which each has those of a row."""
+    """Return the shifts of kinds of robots, of which each has those of a row."""
     if len(rotas.every) == 0:
         return rotas
     by_kind = rotas._replace(every=rotas.every[rows], worked=rotas.worked[rows])
     return by_kind._replace(shifts=np.ascontiguousarray(rotas.shifts[rows]))
+
+
+def rotas_as_told(rotas: Rotas, kinds: Int32s) -> list[Rota]:
+    """Return when robots of these kinds work, in ticks, by the plain rule; nothing if always."""
+    if len(rotas.every) == 0:
+        return []
+    rows = [
+        [(opens, closes) for opens, closes in row if opens != NEVER]
+        for row in rotas.shifts.tolist()
+    ]
+    told = [Rota(tuple(row), every) for row, every in zip(rows, rotas.every.tolist(), strict=True)]
+    return [told[kind] for kind in kinds]
 
 
 def longest_pauses(rotas: Sequence[Rota], busy: float, tasks: int) -> float:
@@ -109,6 +121,30 @@ def walked(rotas: Rotas, kind: int, begin: int, spent: int) -> int:
         whole = (left - 1) // rotas.worked[kind]
         left -= whole * rotas.worked[kind]
         later += (1 + whole) * every
+
+
+@kernel
+def worked(rotas: Rotas, kind: int, begin: int, end: int) -> int:
+    """Return how long a robot of a kind works between two moments."""
+    if not have_shifts(rotas):
+        return end - begin
+    done, later = 0, _turn(rotas, kind, begin)
+    while True:
+        for row in range(rotas.shifts.shape[1]):
+            opens, closes = rotas.shifts[kind, row, 0], rotas.shifts[kind, row, 1]
+            if opens == NEVER or opens + later >= end:
+                break
+            if closes == NEVER:
+                return done + end - max(begin, opens)
+            done += max(0, min(end, closes + later) - max(begin, opens + later))
+        if rotas.every[kind] == 0:
+            return done
+        later += rotas.every[kind]
+        whole = max(0, (end - rotas.shifts[kind, 0, 0] - later) // rotas.every[kind])
+        done += whole * rotas.worked[kind]
+        later += whole * rotas.every[kind]
+        if rotas.shifts[kind, 0, 0] + later >= end:
+            return done
 
 
 @kernel

@@ -74,12 +74,11 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
     for seat in range(schedule.plan.size[task]):
         robot = schedule.plan.coalition[task, seat]
         place = last[position, robot]
-        way = problem.ways[problem.pace[robot], place, task]
         last[position + 1, robot] = task
         if robot >= problem.bodies:
             room = max(room, end[place])
             continue
-        there = max(there, walked(problem.rotas, problem.kind[robot], end[place], way))
+        there = max(there, arrival(problem, schedule, robot, task, position))
         first = place if first == NOBODY else first
         comes_apart |= problem.site[place] != problem.site[first]
         slower = max(slower, problem.slower[problem.pace[robot], task])
@@ -94,6 +93,16 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
     schedule.rank[task] = position
     schedule.start[task] = start
     end[task] = start + takes
+
+
+@kernel
+def arrival(
+    problem: CoalitionProblem, schedule: Schedule, robot: int, task: int, position: int
+) -> int:
+    """Return when a robot can be at a task that is done at a position of the order."""
+    place = schedule.last[position, robot]
+    way = problem.ways[problem.pace[robot], place, task]
+    return walked(problem.rotas, problem.kind[robot], schedule.end[place], way)
 
 
 @kernel

@@ -26,7 +26,7 @@ MOST_CELLS = 200_000
 
 def ends_of(tasks: Sequence[Task]) -> list[Place]:
     """Return where robots are once they have done each task."""
-    return [task.at if task.to is None else task.to for task in tasks]
+    return [task.ends_at for task in tasks]
 
 
 def are_ways_straight(world: World, tasks: Sequence[Task]) -> bool:

@@ -67,6 +67,7 @@ def copy_graph(graph: Graph, into: Graph) -> None:
         into.comes[index] = graph.comes[index]
     for index in range(len(graph.left)):
         into.left[index] = graph.left[index]
+        into.detour[index] = graph.detour[index]
 
 
 @entry

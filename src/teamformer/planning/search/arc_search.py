@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from random import Random
 from typing import Any
 
@@ -20,7 +20,7 @@ from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats, without_tasks
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 from teamformer.planning.problem.links import have_weights
-from teamformer.planning.problem.misses import can_miss
+from teamformer.planning.problem.misses import LEFT_OUT, can_miss
 from teamformer.planning.race import Race, search_by_clock
 from teamformer.planning.search.annealing import anneal, copy_graph
 from teamformer.world.rules.chance import SLACKS
@@ -140,7 +140,9 @@ class ArcSearch:
         if self._is_weighed:
             visits = max(1, int(self.graph.nodes.taken.sum()))
             lead = float(self._ledger.lead[NOW])
-            hot = HOT_IF_WEIGHED * (self.leg if self._is_late(lead) else lead / visits)
+            hot = HOT_IF_WEIGHED * (
+                self.leg if self._is_late(lead) or self._is_dry else lead / visits
+            )
             return hot, hot * COOLER**COOLINGS
         is_few = has_few_tasks(len(self.problem.needs))
         hottest, coldest = (HOT_IF_FEW, COLD_IF_FEW) if is_few else (HOT, COLD)
@@ -159,13 +161,21 @@ class ArcSearch:
             way = float(ways.mean()) if ways.size else 0.0
             return max(1, int(self.problem.duration.mean() + way / 2))
         visits, total = max(1, int(self.graph.nodes.taken.sum())), self.graph.total
-        if int(total[COST]) >= RESCUE and are_charged(self.problem.batteries):  # somebody runs dry
+        if self._is_dry:
             return max(1, int(self.problem.duration.mean()) + int(self.arcs.ways[0].mean()))
         return max(1, int(total[COST] - total[LEADS]) * len(self.problem.counts) // visits)
 
     def _is_late(self, cost: float) -> bool:
         """Say whether a plan takes longer than any does that keeps to the shifts of its robots."""
         return bool(cost >= self.problem.rotas.late.min(initial=NEVER))
+
+    @property
+    def _is_dry(self) -> bool:
+        """Say whether somebody runs dry in the plan."""
+        nodes = self.graph.nodes
+        ends = nodes.end[nodes.end < LEFT_OUT].max(initial=0)
+        is_rescued = max(int(ends), int(self.graph.back.max(initial=0))) >= RESCUE
+        return is_rescued and are_charged(self.problem.batteries)
 
     def anneal(self, hot: float, cold: float, begin: int, end: int, rounds: int) -> None:
         """Make the rounds from `begin` to `end` of so many, from `hot` to `cold`."""
@@ -200,6 +210,15 @@ class ArcSearch:
         """
         self.quench(QUENCHED_IF_CHARGED)
         rounds, (hot, cold) = sum(self._shared_rounds) // searches, self.heats
+        if self._is_weighed:
+            hot /= LESS_HOT_IF_WEIGHED if is_again else 1
+            for part in range(parts):
+                coolings = range(COOLINGS * part // parts, COOLINGS * (part + 1) // parts)
+                self._cool(
+                    hot * COOLER ** coolings[0], rounds * len(coolings) // COOLINGS, coolings
+                )
+                yield
+            return
         heats = (max(cold, hot / LESS_HOT) if is_again else hot, cold)
         for part in range(parts):
             self.anneal(*heats, rounds * part // parts, rounds * (part + 1) // parts, rounds)
@@ -214,10 +233,10 @@ class ArcSearch:
         is_few = has_few_tasks(tasks)
         return [ROUNDS_EACH * tasks] * FEW_ANNEALINGS if is_few else [rounds_of_a_second(tasks)]
 
-    def _cool(self, heat: float, rounds: int) -> None:
+    def _cool(self, heat: float, rounds: int, coolings: Sequence[int] = range(COOLINGS)) -> None:
         """Make so many rounds, cooler each time."""
-        for _ in range(COOLINGS):
-            self.anneal(heat, heat, 0, rounds // COOLINGS, rounds // COOLINGS)
+        for _ in coolings:
+            self.anneal(heat, heat, 0, rounds // len(coolings), rounds // len(coolings))
             heat *= COOLER
 
     def quench(self, rounds_each: int = QUENCHED) -> None:

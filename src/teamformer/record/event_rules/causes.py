@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from teamformer.mission.coordination import IDLE, TAKEN_OVER
 from teamformer.mission.parts.zones import lets_in
-from teamformer.record.event_rules.charging import freed
+from teamformer.record.event_rules.charging import begun_by, freed
 from teamformer.record.event_rules.names import need
 from teamformer.record.event_rules.standing import Standing
 from teamformer.world.continuous.events import Event
@@ -67,7 +67,7 @@ def _cause_of(now: Standing, event: Event) -> int:
         return now.count - 1
     since = [now.robots[robot].since for robot in event.robots]
     if event.kind == "charged":
-        return since[0]
+        return begun_by(now, event)
     if event.kind == "charge":
         since += freed(now, event)
     if event.kind == "found":

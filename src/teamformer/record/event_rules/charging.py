@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from teamformer.mission.parts.charging import ROUNDING, Battery
+from teamformer.mission.parts.charging import ROUNDING, Battery, longest_carry
 from teamformer.mission.parts.grid import Place
 from teamformer.record.event_rules.from_outside import stand_still
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import BrokenRuleError, need
-from teamformer.record.event_rules.standing import FORMS, Standing, expect, one
+from teamformer.record.event_rules.standing import CARRIES, FORMS, Standing, expect, one
 from teamformer.world.continuous.events import Event
 from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.constants import NOBODY
@@ -56,23 +56,30 @@ def battery_of(now: Standing, robot: int) -> Battery:
 def pass_time(now: Standing, charges: Charges, later: float) -> None:
     """Let robots spend what they do until a later moment; nobody may lack it."""
     for robot in charges.left:
-        battery, spent = battery_of(now, robot), _rate(now, charges, robot) * (later - now.now)
+        battery, spent = battery_of(now, robot), _spent(now, charges, robot, later)
         charges.left[robot] -= spent
         if spent > 0 and charges.left[robot] < -2 * DRY * battery.lasts:
             raise BrokenRuleError(f"{now.names.robot(robot)} has run dry, and the record goes on")
 
 
-def _rate(now: Standing, charges: Charges, robot: int) -> float:
-    """Return what a robot spends in a unit of time, but for what it charges."""
+def _spent(now: Standing, charges: Charges, robot: int, later: float) -> float:
+    """Return what a robot spends until a later moment, but for what it charges.
+
+    Outside its shifts, and held up on its way, it spends nothing.
+    """
     it, battery = now.robots[robot], battery_of(now, robot)
     if it.is_lost or robot in charges.full:
         return 0.0
+    works = now.truth.robots[robot].rota.worked(now.now, later)
     if it.work != NOBODY:
-        return battery.waiting if now.works[it.work].part == FORMS else battery.serving
+        work = now.works[it.work]
+        if work.part == CARRIES:
+            return now.lengths.walked(work.robots, now.now, later)
+        return works * (battery.waiting if work.part == FORMS else battery.serving)
     if it.is_walking:
-        return 1.0
+        return now.lengths.walked((robot,), now.now, later)
     is_waiting = it.task in now.unseen or (it.task != NOBODY and now.next_task(robot) == it.task)
-    return battery.waiting if is_waiting else 0.0
+    return works * battery.waiting if is_waiting else 0.0
 
 
 def charger_for(now: Standing, charges: Charges, robot: int) -> int:
@@ -85,8 +92,12 @@ def charger_for(now: Standing, charges: Charges, robot: int) -> int:
         return NOBODY
     battery, turn = battery_of(now, robot), now.turns_at(robot)[-1]
     left = charges.left[robot] - (turn.at - now.now)
-    spent = None if task == NOBODY else battery.spent_on(now.mission.tasks[task])
-    return charges.rules.stop(robot, _place(turn.place), left, _place(goal), spent)
+    rules, wanted = charges.rules, 0.0
+    if task != NOBODY:
+        it = now.mission.tasks[task]
+        carried = longest_carry(now.mission, it, goal, now.takes)
+        wanted = rules.wanted(robot, battery.spent_on(it, carried), _place(it.to or goal))
+    return rules.stop(robot, _place(turn.place), left, _place(goal), wanted)
 
 
 def set_out(now: Standing, charges: Charges, robot: int, event: Event) -> None:
@@ -142,8 +153,11 @@ def is_charging_first(now: Standing, charges: Charges, robot: int) -> bool:
         charges.goes_for[robot] = now.next_task(robot)
         return True
     forget(charges, robot)
-    if charger == NOBODY or it.is_walking or it.way[0].place != now.mission.chargers[charger].at:
+    if charger == NOBODY:
         return False
+    place = now.mission.chargers[charger].at
+    if it.is_walking or it.way[0].place != place:
+        return not it.is_walking and now.never_gets(robot, place)
     _queue_here(now, charges, robot, charger)
     return True
 
@@ -225,6 +239,11 @@ def charges_of(now: Standing) -> Charges:
         raise BrokenRuleError("somebody charges, and nobody has a battery")
     assert isinstance(now.charges, Charges)
     return now.charges
+
+
+def begun_by(now: Standing, event: Event) -> int:
+    """Return the event with which a robot began to charge."""
+    return charges_of(now).full.get(one(event), (0.0, NOBODY))[1]
 
 
 def freed(now: Standing, event: Event) -> Iterator[int]:

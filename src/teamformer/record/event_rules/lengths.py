@@ -70,6 +70,20 @@ class Lengths:
             now = until
         return math.inf
 
+    def walked(self, robots: Sequence[int], begin: float, end: float) -> float:
+        """Return how long robots that are together on their way walk between two times."""
+        rota = self._robots[robots[0]].rota if len(robots) == 1 else ALWAYS
+        delayed = [robot for robot in robots if robot in self._stands]
+        if not delayed:
+            return rota.worked(begin, end)
+        done, now = 0.0, begin
+        while now < end:
+            until = min(math.floor(now) + 1.0, end)
+            if not any(self._stands_still(robot, math.floor(now)) for robot in delayed):
+                done += rota.worked(now, until)
+            now = until
+        return done
+
     def _stands_still(self, robot: int, unit: int) -> bool:
         drawn, delays = self._stands[robot], self._robots[robot].delays
         assert delays is not None, "only those are kept"

@@ -19,10 +19,10 @@ import numpy as np
 from teamformer.base.errors import TeamformerError
 from teamformer.base.whole_files import write_all
 from teamformer.methods.learned.onnx_sessions import shipped
-from teamformer.methods.listings import DEFAULT, STAND_IN
 from teamformer.mission.model import Mission
-from teamformer.robotarium.deployment.graphs import NetworkGraph
+from teamformer.robotarium.deployment.networks import networks_text, weights_of
 from teamformer.robotarium.deployment.onnx_files import read_graph
+from teamformer.robotarium.deployment.policies import maker_of
 from teamformer.robotarium.experiment import start_poses
 from teamformer.robotarium.mission_checks import check_mission
 
@@ -47,14 +47,6 @@ FOR_MISSIONS = (
     "robotarium.control.qp_solvers",
     "world.env",
 )
-NETWORK = "teamformer"
-DEPLOYED = {
-    NETWORK: "methods.learned.any_fleet:teamformer",
-    "heuristic": "methods.scripted.heuristic:Heuristic",
-    "join-all": "methods.scripted.joining:JoinAll",
-    "join-fitting": "methods.scripted.join_fitting:JoinFitting",
-}
-"""Methods that the testbed can run, and what makes their policies there."""
 
 
 def deploy(mission: Mission, name: str, seed: int, folder: Path) -> list[Path]:
@@ -64,21 +56,18 @@ def deploy(mission: Mission, name: str, seed: int, folder: Path) -> list[Path]:
     method that has no form for the testbed, and for a folder that holds anything else.
     """
     check_mission(mission)
-    if name not in DEPLOYED:
-        hint = f"use {', '.join(DEPLOYED)}"
-        if name in (DEFAULT, STAND_IN):
-            raise TeamformerError("the testbed is too slow for plans: it has no numba", hint)
-        raise TeamformerError(f"method '{name}' cannot be deployed", hint)
-    module, maker = DEPLOYED[name].split(":")
-    texts = {f"{_flat(name)}.py": _source(name) for name in sorted(_needed(module))}
+    maker = maker_of(name)
+    texts = {f"{_flat(name)}.py": _source(name) for name in sorted(_needed(maker.module))}
     texts["tf_testbed.py"] = _shim("testbed.txt")
     texts["tf_experiment.py"] = _mission_text(mission, start_poses(mission, seed), seed)
-    texts[MAIN] = _shim("main.txt").replace("POLICY_MODULE", module).replace("MAKER", maker)
+    main = _shim("main.txt").replace("POLICY_MODULE", maker.module)
+    main = main.replace("MAKER", maker.function)
+    texts[MAIN] = main.replace("ARGUMENTS", ", ".join(map(repr, maker.arguments)))
     contents: dict[str, str | bytes] = {**texts}
-    if name == NETWORK:
-        graph = read_graph(shipped(f"{NETWORK}.onnx"))
-        contents["tf_graph.py"] = _graph_text(graph)
-        contents[WEIGHTS] = _as_npy(_weights(graph))
+    graphs = {file: read_graph(shipped(file)) for file in maker.networks}
+    if graphs:
+        contents["tf_networks.py"] = networks_text(graphs)
+        contents[WEIGHTS] = _as_npy(weights_of(graphs))
     for old in _earlier_files(folder):
         if old.name not in contents:
             old.unlink()
@@ -162,22 +151,3 @@ def _mission_text(mission: Mission, poses: np.ndarray, seed: int) -> str:
         "from teamformer.mission.parts.plane import Plane\n\n"
         f"MISSION = {mission!r}\nPOSES = {poses.tolist()!r}\nSEED = {seed}\n"
     )
-
-
-def _graph_text(graph: NetworkGraph) -> str:
-    """Return a module that builds a network from weights.npy, in which constants lie end to end."""
-    at, places = 0, {}
-    for name, constant in graph.constants.items():
-        places[name] = (at, constant.shape, constant.dtype.str)
-        at += constant.size
-    nodes = [(n.operation, n.inputs, n.outputs, n.settings) for n in graph.nodes]
-    return (
-        '"""The network: constants as (begin, shape, type) in weights.npy, and operations."""\n\n'
-        f"CONSTANTS = {places!r}\nINPUTS = {graph.inputs!r}\nOUTPUTS = {graph.outputs!r}\n"
-        f"NODES = {nodes!r}\n"
-    )
-
-
-def _weights(graph: NetworkGraph) -> np.ndarray:
-    """Return all constants end to end; whole numbers are small and stay exact."""
-    return np.concatenate([c.astype(np.float64).ravel() for c in graph.constants.values()])

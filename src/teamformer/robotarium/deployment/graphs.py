@@ -20,9 +20,11 @@ class Node:
 
 @dataclass(frozen=True)
 class NetworkGraph:
-    """A network: operations in the order to run them, and its constants."""
+    """A network: operations in the order to run them, its constants, and what is known of it."""
 
     nodes: tuple[Node, ...]
     constants: dict[str, Array]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    widths: dict[str, int]  # last axes of inputs, where they are fixed
+    about: dict[str, str]  # what its file says besides

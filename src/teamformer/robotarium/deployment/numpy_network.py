@@ -30,6 +30,15 @@ class NumpyNetwork:
             raise TeamformerError(f"this network has operations not known on the testbed: {names}")
         self._graph = graph
 
+    @property
+    def about(self) -> dict[str, str]:
+        """Return what the network's file says besides."""
+        return self._graph.about
+
+    def width(self, name: str) -> int:
+        """Return the last axis of an input: how many features a token has."""
+        return self._graph.widths[name]
+
     def __call__(self, *values: Array) -> list[Array]:
         """Return the network's outputs."""
         known = {**self._graph.constants, **dict(zip(self._graph.inputs, values, strict=True))}

@@ -33,4 +33,7 @@ def read_graph(content: bytes) -> NetworkGraph:
             nodes.append(Node(node.op_type, tuple(node.input), tuple(node.output), plain))
     inputs = tuple(value.name for value in graph.input if value.name not in constants)
     outputs = tuple(value.name for value in graph.output)
-    return NetworkGraph(tuple(nodes), constants, inputs, outputs)
+    shapes = {value.name: value.type.tensor_type.shape.dim for value in graph.input}
+    widths = {name: dim[-1].dim_value for name, dim in shapes.items() if dim and dim[-1].dim_value}
+    about = {entry.key: entry.value for entry in model.metadata_props}
+    return NetworkGraph(tuple(nodes), constants, inputs, outputs, widths, about)

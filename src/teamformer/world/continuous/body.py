@@ -39,7 +39,12 @@ class RealRobot:
     charger: int = NOBODY  # that it goes to, or queues or charges at
     charges_for: int = NOBODY  # the task for which it charges
     at_charger: float = math.inf  # since when it queues
-    is_charging: bool = False
+    charge: int = NOBODY  # the event with which it began to charge
+
+    @property
+    def is_charging(self) -> bool:
+        """Say whether it charges."""
+        return self.charge != NOBODY
 
     @property
     def is_walking(self) -> bool:

@@ -7,12 +7,12 @@ from abc import abstractmethod
 from collections.abc import Iterator
 
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.charging import ROUNDING, Battery
+from teamformer.mission.parts.charging import ROUNDING, Battery, longest_carry
 from teamformer.mission.parts.grid import Place
-from teamformer.world.continuous.body import FORMING, RealRobot
+from teamformer.world.continuous.body import CARRYING, FORMING, SERVING, UNLOADING, RealRobot
 from teamformer.world.continuous.moving import FULL
 from teamformer.world.continuous.working import WorkingWorld
-from teamformer.world.rules.charging.stops import ChargeRules
+from teamformer.world.rules.charging.standing import charge_rules
 from teamformer.world.rules.constants import NOBODY
 
 DRY = 2 * ROUNDING
@@ -25,12 +25,7 @@ class ChargingWorld(WorkingWorld):
     def __init__(self, mission: Mission, truth: Mission, is_all_known: bool) -> None:
         super().__init__(mission, truth, is_all_known)
         self.rooms = [charger.room for charger in mission.chargers]
-        self.charge_rules = ChargeRules(
-            [robot.battery for robot in mission.robots],
-            [charger.at for charger in mission.chargers],
-            self.rooms,
-            self._time_of_way,
-        )
+        self.charge_rules = charge_rules(mission, self._time_of_way)
         self._with_battery = [n for n, robot in enumerate(truth.robots) if robot.battery]
         for number, body, battery in self._batteries():
             self.bodies[number].left = battery.starts * battery.lasts
@@ -52,10 +47,9 @@ class ChargingWorld(WorkingWorld):
     def next_time(self) -> float:
         """Return when something happens next, or somebody runs dry; infinite if neither ever is."""
         due = self.next_due
-        for _, body, battery in self._batteries():
-            if (rate := self._rate(body, battery)) > 0:
-                lasts = (body.left + DRY * battery.lasts) / rate
-                due = min(due, max(self.now, body.left_at + lasts))
+        for number, body, battery in self._batteries():
+            if self._rate(body, battery) > 0:
+                due = min(due, max(self.now, self._dry_at(number, battery)))
         return due
 
     @property
@@ -66,15 +60,44 @@ class ChargingWorld(WorkingWorld):
     def be_at(self, moment: float) -> None:
         """Let time pass until a moment at which nothing is due before it."""
         self.now = moment
-        for _, body, battery in self._batteries():
-            spent = self._rate(body, battery) * (moment - body.left_at)
+        for number, body, battery in self._batteries():
+            spent = self._spent(number, battery, moment)
             body.left, body.left_at = min(battery.lasts, body.left - spent), moment
+
+    def _spent(self, robot: int, battery: Battery, moment: float) -> float:
+        """Return what a robot spends up to a moment, if nothing happens; less than 0 if it charges.
+
+        Outside its shifts, and held up on its way, it spends nothing; it charges outside them, too.
+        """
+        body = self.bodies[robot]
+        rate, begin = self._rate(body, battery), body.left_at
+        if rate <= 0:
+            return rate * (moment - begin)
+        if (walkers := self._walkers(robot)) is not None:
+            return self.still.walked(walkers, begin, moment)
+        return rate * self.truth.robots[robot].rota.worked(begin, moment)
+
+    def _dry_at(self, robot: int, battery: Battery) -> float:
+        """Return when a robot that spends something has nothing left, if nothing happens."""
+        body = self.bodies[robot]
+        left, begin = body.left + DRY * battery.lasts, body.left_at
+        if (walkers := self._walkers(robot)) is not None:
+            return self.still.after(walkers, begin, left)
+        return self.truth.robots[robot].rota.walked(begin, left / self._rate(body, battery))
+
+    def _walkers(self, robot: int) -> tuple[int, ...] | None:
+        """Return those who are on their way together with a robot; None if it is not."""
+        body = self.bodies[robot]
+        if body.work == NOBODY:
+            return (robot,) if body.is_walking else None
+        work = self.works[body.work]
+        return work.robots if work.part == CARRYING else None
 
     def _rate(self, body: RealRobot, battery: Battery) -> float:
         """Return what a robot spends in a unit of time as it stands; less than 0 if it charges."""
         if body.is_lost:
             return 0.0
-        if body.work != NOBODY:
+        if body.work != NOBODY and self.works[body.work].part in (FORMING, SERVING, UNLOADING):
             is_forming = self.works[body.work].part == FORMING
             return battery.waiting if is_forming else battery.serving
         if body.is_walking:
@@ -90,12 +113,28 @@ class ChargingWorld(WorkingWorld):
             return math.inf
         if body.is_charging:
             return battery.lasts
-        return max(0.0, body.left - self._rate(body, battery) * (moment - body.left_at))
+        if body.work != NOBODY and self.truth.tasks[body.work].to is not None:
+            return max(0.0, body.left - self._left_to_spend(body, battery))
+        return max(0.0, body.left - self._spent(robot, battery, moment))
+
+    def _left_to_spend(self, body: RealRobot, battery: Battery) -> float:
+        """Return what the rest of a task with a load is believed to take a robot at work on it."""
+        work, wanted = self.works[body.work], self.mission.tasks[body.work]
+        begin, unload = body.left_at, wanted.unload
+        if work.part == FORMING:
+            return battery.waiting * (work.end - begin)
+        if work.part == SERVING:
+            carried = self.carried(body.work, work.robots)
+            serves = work.expected - carried - unload - begin
+            return battery.serving * (serves + unload) + carried
+        if work.part == CARRYING:
+            return work.expected - unload - begin + battery.serving * unload
+        return battery.serving * (work.expected - begin)
 
     def charging_now(self) -> tuple[tuple[int, float], ...]:
         """Return where somebody charges, and until when."""
         return tuple(
-            (body.charger, self.events[body.since].until or self.now)
+            (body.charger, self.events[body.charge].until or self.now)
             for body in self.bodies
             if body.is_charging
         )
@@ -106,8 +145,14 @@ class ChargingWorld(WorkingWorld):
         if battery is None:
             return NOBODY
         at, here = self.next_place(robot)
-        spent = None if task == NOBODY else battery.spent_on(wanted[task])
-        return self.charge_rules.stop(robot, here, self.left_then(robot, at), goal, spent)
+        left = self.left_then(robot, at)
+        if task == NOBODY:
+            return self.charge_rules.stop(robot, here, left, goal)
+        carried = longest_carry(self.mission, wanted[task], goal, self._time_of_way)
+        spent, end = battery.spent_on(wanted[task], carried), wanted[task].to or goal
+        return self.charge_rules.stop(
+            robot, here, left, goal, self.charge_rules.wanted(robot, spent, end)
+        )
 
     def charges_first(self, robot: int, task: int, goal: Place | None, cause: int) -> bool:
         """Say whether a robot goes to a charger before it goes on, and have it go there.
@@ -141,7 +186,7 @@ class ChargingWorld(WorkingWorld):
         """Have a robot go to no charger, or charge no more."""
         body = self.bodies[robot]
         body.charger = body.charges_for = NOBODY
-        body.is_charging, body.at_charger = False, math.inf
+        body.charge, body.at_charger = NOBODY, math.inf
 
     def arrive(self, robot: int) -> None:
         """Let a robot be where it was going; at a charger it queues."""
@@ -149,7 +194,9 @@ class ChargingWorld(WorkingWorld):
         self._queue(self.bodies[robot])
 
     def _queue(self, body: RealRobot) -> None:
-        if body.charger != NOBODY and not body.is_walking and math.isinf(body.at_charger):
+        if body.charger == NOBODY or body.is_walking or math.isfinite(body.at_charger):
+            return
+        if body.way[0].place == self.mission.chargers[body.charger].at:
             body.at_charger = self.now
 
     def fill_chargers(self) -> None:
@@ -172,11 +219,11 @@ class ChargingWorld(WorkingWorld):
         body, battery = self.bodies[robot], self.truth.robots[robot].battery
         assert battery is not None
         end = self.now + battery.time_to_full(body.left)
-        body.is_charging = True
         cause = self.cause_among([body.since, *self._freed(body.charger)])
         place = body.way[0].place
-        body.since = self.tell("charge", (robot,), NOBODY, cause, place=place, until=end)
-        self.put(end, FULL, robot, body.since)
+        number = self.tell("charge", (robot,), NOBODY, cause, place=place, until=end)
+        body.since = body.charge = number
+        self.put(end, FULL, robot, number)
 
     def _freed(self, charger: int) -> Iterator[int]:
         """Return the events of this moment with which a charger has room again."""
@@ -191,10 +238,10 @@ class ChargingWorld(WorkingWorld):
         """Let a robot be done with charging."""
         body, battery = self.bodies[robot], self.truth.robots[robot].battery
         assert battery is not None
-        place = body.way[0].place
+        place, begun = body.way[0].place, body.charge
         self.leave_charger(robot)
         body.left = battery.lasts
-        body.since = self.tell("charged", (robot,), NOBODY, body.since, place=place)
+        body.since = self.tell("charged", (robot,), NOBODY, begun, place=place)
         self.note(robots=(robot,))
 
     def run_dry(self) -> None:

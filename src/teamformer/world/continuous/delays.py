@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from teamformer.mission.model import Robot
-from teamformer.mission.parts.shifts import ALWAYS
+from teamformer.mission.parts.shifts import ALWAYS, Rota, Shift
 
 MASK = 2**64 - 1
 
@@ -38,23 +38,40 @@ class StandingStill:
 
         They walk only in units of time in which none of them stands still.
         """
-        robots = list(who)
-        rota = self._robots[robots[0]].rota if len(robots) == 1 else ALWAYS
+        robots, left = list(who), spent
+        if not any(self._robots[robot].delays for robot in robots):
+            return self._rota(robots).walked(begin, spent)
+        for opens, closes in self._walks(robots, begin):
+            if left <= closes - opens:
+                return opens + left
+            left -= closes - opens
+        return math.inf
+
+    def walked(self, who: Iterable[int], begin: float, end: float) -> float:
+        """Return how long robots that are together on their way walk between two moments."""
+        robots, done = list(who), 0.0
+        if not any(self._robots[robot].delays for robot in robots):
+            return self._rota(robots).worked(begin, end)
+        for opens, closes in self._walks(robots, begin):
+            if opens >= end:
+                break
+            done += min(end, closes) - opens
+        return done
+
+    def _rota(self, robots: Sequence[int]) -> Rota:
+        return self._robots[robots[0]].rota if len(robots) == 1 else ALWAYS
+
+    def _walks(self, robots: Sequence[int], begin: float) -> Iterator[Shift]:
+        """Yield from when to when robots walk together, unit of time by unit of time."""
         delayed = [robot for robot in robots if self._robots[robot].delays is not None]
-        if not delayed:
-            return rota.walked(begin, spent)
-        left = spent
-        for opens, closes in rota.since(begin):
+        for opens, closes in self._rota(robots).since(begin):
             now = max(begin, opens)
             while now < closes:
                 unit = math.floor(now)
                 until = min(unit + 1.0, closes)
                 if not any(self._is_still(robot, unit) for robot in delayed):
-                    if left <= until - now:
-                        return now + left
-                    left -= until - now
+                    yield now, until
                 now = until
-        return math.inf
 
     def _is_still(self, robot: int, unit: int) -> bool:
         stands, delays = self._stands[robot], self._robots[robot].delays

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 
 from teamformer.mission.coordination import Known
+from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.shifts import rotas_of
 from teamformer.world.continuous.ways import Ways
+from teamformer.world.rules.charging.standing import charge_rules, stand_charged
+from teamformer.world.rules.charging.times import time_charged
 from teamformer.world.rules.starts import FIRST, StartRules, Timed, time_tasks
 from teamformer.world.rules.waits import waits_at
 
@@ -51,7 +54,17 @@ def foresee(
         way, site, takes, known.free_at, waits.release, waits.before, waits.gaps, forming, rotas,
         waits.rooms,
     )  # fmt: skip
-    return time_tasks(rules, order, robots_of)
+    if not has_batteries(robots):
+        return time_tasks(rules, order, robots_of)
+
+    def way_between(robot: int, here: Hashable, there: Hashable) -> float:
+        assert isinstance(here, tuple), "places are pairs"
+        assert isinstance(there, tuple), "places are pairs"
+        return ways.length(here, there, robots[robot].moves) / robots[robot].speed
+
+    standing = stand_charged(known, range(len(robots)), range(len(tasks)))
+    charging = charge_rules(known.mission, way_between)
+    return time_charged(rules, charging, standing, order, robots_of).timed
 
 
 def holds_of(known: Known, timed: Timed) -> dict[int, float]:

@@ -9,6 +9,7 @@ from teamformer.mission.coordination import Known
 from teamformer.mission.model import Mission, Robot, Task, as_believed
 from teamformer.mission.parts.capabilities import Counts, covers, total
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.zones import zones_by_name
 from teamformer.mission.truth import expected_needs
 from teamformer.world.continuous.body import FORMING
 from teamformer.world.continuous.world import PhysicalWorld
@@ -37,7 +38,7 @@ def known_of(world: PhysicalWorld, news: tuple[str, ...], foresight: str = "scou
         came_from=tuple(came_from for _, _, came_from in free),
         started=dict(world.started),
         over=frozenset(world.over),
-        left=tuple(world.left_then(robot, at) for robot, (_, at, _) in enumerate(free)),
+        left=tuple(_left(world, robot, at) for robot, (_, at, _) in enumerate(free)),
         charging=world.charging_now(),
     )
 
@@ -51,7 +52,8 @@ def believed(world: PhysicalWorld, needs: Mapping[int, Counts]) -> Mission:
         for number, task in enumerate(mission.tasks)
     )
     robots = tuple(_believed_robot(robot) for robot in mission.robots)
-    return as_believed(mission, arrivals=None, tasks=tasks, robots=robots)
+    zones = zones_by_name(mission)
+    return as_believed(mission, arrivals=None, tasks=tasks, robots=robots, zones=zones)
 
 
 def _believed_task(task: Task, place: Place, needs: Counts | None, over: set[str]) -> Task:
@@ -64,10 +66,16 @@ def _believed_task(task: Task, place: Place, needs: Counts | None, over: set[str
     return replace(task.once_known(place, needs, task.duration), after=after)
 
 
+def _left(world: PhysicalWorld, robot: int, moment: float) -> float:
+    """Return what a robot will have left, in units of time that it is believed to walk."""
+    own = world.mission.robots[robot]
+    return world.left_then(robot, moment) * own.speed / own.expected_speed
+
+
 def _believed_robot(robot: Robot) -> Robot:
     if robot.breaks is None and robot.delays is None:
         return robot
-    return replace(robot, breaks=None, delays=None, speed=robot.expected_speed)
+    return robot.as_expected
 
 
 def _needs(
@@ -100,6 +108,6 @@ def _free(world: PhysicalWorld, robot: int) -> tuple[Place, float, Place]:
         place = world.place_of(task) if real.to is None or work.part == FORMING else real.to
         return place, max(world.now, work.expected), place
     if body.is_charging:
-        return body.way[0].place, world.events[body.since].until or world.now, body.came_from
+        return body.way[0].place, world.events[body.charge].until or world.now, body.came_from
     at, place = world.next_place(robot)
     return place, max(world.now, at), body.came_from

@@ -120,7 +120,7 @@ class PhysicalWorld(ChargingWorld):
             body = self.bodies[which]
             return body.is_walking and body.set_out == stamp and not body.is_lost
         if what == FULL:
-            return self.bodies[which].is_charging and self.bodies[which].since == stamp
+            return self.bodies[which].is_charging and self.bodies[which].charge == stamp
         if what in (FINISH, EXPECT):
             return which in self.works and self.works[which].event == stamp
         return which not in self.over if what in (CALL_OFF, OPEN, WAKE) else True

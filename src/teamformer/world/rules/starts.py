@@ -63,6 +63,10 @@ class StartRules:
         """Return when a robot is there that sets out at a time and walks so long."""
         return self.rotas[robot].walked(left, way) if self.rotas else left + way
 
+    def worked(self, robot: int, begin: float, end: float) -> float:
+        """Return how long a robot works between two moments."""
+        return self.rotas[robot].worked(begin, end) if self.rotas else end - begin
+
     def fitted(self, robots: Iterable[int], earliest: float, takes: float) -> float:
         """Return the first moment from which something fits into a shift of each of some robots."""
         if not self.rotas or math.isinf(earliest):

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import TeamformerError
-from teamformer.cli.terminal.console import out, say
-from teamformer.cli.verbs.robots.mesh import FleetAt, read_fleet_mission, say_until_accepted
+from teamformer.cli.verbs.robots.mesh import FleetAt, have_accepted, read_fleet_mission
 from teamformer.mission.parts.capabilities import exact, is_exact
 
 if TYPE_CHECKING:
@@ -36,18 +35,7 @@ def add(path: Path, new: AddedTask, fleet: FleetAt) -> int:
     mission = read_fleet_mission(path, "zenoh")
     from teamformer.fleet.operator import Operator
 
-    operator = Operator(_task(new, mission), mission.robots)
-    say_until_accepted(operator, mission, fleet)
-    robots = mission.source.robots
-    holders = ", ".join(robots[robot].name for robot in sorted(operator.holders))
-    if operator.is_accepted:
-        out.print(f"{operator.task.name}: accepted, held by {holders}", markup=False)
-        return 0
-    have = f"only {holders} hold it" if holders else "no robot answered"
-    say(f"{operator.task.name}: not accepted, {have}; {operator.needed} must; may still be done")
-    if not holders:
-        say("hint: MISSION and --keys have to be the fleet's")
-    return 1
+    return have_accepted(Operator(_task(new, mission), mission.robots), mission, fleet)
 
 
 def _task(new: AddedTask, mission: FleetMission) -> TaskFact:

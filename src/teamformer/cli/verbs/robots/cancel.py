@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import TeamformerError
-from teamformer.cli.terminal.console import out, say
 from teamformer.cli.verbs.robots.mesh import (
     FleetAt,
     dial_as_operator,
+    have_accepted,
     read_fleet_mission,
-    say_until_accepted,
 )
 
 if TYPE_CHECKING:
@@ -29,17 +28,7 @@ def cancel(path: Path, name: str, fleet: FleetAt) -> int:
     from teamformer.fleet.operator import Operator
 
     operator = Operator(_find(name, mission, fleet), mission.robots, calls_off=True)
-    say_until_accepted(operator, mission, fleet)
-    robots = mission.source.robots
-    holders = ", ".join(robots[robot].name for robot in sorted(operator.holders))
-    if operator.is_accepted:
-        out.print(f"{name}: called off, held by {holders}", markup=False)
-        return 0
-    have = f"only {holders} hold that" if holders else "no robot answered"
-    say(f"{name}: not called off, {have}; {operator.needed} must; it may still be done")
-    if not holders:
-        say("hint: MISSION and --keys have to be the fleet's")
-    return 1
+    return have_accepted(operator, mission, fleet)
 
 
 def _find(name: str, mission: FleetMission, fleet: FleetAt) -> TaskFact:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from teamformer.base.extras import require
-from teamformer.cli.terminal.console import say
+from teamformer.cli.terminal.console import out, say
 from teamformer.files.mission_files import Finder, read_mission
 from teamformer.mission.checks.rules import rules_of_fleets
 
@@ -80,7 +80,26 @@ def dial_as_operator(mission: FleetMission, fleet: FleetAt) -> tuple[ZenohTransp
     return transport, post
 
 
-def say_until_accepted(operator: Operator, mission: FleetMission, fleet: FleetAt) -> None:
+def have_accepted(operator: Operator, mission: FleetMission, fleet: FleetAt) -> int:
+    """Say what an operator has to say until a running fleet accepts it; tell how that ended.
+
+    Returns 0 if it was accepted, else 1.
+    """
+    _say_until_accepted(operator, mission, fleet)
+    robots, name = mission.source.robots, operator.task.name
+    what = "called off" if operator.calls_off else "accepted"
+    holders = ", ".join(robots[robot].name for robot in sorted(operator.holders))
+    if operator.is_accepted:
+        out.print(f"{name}: {what}, held by {holders}", markup=False)
+        return 0
+    have = f"only {holders} hold that" if holders else "no robot answered"
+    say(f"{name}: not {what}, {have}; {operator.needed} must; it may still be done")
+    if not holders:
+        say("hint: MISSION and --keys have to be the fleet's")
+    return 1
+
+
+def _say_until_accepted(operator: Operator, mission: FleetMission, fleet: FleetAt) -> None:
     """Say what an operator has to say until it is accepted or patience ends."""
     from teamformer.fleet.messages import OPERATOR
     from teamformer.fleet.operator import AGAIN

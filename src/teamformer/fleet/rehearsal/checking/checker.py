@@ -335,11 +335,10 @@ class Checker:
     def _stands_at(self, number: int, key: int, now: float) -> bool:
         """Say whether a robot is at a task; at a load also if that has left not long ago.
 
-        On roads a load lies behind those who set it down.
+        On roads a load lies behind those who set it down, as they go on to the next place.
         """
         left = self._loads[key].left if key in self._loads else []
-        carried = self._loads[key].carried_until if key in self._loads else {}
-        if isinstance(self._map, Roads) and now - carried.get(number, -2 * LATEST) <= LATEST:
+        if isinstance(self._map, Roads) and key in self._loads and self._is_ahead(number, key, now):
             return True
         x, y = self._ways.place(self._robots[number].walk, now)
         reach = (self.mission.radius + 1e-9) ** 2
@@ -349,6 +348,12 @@ class Checker:
             if now - until <= LATEST
         )
         return was_here or self._is_by(number, key, now)
+
+    def _is_ahead(self, number: int, key: int, now: float) -> bool:
+        """Say whether a robot has carried a load not long ago, and is no place further on."""
+        load, way = self._loads[key], self._robots[number].walk.journey.way
+        is_next = way[0].place == load.at and len(way) <= 2
+        return is_next and now - load.carried_until.get(number, -2 * LATEST) <= LATEST
 
     def _is_by(self, number: int, key: int, now: float) -> bool:
         """Say whether a robot is at a task, or carries its load."""

@@ -18,7 +18,6 @@ from teamformer.base.array_types import Array, Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.dispatch.futures import (
     Calls,
-    arrival,
     call,
     empty_calls,
     have_done,
@@ -26,7 +25,7 @@ from teamformer.planning.dispatch.futures import (
     leg_of,
 )
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import released
+from teamformer.planning.problem.schedule import arrival, released
 
 if TYPE_CHECKING:
     from teamformer.planning.problem.schedule import Schedule

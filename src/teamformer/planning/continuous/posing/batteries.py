@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,13 +11,13 @@ import numpy.typing as npt
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.mission.coordination import Known
-from teamformer.mission.keys.mission_keys import HOME
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
 from teamformer.planning.continuous.posing.tables import distances
 from teamformer.planning.problem.batteries import ENDLESS, Batteries
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem, different_rows
+from teamformer.world.rules.charging.standing import charge_rules, home_of, stand_charged
 from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.charging.times import ChargedTimes, ChargeStart, time_charged
 from teamformer.world.rules.starts import StartRules
@@ -41,14 +42,15 @@ def charged_clock(
     """Return the clock of some robots and tasks, by number; None if nobody has a battery."""
     mission = known.mission
     robots = [mission.robots[robot] for robot in numbers]
-    if not has_batteries(robots):
+    if mission.charging is None or not has_batteries(robots):
         return None
     tasks = [mission.tasks[task] for task in chosen]
     chargers = [charger.at for charger in mission.chargers]
-    homes = [_home_of(mission, robot) for robot in numbers]
     starts = [known.places[robot] for robot in numbers]
+    homes = [home_of(mission, robot) for robot in numbers]
     ends = [home for home in homes if home is not None]
-    places = list(dict.fromkeys([*(task.at for task in tasks), *starts, *chargers, *ends]))
+    goals = [place for task in tasks for place in (task.at, task.ends_at)]
+    places = list(dict.fromkeys([*goals, *starts, *chargers, *ends]))
     number_of: dict[Hashable, int] = {place: number for number, place in enumerate(places)}
     movers = {robot.moves for robot in robots}
     lengths = {moves: distances(mission.world, moves, places, places) for moves in movers}
@@ -59,33 +61,9 @@ def charged_clock(
         far = lengths[robots[robot].moves][number_of[here], number_of[there]]
         return float(far) / robots[robot].speed
 
-    standing = ChargeStart(
-        places=starts,
-        left=[known.left[robot] for robot in numbers],
-        taken=known.charging,
-        task_places={number: task.at for number, task in enumerate(tasks)},
-        homes=homes,
-        spent=[
-            [0.0 if robot.battery is None else robot.battery.spent_on(task) for task in tasks]
-            for robot in robots
-        ],
-    )
-    charging = ChargeRules(
-        [robot.battery for robot in robots],
-        chargers,
-        [charger.room for charger in mission.chargers],
-        way,
-    )
-    return ChargedClock(charging, standing)
-
-
-def _home_of(mission: Mission, robot: int) -> Place | None:
-    """Return where a robot is in the end; None if anywhere."""
-    if mission.ends is None:
-        return None
-    ends = mission.robots[robot].at if mission.ends == HOME else mission.ends
-    assert not isinstance(ends, str)
-    return ends
+    rules = charge_rules(mission, way)
+    rules = replace(rules, batteries=[robot.battery for robot in robots])
+    return ChargedClock(rules, stand_charged(known, numbers, chosen))
 
 
 def by_ability(
@@ -121,7 +99,7 @@ def kinds_apart(known: Known, numbers: Sequence[int], apart: Sequence[int]) -> S
     batteries = [known.mission.robots[robot].battery for robot in numbers]
     if not any(batteries):
         return apart
-    homes = [_home_of(known.mission, robot) or (-1.0, -1.0) for robot in numbers]
+    homes = [home_of(known.mission, robot) or (-1.0, -1.0) for robot in numbers]
     rows = [
         (own, *home, *((-1.0,) * 4 if b is None else (b.lasts, b.fills, b.serving, b.waiting)))
         for own, home, b in zip(apart, homes, batteries, strict=True)
@@ -139,7 +117,7 @@ def batteries_of(
 ) -> Batteries:
     """Return the batteries of a problem in ticks, whose places these are: where robots come from.
 
-    The ends of tasks are where tasks are: nothing is carried.
+    Those of tasks are where these end.
     """
     charging, standing = clock.charging, clock.standing
     kinds, paces = problem.like[:, 0].tolist(), range(len(problem.ways))
@@ -155,17 +133,19 @@ def batteries_of(
     def length(robot: int, here: Hashable, goal: Hashable | None) -> float:
         return 0.0 if goal is None else charging.way(robot, here, goal)
 
-    def onward(robot: int, goal: Hashable | None, spent: float | None) -> list[float]:
+    def onward(robot: int, goal: Hashable | None, wanted: float) -> list[float]:
         if goal is None or charging.batteries[robot] is None:
             return [0.0 for _ in chargers]
-        wanted = 0.0 if spent is None else spent + charging.nearest(robot, goal)
         return charging.from_chargers(robot, goal, wanted)
 
     fro, to_goals = [], []
     for robot in kinds:
         goals = [*tasks, standing.homes[robot]]
-        spent = [*(standing.spent[robot][task] for task in range(len(tasks))), None]
-        to_goals.append([onward(robot, *pair) for pair in zip(goals, spent, strict=True)])
+        wanted = [
+            charging.wanted(robot, spent, standing.task_ends[task])
+            for task, spent in enumerate(standing.spends[robot])
+        ]
+        to_goals.append([onward(robot, *pair) for pair in zip(goals, [*wanted, 0.0], strict=True)])
         fro.append([[length(robot, charger, goal) for goal in goals] for charger in chargers])
     to = ways(of_pace, places, chargers)
     onwards = np.array(to_goals).transpose(0, 2, 1)  # (kinds, chargers, goals)
@@ -175,7 +155,9 @@ def batteries_of(
         lasts=np.array([ENDLESS if b is None else int(ticks(b.lasts)) for b in own], np.int64),
         fills=np.array([0.0 if b is None else b.fills / b.lasts for b in own]),
         waiting=np.array([0.0 if b is None else b.waiting for b in own]),
-        spends=ticks([standing.spent[robot] for robot in kinds]),
+        spends=ticks([standing.spends[robot] for robot in kinds]),
+        serves=ticks([standing.serves[robot] for robot in kinds]),
+        services=np.maximum(1, ticks(standing.services)),
         left=np.array(left, np.int64),
         to=to,
         nearest=to.min(axis=2),

@@ -36,7 +36,7 @@ def problem_of(rest: Remaining, ticks: Ticks, charging: ChargedClock | None) -> 
     mission, now, scale = rest.mission, rest.known.now, ticks.scale
     permits = permits_of(rest.rooms, len(rest.tasks), now)
     rotas = [robot.rota for robot in rest.own_robots]
-    different = list(dict.fromkeys([*rotas, *[ALWAYS] * permits.number]))
+    different = list(dict.fromkeys(rotas))
     apart = kinds_apart(rest.known, rest.robots, [different.index(rota) for rota in rotas])
     starts = zip(rest.own_tasks, np.add(rest.latest, rest.takes).tolist(), strict=True)
     due = [min(latest_end(task.between), latest) for task, latest in starts]
@@ -48,9 +48,9 @@ def problem_of(rest: Remaining, ticks: Ticks, charging: ChargedClock | None) -> 
         precedence=[(k, task) for task, others in rest.before.items() for k in others],
         forming=round(mission.forming * scale),
         spares=SPARES if _may_spare_pay(rest) else 0,
-        apart=[*apart, *(different.index(ALWAYS) for _ in permits.free)],
+        apart=[*apart, *[-1] * permits.number],
         rotas=rotas_in_ticks(
-            [rota.counted_from(now) for rota in different],
+            [rota.counted_from(now) for rota in [*rotas, *[ALWAYS] * permits.number]],
             lambda when: round(when * scale),
             round(ticks.never * scale),
             rounding_of(len(rest.tasks)),

@@ -16,6 +16,7 @@ from teamformer.planning.continuous.posing.batteries import ChargedClock
 from teamformer.planning.continuous.posing.remaining import Remaining
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
+from teamformer.world.rules.charging.times import ChargedTimes
 from teamformer.world.rules.starts import FIRST, Gap, RoomLeft, StartRules, Timed, time_tasks
 
 
@@ -62,7 +63,7 @@ class TaskClock:
         )
         if self.charging is not None:
             charged = self.charging.time(rules, order, robots_of)
-            return self._tell(order, charged.timed, rules, charged.back)
+            return self._tell(order, charged.timed, rules, charged)
         return self._tell(order, time_tasks(rules, order, robots_of), rules)
 
     def _place(self, robot: int, before: int) -> int:
@@ -82,12 +83,9 @@ class TaskClock:
         order: Sequence[int],
         timed: Timed,
         rules: StartRules,
-        back: Sequence[float] | None = None,
+        charged: ChargedTimes | None = None,
     ) -> MissionPlan:
-        """Return the plan that starts tasks at these times; `back` if robots are not home at once.
-
-        What they travel has no detours to chargers in it: nobody has a cost beside a battery.
-        """
+        """Return the plan that starts tasks at these times, `charged` where robots charge."""
         travel = 0.0
         stops: list[list[Stop]] = [[] for _ in self.free]
         late, ends = {}, {}
@@ -102,14 +100,17 @@ class TaskClock:
         rows = zip(stops, self.origin.tolist(), self.free, strict=True)
         last = [(made[-1].task, made[-1].end) if made else (at, free) for made, at, free in rows]
         home = self.home[np.arange(len(last)), [place for place, _ in last]]
-        if back is None:
+        travel += float(home.sum())
+        if charged is not None:
+            back, travel = charged.back, sum(charged.walked)
+        else:
             back = [
                 rules.arrival(robot, left, float(way))
                 for robot, ((_, left), way) in enumerate(zip(last, home, strict=True))
             ]
         parts = {
             "makespan": max(back),
-            "travel": travel + float(home.sum()),
+            "travel": travel,
             **parts_of_ends(self.tasks, ends),
         }
         return MissionPlan(

@@ -32,20 +32,25 @@ class ChargeRules:
             self._nearest[robot, place] = min(ways, default=math.inf)
         return self._nearest[robot, place]
 
+    def wanted(self, robot: int, spent: float, end: Hashable) -> float:
+        """Return what a robot has to have left at a task that takes `spent` and ends at a place.
+
+        It gets to a charger then.
+        """
+        return spent + self.nearest(robot, end)
+
     def stop(
-        self, robot: int, here: Hashable, left: float, goal: Hashable, spent: float | None
+        self, robot: int, here: Hashable, left: float, goal: Hashable, wanted: float = 0.0
     ) -> int:
         """Return the charger that a robot goes to first, by number; NOBODY if it goes straight on.
 
-        It goes on if it gets to its goal with what is left, can do there what takes `spent`, and
-        then gets to a charger; with None, if it only gets there. Else it goes to the charger with
-        the least detour, of those that it gets to and from which it gets on; by way of others if
-        need be. One that gets to none goes to the nearest.
+        It goes on if it gets to its goal and has left there what is `wanted`. Else it goes to the
+        charger with the least detour, of those that it gets to and from which it gets on; by way of
+        others if need be. One that gets to none goes to the nearest.
         """
         battery = self.batteries[robot]
         if battery is None or not self.chargers:
             return NOBODY
-        wanted = 0.0 if spent is None else spent + self.nearest(robot, goal)
         if battery.suffices(left, self.way(robot, here, goal) + wanted):
             return NOBODY
         ways = [self.way(robot, here, charger) for charger in self.chargers]

@@ -9,15 +9,21 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.constants import NOBODY
-from teamformer.world.rules.starts import FIRST, StartRules, Timed, Visit
+from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, Visit
 
 AT_CHARGER, FULL, DONE, LEAVE = range(4)
 """What happens at a moment."""
+
+SAME = 1e-9
+"""By such a share starts may be too near for a link, as times are rounded."""
+
+ROUNDS_EACH = 3
+"""For each task a plan with linked starts is carried out so many times at most."""
 
 HOMEWARD = -2
 """What stands for the task of a robot that goes home."""
@@ -30,8 +36,11 @@ class ChargeStart(NamedTuple):
     left: Sequence[float]  # by robot, then
     taken: Sequence[tuple[int, float]]  # chargers where somebody charges, and until when
     task_places: Mapping[int, Hashable]
+    task_ends: Mapping[int, Hashable]  # the same but for loads
     homes: Sequence[Hashable | None]  # by robot; None: it may stay where it is
-    spent: Sequence[Sequence[float] | Mapping[int, float]]  # by robot and task: on the service
+    spends: Sequence[Sequence[float]]  # by robot and task: what it may take, carried by the slowest
+    serves: Sequence[Sequence[float]]  # the same without the way of the load
+    services: Sequence[float]  # by task: how long it takes but for that
 
 
 @dataclass
@@ -42,6 +51,8 @@ class ChargedTimes:
     back: list[float]
     charges: list[tuple[int, int, float, float]] = field(default_factory=list)
     """Each robot that charges, at which charger, from when and until when."""
+    walked: list[float] = field(default_factory=list)
+    """How long each robot is on its way in all."""
 
 
 def time_charged(
@@ -51,8 +62,29 @@ def time_charged(
     order: Sequence[int],
     robots_of: Mapping[int, Sequence[int]],
 ) -> ChargedTimes:
-    """Return when tasks start that are done in an order, each by its robots, if these charge."""
-    return _CarriedOut(rules, charging, standing, order, robots_of).play()
+    """Return when tasks start that are done in an order, each by its robots, if these charge.
+
+    Where starts are linked the plan is carried out again and again, with tasks held that began too
+    soon, until all links are kept.
+    """
+    holds = dict[int, float]()
+    for _ in range(ROUNDS_EACH * len(order) + 1 if rules.gaps else 1):
+        told = _CarriedOut(rules, charging, standing, order, robots_of, holds).play()
+        if not (later := _held_longer(rules.gaps, told.timed)):
+            return told
+        holds |= later
+    told.timed.start.update(dict.fromkeys(order, math.inf))
+    return replace(told, back=[math.inf] * len(told.back))
+
+
+def _held_longer(gaps: Sequence[Gap], timed: Timed) -> dict[int, float]:
+    """Return the tasks that have to start later for their links, and when."""
+    later: dict[int, float] = {}
+    for task, other, least, most in gaps:
+        for held, at in ((task, timed.start[other] + least), (other, timed.start[task] - most)):
+            if timed.start[held] + SAME * max(1.0, at) < at < math.inf:
+                later[held] = max(at, later.get(held, 0.0))
+    return later
 
 
 class _CarriedOut:
@@ -65,13 +97,15 @@ class _CarriedOut:
         standing: ChargeStart,
         order: Sequence[int],
         robots_of: Mapping[int, Sequence[int]],
+        holds: Mapping[int, float],
     ) -> None:
         self.rules, self.charging, self.standing = rules, charging, standing
+        self.holds = holds
         self.robots_of, count = robots_of, len(standing.places)
         never = dict.fromkeys(order, math.inf)
         takes = {task: rules.takes(task, robots_of[task]) for task in order}
         self.timed = Timed(never, takes, {task: [] for task in order})
-        self.told = ChargedTimes(self.timed, [math.inf] * count)
+        self.told = ChargedTimes(self.timed, [math.inf] * count, walked=[0.0] * count)
         self.routes: list[list[int]] = [[] for _ in range(count)]
         for task in reversed(order):
             for robot in robots_of[task]:
@@ -135,8 +169,11 @@ class _CarriedOut:
         if goal is None:
             self.told.back[robot] = now
             return
-        spent = self.standing.spent[robot][task] if route and battery is not None else None
-        charger = charging.stop(robot, here, self.left[robot], goal, spent)
+        wanted = 0.0
+        if route and battery is not None:
+            spent, end = self.standing.spends[robot][task], self.standing.task_ends[task]
+            wanted = charging.wanted(robot, spent, end)
+        charger = charging.stop(robot, here, self.left[robot], goal, wanted)
         if charger != NOBODY:
             goal = charging.chargers[charger]
         way = charging.way(robot, here, goal)
@@ -144,12 +181,16 @@ class _CarriedOut:
             if not battery.suffices(self.left[robot], way):
                 return  # it runs dry
             self.left[robot] = max(0.0, self.left[robot] - way)
+        comes = self.rules.arrival(robot, now, way)
+        if math.isinf(comes):
+            return  # its shifts are over before
+        self.told.walked[robot] += way
         if charger != NOBODY:
-            heapq.heappush(self.agenda, (now + way, AT_CHARGER, robot, charger))
+            heapq.heappush(self.agenda, (comes, AT_CHARGER, robot, charger))
         elif route:
-            self._arrive(robot, route.pop(), now + way)
+            self._arrive(robot, route.pop(), comes)
         else:
-            self.told.back[robot] = now + way
+            self.told.back[robot] = comes
 
     def _arrive(self, robot: int, task: int, at: float) -> None:
         self.timed.visits[task].append(Visit(robot, self.before[robot], at))
@@ -161,13 +202,14 @@ class _CarriedOut:
         visits, before = self.timed.visits[task], self.rules.before.get(task, ())
         if len(visits) < len(self.robots_of[task]) or not self.ended.issuperset(before):
             return
-        arrive = [visit.arrive for visit in visits]
-        start = max(self.rules.release[task], *arrive)
-        sites = {self.rules.site(visit.robot, visit.before) for visit in visits}
-        if self.rules.forming and len(sites) > 1:
-            start = max(start, max(arrive) + self.rules.forming)
-        start = max([start, *(self.timed.end(other) for other in before)])
-        if all(self._spend(visit, task, start) for visit in visits):
+        rules, robots = self.rules, self.robots_of[task]
+        there = max(visit.arrive for visit in visits)
+        if rules.forming and len({rules.site(visit.robot, visit.before) for visit in visits}) > 1:
+            there = rules.fitted(robots, there, rules.forming) + rules.forming
+        ends = (self.timed.end(other) for other in before)
+        start = max([rules.release[task], self.holds.get(task, 0.0), there, *ends])
+        start = rules.fitted(robots, start, self.timed.takes[task])
+        if math.isfinite(start) and all(self._spend(visit, task, start) for visit in visits):
             self.timed.start[task] = start
             heapq.heappush(self.agenda, (self.timed.end(task), DONE, task, NOBODY))
 
@@ -176,8 +218,9 @@ class _CarriedOut:
         battery = self.charging.batteries[visit.robot]
         if battery is None:
             return True
-        spent = battery.waiting * (start - visit.arrive)
-        spent += self.standing.spent[visit.robot][task]
+        spent = battery.waiting * self.rules.worked(visit.robot, visit.arrive, start)
+        spent += self.standing.serves[visit.robot][task]
+        spent += max(0.0, self.timed.takes[task] - self.standing.services[task])
         left = self.left_at_task[visit.robot, task]
         self.left[visit.robot] = max(0.0, left - spent)
         return battery.suffices(left, spent)
@@ -186,7 +229,7 @@ class _CarriedOut:
         self.ended.add(task)
         for robot in sorted(self.robots_of[task]):
             self.before[robot] = task
-            self._leave(robot, now, self.standing.task_places[task])
+            self._leave(robot, now, self.standing.task_ends[task])
         for other, before in self.rules.before.items():
             is_waiting = math.isinf(self.timed.start.get(other, 0.0))
             if task in before and is_waiting:

@@ -69,7 +69,7 @@ def rooms_of(mission: Mission) -> list[ZoneRoom]:
 
 
 def zones_by_name(mission: Mission) -> tuple[Zone, ...]:
-    """Return a mission's zones with their tasks by name, which hold them wherever they are found."""
+    """Return a mission's zones with their tasks by name: so they hold them wherever these are."""
     return tuple(
         Zone(zone.name, tasks=tuple(mission.tasks[k].name for k in inside), room=zone.room)
         for zone in mission.zones

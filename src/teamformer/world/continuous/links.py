@@ -123,8 +123,8 @@ def followers(mission: Mission) -> dict[int, set[int]]:
     for task, others in tasks_before(mission.tasks).items():
         for other in others:
             after.setdefault(other, set()).add(task)
-    for task, others in that_share_zones(rooms_of(mission)):
-        after.setdefault(task, set()).update(others - {task})
+    for task, inside in that_share_zones(rooms_of(mission)):
+        after.setdefault(task, set()).update(inside - {task})
     number_of = {task.name: number for number, task in enumerate(mission.tasks)}
     for number, wanted in enumerate(mission.tasks):
         for name in wanted.starts:

@@ -36,7 +36,10 @@ def play_by_plan(env: TeamFormation) -> None:
 
 
 class RandomPlans:
-    """Plans anything that robots can do: any order, any able coalitions, scouts anywhere."""
+    """Plans anything that robots can do: any order, any able coalitions, scouts anywhere.
+
+    Some optional tasks are left out.
+    """
 
     def __init__(self, seed: int) -> None:
         self._rng = np.random.default_rng(seed)
@@ -44,7 +47,11 @@ class RandomPlans:
     def update(self, known: Known, plan: Plan | None) -> Plan:
         """Return a random plan."""
         rng, mission = self._rng, known.mission
-        order = [int(task) for task in rng.permutation(known.possible_tasks)]
+        order = [
+            int(task)
+            for task in rng.permutation(known.possible_tasks)
+            if not mission.tasks[task].optional or rng.random() < 0.6
+        ]
         coalitions = []
         for task in order:
             at = mission.tasks[task].at

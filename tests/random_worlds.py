@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from teamformer.base.errors import MissionError
+from teamformer.mission.checks.windows import earliest_ends
 from teamformer.mission.model import (
     Absence,
     Arrivals,
@@ -129,6 +131,25 @@ def with_precedence_and_windows(
     return replace(mission, tasks=tuple(tasks[k] for k in turned), step_limit=0)
 
 
+def with_optional(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission that is over at a time, in which about half of the tasks may be left out.
+
+    What comes after such a task may be left out, too.
+    """
+    optional = {task.name for task in mission.tasks if rng.random() < 0.5}
+    for _ in mission.tasks:
+        optional |= {t.name for t in mission.tasks if not optional.isdisjoint(t.after)}
+    tasks = tuple(
+        replace(task, optional=task.name in optional, weight=float(rng.choice([1.0, 2.0, 0.5])))
+        for task in mission.tasks
+    )
+    ends = earliest_ends(mission)
+    least = max([0.0, *(end for name, end in ends.items() if name not in optional)])
+    until = max(math.ceil(least), math.ceil(min(ends.values()))) + int(rng.integers(12))
+    cost = {"makespan": 1.0, "missed": 20.0} if optional and rng.random() < 0.3 else None
+    return replace(mission, tasks=tasks, until=until, cost=cost)
+
+
 def _absences(robot: int, lost: int | None, back: int | None) -> tuple[Absence, ...]:
     """Return when a robot is absent: every other one that is back is lost once more."""
     if lost is None:
@@ -236,3 +257,27 @@ def random_decision(view: View, rng: np.random.Generator, eagerness: float = 0.3
             if not stay.all():
                 wanted[row] = view.member_counts[members][stay].sum(axis=0)
     return Decision(wanted)
+
+
+def with_shifts(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission in which most robots work in one of two rotas, some with shifts that touch.
+
+    Each shift has room for the longest task; a third of the rotas do not come again. Raises
+    `MissionError` if robots that a task needs have no shift in common that is long enough.
+    """
+    longest = max(int(task.duration + task.unload) for task in mission.tasks) + 1
+    rotas = []
+    for _ in range(2):
+        lasts = rng.integers(longest, longest + 9, size=2)
+        begin, rest, after = (int(n) for n in rng.choice([0, 0, 1, 3, 7], size=3))
+        shifts = ((begin, begin + int(lasts[0])),)
+        if rng.random() < 0.6:
+            again = shifts[0][1] + rest
+            shifts = (*shifts, (again, again + int(lasts[1])))
+        every = 0 if rng.random() < 0.33 else shifts[-1][1] - begin + after
+        rotas.append((shifts, every))
+    robots = []
+    for robot in mission.robots:
+        shifts, every = rotas[rng.integers(2)] if rng.random() < 0.8 else ((), 0)
+        robots.append(replace(robot, shifts=shifts, every=every))
+    return replace(mission, robots=tuple(robots), step_limit=0)

@@ -132,6 +132,15 @@ def late_pair(weights: tuple[float, float] = (1.0, 1.0), **changes: Any) -> Miss
     return replace(Mission("pair", Grid(11, 1), ("a",), robots, tasks), **changes)
 
 
+def at_work(mission: Mission, *shifts: tuple[tuple[int, int], ...], every: int = 0) -> Mission:
+    """Return a mission whose robots have shifts, one after the other."""
+    robots = [
+        replace(one, shifts=own, every=every if own else 0)
+        for one, own in zip(mission.robots, shifts, strict=True)
+    ]
+    return replace(mission, robots=tuple(robots), step_limit=0)
+
+
 def reachable(grid: Grid, place: Place) -> frozenset[Place]:
     """Return every cell that can be walked to from a place, itself included."""
     reached, frontier = {place}, {place}

@@ -12,10 +12,16 @@ import pytest
 
 from teamformer.base.errors import MissionError
 from teamformer.files.mission_files import mission_from_tree, read_mission, write_mission
+from teamformer.methods.by_name import load_method
 from teamformer.mission.checks.rules import rules_not_played
-from teamformer.mission.model import Mission, Robot, Task
+from teamformer.mission.model import Arrivals, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.shifts import ALWAYS, Rota, fits_all
+from teamformer.mission.truth import draw_truth
+from teamformer.record.files.reading import read_record
+from teamformer.record.files.writing import save_record
+from teamformer.record.referee import judge
+from teamformer.trials.trial import run_trial
 
 DAY = Rota(((8, 12), (13, 17)), 24)
 ONCE = Rota(((0, 4), (6, 10)))
@@ -145,11 +151,52 @@ def test_what_is_no_list_of_windows_is_refused_with_its_place() -> None:
     ]
 
 
-def test_in_steps_nobody_works_in_shifts() -> None:
-    problems = rules_not_played(replace(MISSION, time="steps"))
-    assert [problem.message for problem in problems] == [
-        f"robot '{name}' works in shifts; write time: continuous" for name in "pq"
+def test_in_steps_shifts_are_whole_numbers_of_steps() -> None:
+    first, second, third = MISSION.robots
+    whole = replace(second, shifts=((3, 9),))
+    odd = replace(first, name="s", shifts=((0, 4), (6.5, 10)))
+    robots = (replace(first, every=12.5), odd, whole, third)
+    with pytest.raises(MissionError) as refused:
+        replace(MISSION, time="steps", robots=robots)
+    assert [problem.message for problem in refused.value.problems] == [
+        "the shifts of robot 'p' come again every 12.5; in steps use a whole number",
+        "robot 's' has a shift from 6.5 to 10; in steps use whole numbers",
     ]
+    assert not list(rules_not_played(replace(MISSION, time="steps", robots=(first, whole, third))))
+
+
+def test_in_steps_nothing_begins_before_the_first_one() -> None:
+    """So a task of two steps does not fit into a shift from 0 to 2."""
+    robots = [Robot("p", (1, 1), {"a": 1, "b": 1}, shifts=((0, end),)) for end in (2, 3)]
+    good = replace(MISSION, time="steps", robots=(robots[1],))
+    assert not list(rules_not_played(good))
+    with pytest.raises(MissionError) as refused:
+        replace(good, robots=(robots[0],))
+    assert "task 'x' takes 2, but robots that can do it have no shift" in str(refused.value)
+    replace(good, time="continuous", robots=(robots[0],))
+
+
+def test_tasks_that_appear_must_fit_as_well() -> None:
+    """What needs `a` and `b` has 4 to 9 or so in common; what needs one of them has more."""
+    rules = {"time": "steps", "step_limit": 0}
+    robots = (replace(MISSION.robots[0], every=0), replace(MISSION.robots[1], shifts=((3, 9),)))
+    for most, lasts in [(0, 3), (1, 4)]:
+        replace(MISSION, robots=robots, arrivals=Arrivals(0.1, 9, most, lasts), **rules)
+        with pytest.raises(MissionError) as refused:
+            replace(MISSION, robots=robots, arrivals=Arrivals(0.1, 9, most, lasts + 1), **rules)
+        assert "tasks that appear take" in str(refused.value)
+
+
+def test_a_truth_need_not_fit_into_shifts(tmp_path: Path) -> None:
+    """A task that is believed to take 2 steps takes 9; its record says so, and is legal."""
+    robots = tuple(replace(robot, shifts=((0, 5), (6, 11)), every=0) for robot in MISSION.robots)
+    task = replace(MISSION.tasks[0], lasts=(1, 9))
+    mission = replace(MISSION, time="steps", robots=robots, tasks=(task,), step_limit=30)
+    seed = next(n for n in range(99) if draw_truth(mission, n).tasks[0].duration == 9)
+    record = run_trial(mission, load_method("plan"), seed).record
+    assert record.end.blocked_tasks == ("x",)
+    save_record(record, tmp_path / "record.json")
+    assert not judge(read_record(tmp_path / "record.json")).findings
 
 
 def test_no_sensible_method_reaches_the_limit_of_steps() -> None:

@@ -9,7 +9,7 @@ from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.planning import FleetPlan, first_plan
 from teamformer.fleet.bodies.body import Report
 from teamformer.fleet.bodies.journey import Journey
-from teamformer.fleet.bodies.world import Walked
+from teamformer.fleet.bodies.walking import Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import OPERATOR, Message, Notice, Post
 from teamformer.fleet.observer.watch import Watch

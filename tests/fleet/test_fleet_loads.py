@@ -12,7 +12,8 @@ from fleets import plan_of, trio, walked
 from small_worlds import make, robot, task
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.bodies.body import Command
-from teamformer.fleet.bodies.world import FleetWorld, Lifted, Walked
+from teamformer.fleet.bodies.walking import Lifted, Walked
+from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import READY, SERVE, Beat, FactsNote, LoadFact, Message, Word
 from teamformer.fleet.observer.watch import Watch

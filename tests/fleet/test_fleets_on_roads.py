@@ -7,13 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from fleets import plan_of
+from fleets import opened, plan_of
+from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.meeting import Meeting, turn_time, turns
 from teamformer.fleet.agent.membership import Membership
-from teamformer.fleet.bodies.body import Command
+from teamformer.fleet.agent.planning import FleetPlan
+from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.messages import EVERYBODY, Beat, Notice, PlanNote, Word
+from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.rehearsal.checking.trace import Trace
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Spell, draw_faults, losses_of
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
@@ -302,3 +306,35 @@ def test_radios_reach_as_far_as_the_shorter_way_takes() -> None:
     assert fleet.apart(DOCK, LAB) == fleet.apart(LAB, DOCK) == 1
     assert fleet.apart((1, 3.0), (1, 1.0)) == 2
     assert fleet.apart((1, 3.0), DOCK) == 3 + 3.5
+
+
+def test_a_task_within_a_region_of_roads_is_looked_for_in_every_place_of_it() -> None:
+    """Who stands in one place sees nothing of another, whatever the radius in which tasks are seen.
+
+    From the dock it is 4 to the ward and 6.5 to the lab, where the task really is.
+    """
+    task = Task("t", DOCK, {"a": 1}, duration=1, within=7.0)
+    fleet = FleetMission(ring([task], 1, finding_radius=9.0))
+    assert fleet.hidden == {0: (DOCK, WARD, LAB)}
+    seed = next(seed for seed in range(99) if fleet.truth(seed).tasks[0].at == LAB)
+    ends = ended(fleet.source, Faults(seed=seed))
+    assert 7.5 <= ends["t"] <= 9.0
+
+
+def test_who_finds_no_way_to_its_task_is_unfit_until_it_has_another_one() -> None:
+    """From the ward no road leads back to the dock: told to go there, it can be no help there."""
+    one_way = Roads(("dock", "ward"), {"ground": ((0, 4), (FAR, 0))})
+    source = ring([Task("t", DOCK, {"a": 1}), Task("u", WARD, {"a": 1})], 2)
+    fleet = FleetMission(replace(source, world=one_way))
+    plan = FleetPlan(PlanNote(1, 0, (0, 1), (0, 1), ((0,), (1,))))
+    agent = Agent(fleet, 0, CoordinatedPlanner(), plan, 0.0)
+    words = (Word(1, number) for number in range(1, 99))
+    fit = []
+    for tick in range(1, 60):
+        report = Report(1.0, 0.0, agent.command.leg, number=tick)
+        beat = Beat(next(words), plan=agent.keeper.plan.version, digest=agent.knowledge.digest)
+        agent.tick(tick / 10, report, opened(fleet, 1, [Notice(EVERYBODY, beat)]))
+        fit.append(agent.membership.is_fit)
+    assert not all(fit)
+    assert fit[-1]
+    assert agent.service.goal == 1  # by its own plan, from where it is

@@ -106,6 +106,8 @@ def missions(
     _write_windows(draw, tasks, can_be_short=True)
     _write_precedence(draw, tasks, range(len(tasks)))
     _keep_windows_possible(tasks, step=1)
+    if not (is_tiny or is_for_fleets) and now_and_then(draw):  # `plain_search` knows no shifts
+        _write_shifts_in_steps(draw, fleet.robots, tasks)
     tree = _write(draw, world, caps, fleet.robots, tasks)
     for key, values in RULES.items():
         if now_and_then(draw, 3):
@@ -374,6 +376,28 @@ def _write_shifts(draw: st.DrawFn, robots: Sequence[Tree], tasks: Sequence[Tree]
                 robot["every"] = every
             else:
                 robot["shifts"].append([begin + last, 10_000])
+
+
+def _write_shifts_in_steps(draw: st.DrawFn, robots: Sequence[Tree], tasks: Sequence[Tree]) -> None:
+    """Say when some robots work: a shift that all have in common, and perhaps others.
+
+    It has room for the longest task, and for those that appear.
+    """
+    durations = (task.get("duration", 0) for task in tasks)
+    longest = max(lasts[1] if isinstance(lasts, list) else lasts for lasts in durations)
+    unload = max(task.get("unload", 0) for task in tasks)
+    begin, common = pick(draw, (0, 1, 4)), max(3, longest + unload) + 1 + pick(draw, (0, 2, 9))
+    every = pick(draw, (common + 8, common + 11, 0))
+    for robot in robots:
+        if now_and_then(draw, 2):
+            robot["shifts"] = [[begin, begin + common]]
+            if now_and_then(draw, 2):
+                again = begin + common + pick(draw, (0, 1, 3))
+                robot["shifts"].append([again, begin + common + 8])
+            if every:
+                robot["every"] = every
+            else:
+                robot["shifts"].append([begin + common + 9, 10_000])
 
 
 def _write_precedence(draw: st.DrawFn, tasks: Sequence[Tree], group_of: Sequence[int]) -> None:

@@ -38,7 +38,7 @@ def keys_of(tree: dict[str, Any]) -> Iterator[str]:
 def test_every_key_of_the_format_is_drawn() -> None:
     drawn: set[str] = set()
 
-    @settings(max_examples=150, derandomize=True, database=None)
+    @settings(max_examples=250, derandomize=True, database=None)
     @given(mission=missions(), continuous=optional_missions())
     def look(mission: Any, continuous: Any) -> None:
         for tree in (mission, continuous):

@@ -22,20 +22,13 @@ from teamformer.record.files.writing import save_record
 from teamformer.record.referee import judge as judge_record
 from watching import fuzzed, noted
 
-NO_FLEETS = {
-    "robots": ("shifts", "every", "battery"),
-    "tasks": ("starts", "optional"),
-}
-"""Keys of robots and tasks that fleets refuse; a mission's are `until`, `chargers` and `zones`."""
+NO_FLEETS = {"robots": ("battery",), "tasks": ("starts",)}
+"""Keys of robots and tasks that fleets refuse; others are a mission's `chargers` and `zones`."""
 
 
 def for_fleets(tree: Any) -> Any:
     """Return a mission in continuous time without what fleets refuse."""
-    tree = {
-        key: value
-        for key, value in tree.items()
-        if key not in ("until", "chargers", "zones", "cost")
-    }
+    tree = {key: value for key, value in tree.items() if key not in ("chargers", "zones")}
     for part, keys in NO_FLEETS.items():
         tree[part] = [{k: v for k, v in it.items() if k not in keys} for it in tree[part]]
     return tree

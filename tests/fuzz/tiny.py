@@ -1,7 +1,8 @@
 """How much better than the planner's a plan of a tiny mission can be, of all that there are.
 
 `python tests/fuzz/tiny.py continuous 2000 1` draws so many missions in continuous time, and gives
-`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps.
+`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps,
+`optional` such with optional tasks, of which every plan leaves out others.
 """
 
 from __future__ import annotations
@@ -13,13 +14,16 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 from hypothesis import HealthCheck, given, seed, settings
 
 from missions import continuous_missions, missions
 from plain_times import Times, Ways, able_crews, all_plans
+from random_worlds import random_world, with_optional
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import mission_from_tree
-from teamformer.methods.central.plays import Plays
+from teamformer.methods.by_name import Player
+from teamformer.methods.central.plays import Plays, price_of_missed
 from teamformer.methods.central.policy import Central
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.model import Mission
@@ -28,7 +32,7 @@ from teamformer.planning.continuous.rules import plan_continuous, warm_up
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
 from teamformer.planning.problem.routes import MissionPlan
 from teamformer.record.record import Record
-from teamformer.record.task_times import done_steps
+from teamformer.record.task_times import done_steps, missed_tasks
 from teamformer.trials.trial import run_trial
 from texts import text_of
 
@@ -44,7 +48,7 @@ NEAR = 1e-5
 
 def count_plans(mission: Mission) -> int:
     """Return how many orders with coalitions a mission has."""
-    able = (len(able_crews(mission, task)) for task in range(len(mission.tasks)))
+    able = (len(_crews(mission, task)) for task in range(len(mission.tasks)))
     return math.factorial(len(mission.tasks)) * math.prod(able)
 
 
@@ -70,12 +74,13 @@ def gap_in_continuous_time(mission: Mission, method: str, seconds: float) -> flo
     return gap / max(best, NEAR) if gap > NEAR * max(1.0, best) else 0.0
 
 
-def gap_in_steps(mission: Mission, seconds: float) -> float:
-    """Return by which share of the best play of a plan that of `central` is worse.
+def gap_in_steps(mission: Mission, seconds: float, method: Player | None = None) -> float:
+    """Return by which share of the best play of a plan that of a method, `central`, is worse.
 
     Every plan is played by the rules. 1 stands for a mission that only another plan completes.
     """
-    made = played_worth(run_trial(mission, Central(seconds, workers=1), seed=0).record)
+    player = method or Central(seconds, workers=1)
+    made = played_worth(run_trial(mission, player, seed=0).record)
     plays = Plays(mission, time.perf_counter(), math.inf)
     best = min(plays.add_plan("", plan)[0] for plan in _all_team_plans(mission))
     if made <= best + NEAR * max(1.0, best):
@@ -85,17 +90,34 @@ def gap_in_steps(mission: Mission, seconds: float) -> float:
 
 def played_worth(record: Record) -> float:
     """Return what a mission was judged by: its makespan, or what it costs; infinity if not done."""
-    weights, makespan = judged_by(record.true_mission), record.end.makespan
+    mission, makespan = record.true_mission, record.end.makespan
+    weights, missed = judged_by(mission), price_of_missed(mission, missed_tasks(record))
     if weights is None or makespan is None:
-        return math.inf if makespan is None else makespan
-    return weighed(record.true_mission, weights, done_steps(record), makespan)
+        return math.inf if makespan is None else missed + makespan
+    return missed + weighed(mission, weights, done_steps(record), makespan)
 
 
 def _all_team_plans(mission: Mission) -> Iterator[CoalitionPlan]:
     tasks = range(len(mission.tasks))
-    for crews in itertools.product(*(able_crews(mission, task) for task in tasks)):
+    for crews in itertools.product(*(_crews(mission, task) for task in tasks)):
         for order in itertools.permutations(tasks):
             yield plan_of_lists(order, crews)
+
+
+def _crews(mission: Mission, task: int) -> list[tuple[int, ...]]:
+    """Return the coalitions that can do a task, and nobody if it may be left out."""
+    nobody: list[tuple[int, ...]] = [()] if mission.tasks[task].optional else []
+    return [*nobody, *able_crews(mission, task)]
+
+
+def draw_optional(number: int) -> Mission:
+    """Draw a tiny mission in steps with optional tasks."""
+    rng = np.random.default_rng(number)
+    while True:
+        mission = with_optional(random_world(rng, False, False), rng)
+        is_tiny = len(mission.robots) <= ROBOTS and 1 < len(mission.tasks) <= TASKS
+        if is_tiny and any(task.optional for task in mission.tasks):
+            return mission
 
 
 def main(kind: str, count: int, seconds: float) -> int:
@@ -105,7 +127,9 @@ def main(kind: str, count: int, seconds: float) -> int:
     most = MOST_PLANS if is_continuous else MOST_PLANS_IN_STEPS
 
     def check(mission: Any) -> None:
-        source, text = mission_from_tree(mission), text_of(mission)
+        check_it(mission_from_tree(mission), text_of(mission))
+
+    def check_it(source: Mission, text: str) -> None:
         if text in tried or not 1 < count_plans(source) <= most:
             return
         tried.add(text)
@@ -126,6 +150,9 @@ def main(kind: str, count: int, seconds: float) -> int:
     for number in itertools.count():
         if len(tried) >= count:
             break
+        if kind == "optional":
+            check_it(draw_optional(number), f"number {number}")
+            continue
         checks = settings(
             max_examples=50,
             deadline=None,

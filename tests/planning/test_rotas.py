@@ -72,3 +72,43 @@ def test_where_everybody_always_works_nothing_is_kept() -> None:
 def test_shifts_are_longer_by_what_times_are_rounded() -> None:
     rotas = rotas_in_ticks([Rota(((0, 10), (20, 30)))], round, LATE, 2)
     assert [times_in(rotas, KINDS, 0, begin, 9, 1, 0)[1] for begin in (3, 4)] == [3, 20]
+
+
+@entry
+def times_together(
+    rotas: Rotas, count: int, begin: int, spent: int, arrival: Int32s, step: int
+) -> tuple[int, int]:
+    """Return when a walk of several ends, and when teams that arrive are one."""
+    end = kernels.walk_together(rotas, KINDS, count, begin * step, spent * step, step)
+    arriving = arrival.astype(np.int64)
+    return end // step, kernels.pair_off_together(rotas, KINDS, count, arriving, len(arrival), step)
+
+
+@pytest.mark.parametrize("step", [1, 4])
+def test_those_who_walk_or_join_together_do_so_while_all_work(step: int) -> None:
+    """Step by step: in steps in which all work they walk, and half of those there join."""
+    rng = random.Random(step)
+    for _ in range(200):
+        plain = [draw_rota(rng) for _ in range(3)] + [Rota(((2, 30),), 40)]
+        rotas = kernels.stretched(rotas_in_ticks(plain, int, LATE, 0), step)
+        count, begin, spent = rng.randint(1, 4), rng.randrange(50), rng.randrange(20)
+        arrival = sorted(rng.randrange(40) for _ in range(rng.randint(1, 4)))
+        if not any(plain):
+            continue
+        found = times_together(rotas, count, begin, spent, np.array(arrival, np.int32), step)
+        works = [fits_all(plain[:count], now, 1) == now for now in range(500)]
+        if sum(works[begin:400]) >= spent:
+            end = next(now for now in range(begin, 500) if sum(works[begin:now]) >= spent)
+            assert found[0] == end
+        else:
+            assert found[0] > 400
+        here = 0
+        for now in range(400):
+            if now and here > 1 and works[now - 1]:
+                here = (here + 1) // 2
+            here += arrival.count(now)
+            if here == 1 and now >= arrival[-1]:
+                assert found[1] == now
+                break
+        else:
+            assert found[1] >= 400

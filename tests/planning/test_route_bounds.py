@@ -38,8 +38,8 @@ def random_stops(rng: np.random.Generator, memory: int) -> tuple[Stops, np.ndarr
     points = rng.integers(0, 4, (count, 2))
     legs = np.abs(points[:, None] - points).sum(axis=2)
     places = (legs == 0).argmax(axis=1)
-    ready, stay = rng.integers(0, 8, count), rng.integers(0, 4, count)
-    return make_stops(np.where(legs == 0, 99, legs), ready, stay, places, memory), places
+    ready, stay, home = (rng.integers(0, most, count) for most in (8, 4, 3))
+    return make_stops(np.where(legs == 0, 99, legs), ready, stay, home, places, memory), places
 
 
 def best_route(
@@ -55,7 +55,7 @@ def best_route(
             for stop in route:
                 arrive = first[stop] if last < 0 else time + stops.legs[last, stop]
                 time, last = max(arrive, stops.ready[stop]) + stops.stay[stop], stop
-            if time <= deadline:
+            if time + stops.home[last] <= deadline:
                 most = max(most, int(prizes[list(route)].sum()))
     return most
 

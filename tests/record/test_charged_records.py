@@ -10,8 +10,11 @@ from pathlib import Path
 import pytest
 
 import teamformer as tf
-from charging_missions import charged_mission
-from teamformer.mission.model import Absence, Mission
+from charged_keys import drawn_with
+from charging_missions import Planned, charged_mission, run_course
+from teamformer.mission.model import Absence, Mission, Robot, Task
+from teamformer.mission.parts.charging import Battery, Charger
+from teamformer.mission.parts.grid import Grid
 from teamformer.record.critical_path.stretches import DOINGS
 from teamformer.record.critical_path.words import SHARES, VERBS, why_so_late
 from teamformer.record.events.path import path_along_causes
@@ -65,7 +68,12 @@ def test_who_charges_is_told_in_words_and_in_tables(tmp_path: Path) -> None:
     assert any(" charges " in line for line in lines)
     assert VERBS.keys() == SHARES.keys() == {*DOINGS}
     write_tables(played(), tmp_path)
-    assert (tmp_path / "robots.csv").read_text().splitlines()[0].endswith("idle,lost,charging")
+    assert (
+        (tmp_path / "robots.csv")
+        .read_text()
+        .splitlines()[0]
+        .endswith("idle,lost,charging,queueing,charge_left")
+    )
 
 
 def forged(number: int, **changes: object) -> Record:
@@ -99,6 +107,65 @@ def test_who_has_to_charge_may_not_go_on() -> None:
     )
     mission = replace(record.mission, robots=worse)
     assert judge(replace(record, mission=mission)).findings
+
+
+LINE = Mission(
+    "two at one charger",
+    Grid(60, 1),
+    ("lift",),
+    tuple(Robot(name, (0, 0), {"lift": 1}, battery=Battery(40, 20, 0.5)) for name in ("a", "b")),
+    (Task("crate", (30, 0), {"lift": 2}, 5),),
+    time="continuous",
+    chargers=(Charger((10, 0)),),
+)
+"""Both have 20 left. There are 10 of them at the charger, and each charges for 15, b from 25 on."""
+
+
+def test_who_finds_no_room_at_a_charger_waits_for_it() -> None:
+    record = tf.run(LINE).record
+    assert judge(record).findings == ()
+    told = tell_events(record)
+    assert [(run.begun, run.phase) for run in told.runs[1]] == [
+        (0, "walking"), (10, "queueing"), (25, "charging"), (40, "walking"), (60, "serving"),
+        (65, "idle"),
+    ]  # fmt: skip
+    assert told.texts[told.runs[1][1].why[0]].startswith("others charge there")
+    lines = why_so_late(LINE, told.path)
+    assert lines == [
+        "why so late: 65 are 30 walking, 5 serving, 15 charging, 15 waiting for chargers",
+        "  0-40: a walks 10, then b waits for a charger 15, charges 15",
+        "  40-65: crate: b walks 20, serves 5",
+    ]
+    number = next(n for n, event in enumerate(record.events) if event.kind == "queue")
+    for events in (
+        record.events[:number] + record.events[number + 1 :],  # it waits, and nothing says so
+        record.events[: number + 1] + record.events[number:],
+    ):
+        assert judge(replace(record, events=events)).findings
+
+
+def test_how_full_batteries_are_is_told_with_each_change() -> None:
+    [_, levels] = tell_events(tf.run(LINE).record).levels
+    assert levels == (
+        (0, 0.5, -1 / 40), (10, 0.25, 0), (25, 0.25, 1 / 20), (40, 1, -1 / 40), (60, 0.5, 0),
+        (65, 0.5, 0),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("keys", ["shifts loads", "delays shifts", "windows", "losses"])
+def test_batteries_are_as_full_as_the_world_has_them(keys: str) -> None:
+    for seed in range(3):
+        mission = drawn_with(keys, seed)
+        course = run_course(mission, Planned())
+        record = tf.run(mission).record
+        assert record.length == course.world.now
+        told = ToldRecord(record.length, (), (), (), levels=tell_events(record).levels)
+        for robot, (row, it) in enumerate(zip(told.levels, mission.robots, strict=True)):
+            if it.battery is not None:
+                left = max(0.0, course.world.left_then(robot, record.length))
+                begun, full, rate = row[-1]
+                passed = record.length - begun
+                assert full + rate * passed == pytest.approx(left / it.battery.lasts, abs=1e-6)
 
 
 def test_it_is_told_who_charges_when() -> None:

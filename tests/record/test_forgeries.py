@@ -229,7 +229,7 @@ def test_what_the_rules_make_of_decisions_is_legal(record: Record) -> None:
         ),
         (
             record_of(LOST, Step(lost=(0,)), Step(), status="infeasible", blocked_tasks=("t",)),
-            "step 2: some tasks could never be done since a robot was lost, and the record goes on",
+            "step 2: some tasks could never be done any more, and the record goes on",
         ),
         (
             record_of(LOST, Step(lost=(0, 0)), status="infeasible", blocked_tasks=("t",)),

@@ -75,6 +75,30 @@ def test_zones_have_their_tasks_and_room(scripts: Any) -> None:
         assert it["tasks"] == zone.tasks_in(mission.tasks)
 
 
+def test_how_full_batteries_are_is_read_between_the_moments_that_are_told(scripts: Any) -> None:
+    record = tf.run(charged_mission(1, tasks=8)).record
+    levels = told_of(record).levels
+    robot = next(robot for robot, row in enumerate(levels) if len(row) > 1)
+    read = scripts.evaluate(
+        """([tree, robot]) => {
+          const history = frames(tree);
+          const tick = history.mission.world.stepSeconds;
+          const steps = Array.from({ length: history.last }, (_, step) => step + 0.5);
+          return steps.map((step) => [step * tick, chargeAt(history, robot, step)]);
+        }""",
+        [record_to_tree(record), robot],
+    )
+    for when, full in read:
+        begun, was, rate = [level for level in levels[robot] if level.begun <= when][-1]
+        assert full == pytest.approx(min(1, max(0, was + rate * (when - begun))), abs=1e-6)
+    others = [n for n, row in enumerate(levels) if not row]
+    assert all(
+        scripts.evaluate("([tree, n]) => chargeAt(frames(tree), n, 1)", [record_to_tree(record), n])
+        is None
+        for n in others
+    )
+
+
 @pytest.mark.parametrize("name", ["by hand", "beam and crate", "clinic"])
 def test_at_every_tick_robots_are_where_the_record_has_them(scripts: Any, name: str) -> None:
     record = records()[name]

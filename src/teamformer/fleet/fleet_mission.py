@@ -12,13 +12,15 @@ from msgspec.structs import replace
 
 from teamformer.files.mission_files import mission_to_tree
 from teamformer.fleet.messages import TaskFact
+from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.model import Mission, Task, World
 from teamformer.mission.parts.capabilities import Counts, exact
 from teamformer.mission.parts.grid import Grid, Place
-from teamformer.mission.parts.places import believed_place, possible_places
+from teamformer.mission.parts.places import believed_place, possible_places, sight_of
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.shifts import fits_all
 from teamformer.mission.precedence import tasks_before
 from teamformer.mission.truth import draw_truth, expected_mission
 from teamformer.world.continuous.ways import Ways
@@ -91,6 +93,11 @@ class FleetMission:
         keep(self, "before", {key: frozenset(others) for key, others in before.items()})
         opens = ((key, _opens(task, is_in_steps)) for key, task in enumerate(self.source.tasks))
         keep(self, "opens", {key: at * self.step for key, at in opens if at})
+        until = self.source.until
+        keep(self, "until", math.inf if until is None else until * self.step)
+        keep(self, "has_shifts", any(robot.rota for robot in robots))
+        optional = (key for key, task in enumerate(self.source.tasks) if task.optional)
+        keep(self, "optional", frozenset(optional))
         pace = world.pace if is_in_steps else float
         keep(self, "paces", tuple(pace(robot.speed) / self.step for robot in robots))
         expected = (pace(robot.expected_speed) / self.step for robot in robots)
@@ -115,6 +122,10 @@ class FleetMission:
     before: dict[int, frozenset[int]] = field(init=False)  # what tasks come after, where anything
     opens: dict[int, float] = field(init=False)  # when tasks may begin, if later than at once
 
+    until: float = field(init=False)  # when the mission is over, infinite for never
+    optional: frozenset[int] = field(init=False)  # tasks that may be left out
+    has_shifts: bool = field(init=False)  # of a robot
+
     @property
     def robots(self) -> int:
         """Return how many robots there are."""
@@ -133,8 +144,8 @@ class FleetMission:
 
     @property
     def ends_by_places(self) -> bool:
-        """Say whether the mission may be over since robots are home, or have no way on."""
-        return self.ends or isinstance(self.source.world, Roads)
+        """Say whether the mission may be over as robots are home, or have no way or shift."""
+        return self.ends or self.has_shifts or isinstance(self.source.world, Roads)
 
     def home_of(self, robot: int) -> Place | None:
         """Return where a robot has to be when the mission is over; None if it may be anywhere."""
@@ -190,6 +201,50 @@ class FleetMission:
         """Say whether a task may begin: those before it are over, and its window is open."""
         is_free = all(other in over for other in self.before.get(key, ()))
         return is_free and age >= self.opens.get(key, 0.0)
+
+    def may_miss(self, key: int) -> bool:
+        """Say whether a task may be left out; that may what operators add, if there is an end."""
+        return key in self.optional or (key >= len(self.tasks) and self.may_miss_added)
+
+    @property
+    def may_miss_added(self) -> bool:
+        """Say whether tasks that operators add may be left out."""
+        cost = self.source.cost
+        return self.until < math.inf and (cost is None or "missed" in cost)
+
+    def ends_in_time(self, task: TaskFact, robots: Iterable[int], age: float) -> bool:
+        """Say whether a task that robots begin at an age ends before the mission is over."""
+        return self.until == math.inf or is_in_time(age + self.takes(task, robots), self.until)
+
+    def takes(self, task: TaskFact, robots: Iterable[int]) -> float:
+        """Return how many seconds robots are at work on a task, its load's way included."""
+        lasts = task.duration + task.unload
+        if task.to is None:
+            return lasts
+        here, movers = (task.x, task.y), [(self.source.robots[r].moves, r) for r in robots]
+        ways = (self.ways.length(here, task.to, moves) / self.paces[r] for moves, r in movers)
+        return lasts + max(ways, default=0.0)
+
+    def comes(self, robot: int, here: Place, there: Place, age: float) -> float:
+        """Return when a robot is at a place that sets out at an age; infinite for never."""
+        it, left = self.source.robots[robot], 0.0
+        if isinstance(self.source.world, Roads):
+            left = here[1]
+        length = self.ways.length(place_in(self.source.world, here), there, it.moves)
+        walk = left + length / self.paces[robot]
+        return it.rota.walked(age / self.step, walk / self.step) * self.step
+
+    def is_at_work(self, robot: int, age: float) -> bool:
+        """Say whether a robot is in one of its shifts at an age of the mission."""
+        return self.source.robots[robot].rota.is_at_work(age / self.step)
+
+    def fits(self, task: TaskFact, robots: Iterable[int], age: float) -> float:
+        """Return at which age a task first fits into a shift of each robot, infinite for never."""
+        who = list(robots)
+        if not self.has_shifts:
+            return age
+        rotas = [self.source.robots[robot].rota for robot in who]
+        return fits_all(rotas, age / self.step, self.takes(task, who) / self.step) * self.step
 
     def is_same_place(self, x: float, y: float, other_x: float, other_y: float) -> bool:
         """Say whether two places are one."""
@@ -305,7 +360,8 @@ def places_to_look(mission: Mission, task: Task) -> tuple[Place, ...]:
     world, tour = mission.world, list[Place]()
     off = world.arrival_radius if isinstance(world, Plane) else 0.0
     for place in possible_places(world, task.at, task.within) if task.within else ():
-        if not any(math.dist(place, seen) <= mission.finding_radius - off for seen in tour):
+        radius = mission.finding_radius - off
+        if not any(sight_of(world, place, seen) <= radius for seen in tour):
             tour.append(place)
     return tuple(tour)
 

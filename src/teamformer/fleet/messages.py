@@ -151,7 +151,10 @@ class FactsNote(Struct, frozen=True, array_like=True, tag=2):
 
 
 class PlanNote(Struct, frozen=True, array_like=True, tag=3):
-    """A plan: tasks in order, each with its coalition; the tasks that nobody can do."""
+    """A plan: tasks in order, each with its coalition; the tasks that nobody can do.
+
+    Those that it gives up may be left out, and others are worth more.
+    """
 
     epoch: Whole
     maker: Whole
@@ -159,6 +162,7 @@ class PlanNote(Struct, frozen=True, array_like=True, tag=3):
     order: Annotated[tuple[Key, ...], Meta(max_length=MOST_TASKS)]
     coalitions: Annotated[tuple[tuple[Number, ...], ...], Meta(max_length=MOST_TASKS)]
     left_out: Annotated[tuple[Key, ...], Meta(max_length=MOST_TASKS)] = ()
+    given_up: Annotated[tuple[Key, ...], Meta(max_length=MOST_TASKS)] = ()
 
 
 class Offer(Struct, frozen=True, array_like=True, tag=4):

@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol
 
 from teamformer.base.errors import MissionError
 from teamformer.fleet.fleet_mission import FleetMission, place_in
+from teamformer.fleet.in_shifts import who_can
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.coordination import UNFORESEEN, Coordinator, Known, Plan
 from teamformer.mission.model import Mission, Task, as_believed
@@ -35,7 +36,10 @@ class FleetPlanner(Protocol):
     """Turns a situation in which every task can be done into stops, in order."""
 
     def plan(self, mission: FleetMission, situation: FleetSituation) -> Sequence[Stop]:
-        """Return every task with a coalition that can do it, in an order to be kept to."""
+        """Return tasks with coalitions that can do them, in an order to be kept to.
+
+        Those that it leaves out may be missed.
+        """
 
 
 class CoordinatedPlanner:
@@ -88,7 +92,7 @@ class CoordinatedPlanner:
         planned = zip(ends, plan.order, plan.coalitions, strict=True)
         in_time = sorted(planned, key=itemgetter(0))  # what is done in passing comes on the way
         stops = [(key_of[task], coalition) for _, task, coalition in in_time if coalition]
-        stops += _one_after_another(mission, _without(situation, stops), robots)
+        stops += _one_after_another(mission, _without(mission, situation, stops), robots)
         return _serving_first(mission, situation, stops)
 
     def warm_up(self) -> None:
@@ -184,6 +188,7 @@ def _change(
             place_in(whole.world, (task.x, task.y)),
             _named(caps, task.needs),
             mission.in_time(task.duration),
+            optional=mission.may_miss_added,
         )
         for task in news
         if task.key >= len(whole.tasks)
@@ -200,10 +205,13 @@ def _named(caps: Sequence[str], needs: Sequence[float]) -> dict[str, float]:
     return {cap: need for cap, need in zip(caps, needs, strict=True) if need}
 
 
-def _without(situation: FleetSituation, stops: Sequence[Stop]) -> FleetSituation:
-    """Return a situation without the tasks that are planned."""
+def _without(
+    mission: FleetMission, situation: FleetSituation, stops: Sequence[Stop]
+) -> FleetSituation:
+    """Return a situation without the tasks that are planned, and those that may be missed."""
     planned = {key for key, _ in stops}
-    left = tuple(task for task in situation.tasks if task.key not in planned)
+    must = (task for task in situation.tasks if not mission.may_miss(task.key))
+    left = tuple(task for task in must if task.key not in planned)
     return situation._replace(tasks=left)
 
 
@@ -223,7 +231,15 @@ def _serving_first(
 def _one_after_another(
     mission: FleetMission, situation: FleetSituation, robots: Sequence[int]
 ) -> list[Stop]:
-    """Return the plainest plan there is: all robots that can reach a task go, task by task."""
+    """Return the plainest plan there is: all robots that can reach a task go, task by task.
+
+    Where they work in shifts, it is those that have a shift for it together.
+    """
+    if mission.has_shifts:
+        return [
+            (task.key, who_can(mission, task, situation.places, situation.age))
+            for task in situation.tasks
+        ]
     return [
         (task.key, tuple(r for r in robots if mission.reach(r, task, situation.places[r])))
         for task in situation.tasks

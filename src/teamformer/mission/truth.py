@@ -42,9 +42,8 @@ def draw_truth(mission: Mission, seed: int) -> Mission:
     robots = tuple(
         _true_robot(robot, mission, seed, number) for number, robot in enumerate(mission.robots)
     )
-    if mission.time == "continuous":  # linked tasks may turn out to need more than all robots have
-        return as_believed(mission, arrivals=None, tasks=tasks, robots=robots)
-    return replace(mission, arrivals=None, tasks=tasks, robots=robots)
+    # without checks: linked tasks may need more than all robots have, or one longer than any shift
+    return as_believed(mission, arrivals=None, tasks=tasks, robots=robots)
 
 
 def _true_robot(robot: Robot, mission: Mission, seed: int, number: int) -> Robot:
@@ -108,7 +107,7 @@ def truth_until(mission: Mission, truth: Mission, steps: float) -> Mission:
         else real
         for robot, real in zip(mission.robots, truth.robots, strict=True)
     )
-    return replace(truth, robots=tuple(robots))
+    return as_believed(truth, robots=tuple(robots))
 
 
 def believed_mission(
@@ -133,7 +132,7 @@ def believed_mission(
         for number, task in enumerate(mission.tasks)
     )
     robots = tuple(robot.as_expected for robot in mission.robots)
-    return replace(mission, arrivals=None, tasks=tuple(tasks), robots=robots)
+    return as_believed(mission, arrivals=None, tasks=tuple(tasks), robots=robots)
 
 
 def expected_mission(mission: Mission) -> Mission:

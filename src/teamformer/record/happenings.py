@@ -20,6 +20,7 @@ TOLD = {
     "needs": "{task} needs {needs}",
     "found": "{task} found at {place}",
     "cancelled": "{task} called off",
+    "missed": "{task} missed",
     "done": "{task} done by {names}",
     "takes up": "{task} taken up by {names}",
     "sets down": "{task} set down at {place}",
@@ -43,7 +44,7 @@ class LogEntry:
 
     at: float
     kind: str  # appears, splits, joins, cancelled, lost, back, found, needs, takes up, sets down,
-    # breaks off, done, or how the trial ended
+    # breaks off, missed, done, or how the trial ended
     robots: tuple[int, ...] = ()
     task: int | None = None
     place: Place | None = None  # of what is set down
@@ -126,6 +127,8 @@ def _of_steps(record: Record) -> Iterator[LogEntry]:
             yield LogEntry(number, "sets down", task=task, place=(x, y))
         for task, doer in step.done:
             yield LogEntry(number, "done", teams.doers(doer), task)
+        for task, _ in step.missed:
+            yield LogEntry(number, "missed", task=task)
         for task in appears.get(number, ()):
             yield LogEntry(number, "appears", task=task)
     yield LogEntry(len(record.steps), record.end.status)

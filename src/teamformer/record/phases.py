@@ -12,11 +12,12 @@ from teamformer.world.rules.constants import NOBODY
 PHASES = (
     *("walking", "waiting", "forming", "serving"),
     *("loading", "carrying", "unloading"),
-    *("idle", "lost", "off", "charging"),
+    *("idle", "lost", "off", "charging", "queueing"),
 )
-WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, OFF, CHARGING = PHASES
+WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, OFF = PHASES[:-2]
+CHARGING, QUEUEING = PHASES[-2:]
 """A load is not served: it is loaded where it lies, carried, and unloaded where it goes. Who is off
-is outside its shifts."""
+is outside its shifts. Who queues waits for room at a charger."""
 
 AT_WORK = (SERVING, LOADING, CARRYING, UNLOADING)
 

@@ -83,6 +83,7 @@ class Step:
     served: tuple[tuple[int, tuple[int, ...]], ...] = ()
     """Task, robots that serve it from then on: they began, or are others; nobody: broken off."""
     unloads: tuple[int, ...] = ()  # loads that are where they go: to be unloaded from then on
+    missed: tuple[tuple[int, str], ...] = ()  # tasks that are not done any more, and why
 
 
 @dataclass(frozen=True)

@@ -32,13 +32,16 @@ def cancelled_steps(record: Record) -> dict[int, float]:
         for number, task in enumerate(record.mission.tasks)
         if task.cancelled is not None and task.cancelled <= made
     }
-    done = done_steps(record) if due else {}
-    return {number: step for number, step in due.items() if number not in done}
+    over = done_steps(record).keys() | missed_tasks(record).keys() if due else set()
+    return {number: step for number, step in due.items() if number not in over}
 
 
 def missed_tasks(record: Record) -> dict[int, tuple[float, str]]:
     """Return when each task was missed that was, and why, by number."""
-    return {it.task: (it.at, it.why) for it in record.events if it.kind == "missed"}
+    if record.is_continuous:
+        return {it.task: (it.at, it.why) for it in record.events if it.kind == "missed"}
+    steps = enumerate(record.steps, start=1)
+    return {task: (number, why) for number, step in steps for task, why in step.missed}
 
 
 def missed_weight(record: Record) -> float:
@@ -91,7 +94,8 @@ def cost_of_record(record: Record) -> float | None:
     """Return what a mission cost; None if it has no cost, or is not over."""
     if record.is_continuous:
         return record.end.cost
-    return cost_in_steps(record.true_mission, done_steps(record), record.end.makespan)
+    off = cancelled_steps(record)
+    return cost_in_steps(record.true_mission, done_steps(record), record.end.makespan, off)
 
 
 def judged_value(record: Record) -> float | None:
@@ -104,7 +108,8 @@ def judged_value(record: Record) -> float | None:
         return record.end.cost
     if weights is None or makespan is None:
         return makespan
-    return weighed(record.true_mission, weights, done_steps(record), makespan)
+    off = cancelled_steps(record)
+    return weighed(record.true_mission, weights, done_steps(record), makespan, off)
 
 
 def lateness(record: Record) -> dict[str, float]:

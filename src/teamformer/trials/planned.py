@@ -11,6 +11,7 @@ from teamformer.methods.by_name import load_method
 from teamformer.methods.central.policy import Central
 from teamformer.methods.listings import DEFAULT as SHARED
 from teamformer.mission.checks.costs import judged_by
+from teamformer.mission.checks.optional import has_optional
 from teamformer.mission.checks.rules import rules_not_planned
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
@@ -140,7 +141,7 @@ def plan_mission(
         raise UndoableError(
             f"{mission.name}: {', '.join(end.blocked_tasks)} can never be done: since step "
             f"{end.steps} no robots are left that bring what is needed",
-            "add such robots, or drop their lost",
+            "add such robots, or drop their lost or shifts",
         )
     if end.makespan is None:
         return None
@@ -149,8 +150,11 @@ def plan_mission(
         record=trial.record,
         makespan=end.makespan,
         bound=bound,
-        is_proven=end.makespan <= bound and judged_by(mission) is None,
+        is_proven=end.makespan <= bound
+        and judged_by(mission) is None
+        and not has_optional(mission),
         routes=routes_of(trial.record),
+        missed=tuple(number_of[name] for name in end.missed),
         late={number_of[name]: by for name, by in lateness(trial.record).items()},
         curve=() if trial.plan is None else trial.plan.curve,
         cost=cost_of_record(trial.record),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,7 @@ from teamformer.mission.parts.reach import totals_by_region
 from teamformer.mission.truth import truth_until
 from teamformer.record.decisions import rows_of
 from teamformer.record.record import Ending, Record, SharedPlanMade, Step, TaskAt, TeamAt, Wants
+from teamformer.record.why_missed import why_missed
 from teamformer.world.env import Tally, TeamFormation
 from teamformer.world.rules.constants import NOBODY
 
@@ -94,6 +95,7 @@ class Recorder:
                 pursued=_pursued(before, after),
                 served=_served(before, after, tasks),
                 unloads=_unloads(tasks),
+                missed=tuple(self._missed(before, after)),
             )
         )
         decided = self._decided(before)
@@ -227,19 +229,34 @@ class Recorder:
             splits=tally.splits,
             illegal_decisions=tally.illegal_decisions,
             blocked_tasks=self._blocked_tasks() if tally.status == "infeasible" else (),
+            missed=self._missed_until(tally.steps),
         )
+
+    def _missed_until(self, steps: int) -> tuple[str, ...]:
+        """Name the tasks that were missed in the steps written down."""
+        tasks = self._mission.tasks
+        return tuple(tasks[k].name for k, at in self._env.missed().items() if at <= steps)
+
+    def _missed(self, before: _Snapshot, after: _Snapshot) -> Iterator[tuple[int, str]]:
+        """Yield the tasks that are not done any more since the latest step, and why."""
+        headed_for = after.teams["pursued"][sorted(after.groups)].tolist()
+        for task, at in self._env.missed().items():
+            if at == after.tally.steps:
+                yield task, why_missed(self._truth, task, before.served, headed_for)
 
     def _blocked_tasks(self) -> tuple[str, ...]:
         """Name the tasks that the robots left and those due back can never do."""
         mission, made = self._truth, self._before.tally.steps
         left = {robot for robots in self._before.groups.values() for robot in robots}
         left |= {r for r, robot in enumerate(mission.robots) if robot.is_due(made)}
-        have = totals_by_region(mission.world, (mission.robots[r] for r in left))
+        at_work = (mission.robots[r] for r in left if mission.robots[r].rota.over > made)
+        have = totals_by_region(mission.world, at_work)
         return tuple(
             task.name
             for k, task in enumerate(mission.tasks)
             if self._env.worlds.tasks["done_at"][0, k] == NOBODY
             and task.cancelled is None
+            and not task.optional
             and not covers(have[mission.world.region(task.at)], task.needs)
         )
 

@@ -263,6 +263,17 @@ class TeamFormation:
         done_at = self.worlds.tasks["done_at"][w]
         return {task: int(done_at[task]) for task in np.flatnonzero(done_at != NOBODY).tolist()}
 
+    def called_off(self, w: int = 0) -> frozenset[int]:
+        """Return the tasks of a world that were called off, by number."""
+        tasks, steps = self.worlds.tasks[w], self.worlds.count["steps"][w]
+        is_over = (tasks["done_at"] != NOBODY) | (tasks["missed_at"] != NOBODY)
+        return frozenset(np.flatnonzero((tasks["cancelled"] <= steps) & ~is_over).tolist())
+
+    def missed(self, w: int = 0) -> dict[int, int]:
+        """Return the step after which each task of a world was missed that was, by number."""
+        missed_at = self.worlds.tasks["missed_at"][w]
+        return {task: int(missed_at[task]) for task in np.flatnonzero(missed_at != NOBODY).tolist()}
+
     def decided(self) -> tuple[Array, Array]:
         """Return what the teams wanted in the latest step, (teams, caps), and named, (teams,).
 
@@ -325,7 +336,8 @@ class TeamFormation:
         )
 
     def _cost(self, w: int) -> float | None:
-        return cost_in_steps(self.truths[w], self.ends(w), int(self.worlds.count["steps"][w]))
+        steps = int(self.worlds.count["steps"][w])
+        return cost_in_steps(self.truths[w], self.ends(w), steps, self.called_off(w))
 
     def _fill_views(self, begin: int, end: int) -> None:
         fill_views(self.worlds, self._room, self._first_row, self._first_member, begin, end)

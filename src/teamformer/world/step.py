@@ -14,6 +14,7 @@ from teamformer.world.phases.completion import (
     complete_tasks,
     drop_assignments,
     judge_status,
+    miss_tasks,
     release_tasks,
 )
 from teamformer.world.phases.finding import find_tasks
@@ -21,6 +22,7 @@ from teamformer.world.phases.formation import form_joins, read_decisions, split_
 from teamformer.world.phases.losses import lose_robots, return_robots
 from teamformer.world.phases.motion import move_teams, place_teams
 from teamformer.world.reward import reward_teams
+from teamformer.world.rules.constants import NEVER
 from teamformer.world.state.arrays import RUNNING, world_at
 from teamformer.world.state.spatial_index import forget_cells, list_teams_by_cell
 
@@ -123,6 +125,8 @@ def finish_step(
     step = world.count.steps + 1
     any_shown = show_needs(world, step)
     complete_tasks(world, step)
+    if world.rules.until < NEVER:
+        miss_tasks(world, step)
     world.count.steps = step
     reward_teams(world, weights, rewards)
     any_released = release_tasks(world, step)

@@ -9,7 +9,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.world.phases.beliefs import expected_rest
-from teamformer.world.phases.delays import chance_of_delay
+from teamformer.world.phases.delays import chance_of_delay, may_join
 from teamformer.world.phases.formation import is_in_reach, is_in_same_place
 from teamformer.world.phases.reach import any_fly, can_go_with, has_to_part
 from teamformer.world.rules.constants import NOBODY
@@ -173,8 +173,8 @@ def _write_seen(world: World, view: View, row: int, team: int, is_mixed: bool) -
             view.seen_counts[row, column, cap] = world.has[other, cap]
         view.seen_task[row, column] = world.teams[other].task
         view.is_here[row, column] = is_in_same_place(world, team, other)
-        is_busy = world.teams[team].serves > 0 or world.teams[other].serves > 0
-        view.can_join[row, column] = not is_busy and is_in_reach(world, team, other)
+        are_free = may_join(world, team) and may_join(world, other)
+        view.can_join[row, column] = are_free and is_in_reach(world, team, other)
         is_asked = is_mixed and view.is_here[row, column]
         view.can_go_with[row, column] = not is_asked or can_go_with(world, team, other)
 

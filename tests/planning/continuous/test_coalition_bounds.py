@@ -18,13 +18,35 @@ from teamformer.planning.continuous_bounds.makespan import (
     refuter_of,
 )
 from teamformer.planning.continuous_bounds.relaxations import bound_by_chains_and_work, relax
-from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.continuous_bounds.routes import COARSE, FINE, raise_by_routes
+from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem, pose_problem
+
+
+def raised(problem: CoalitionProblem, upper: int, count: int) -> list[int]:
+    """Return the first bounds that are proven, from chains and work on."""
+    relaxation = relax(problem)
+    bound = bound_by_chains_and_work(problem, relaxation)
+    return list(
+        itertools.islice(improving_bounds(problem, relaxation, bound, lambda: upper), count)
+    )
+
 
 TINY = [random_problem(seed, tasks=4, robots=3, caps=2, is_plain=True) for seed in range(10)]
 
 
 def best_of_all(problem: CoalitionProblem) -> int:
-    return min(plain_times(problem, plan)[0] for plan in all_plans(problem))
+    plans = (plan for plan in all_plans(problem) if is_in_order(problem, plan.order.tolist()))
+    return min(plain_times(problem, plan)[0] for plan in plans)
+
+
+def is_in_order(problem: CoalitionProblem, order: list[int]) -> bool:
+    """Say whether all tasks come after those that they have to."""
+    return all(
+        other in order[:place]
+        for place, task in enumerate(order)
+        for other in problem.before[task].tolist()
+        if other != NOBODY
+    )
 
 
 @pytest.mark.parametrize("problem", TINY)
@@ -120,9 +142,69 @@ def test_starts_are_narrowed_as_by_trying_all(seed: int, robots: int) -> None:
 def test_nothing_that_can_be_done_is_refuted(problem: CoalitionProblem) -> None:
     best, refuter = best_of_all(problem), refuter_of(problem, relax(problem))
     assert not any(refuter.refutes(makespan, 200) for makespan in (best, best + 1, 2 * best))
-    bounds = list(itertools.islice(improving_bounds(problem, lambda: best), 60))
+    bounds = raised(problem, best, 60)
     assert bounds == sorted(bounds)
     assert bounds[-1] <= best
+
+
+def skilled_robots(seed: int) -> CoalitionProblem:
+    """Draw few tasks for robots with several skills, half the time on ways with detours."""
+    rng = np.random.default_rng(seed)
+    tasks, robots, caps = (int(rng.integers(*of)) for of in ((2, 5), (2, 4), (1, 4)))
+    counts = rng.integers(0, 3, (robots, caps))
+    counts[rng.integers(robots, size=caps), np.arange(caps)] += 1
+    needs = np.minimum(rng.integers(0, 3, (tasks, caps)), counts.sum(axis=0))
+    needs[np.arange(tasks), rng.integers(caps, size=tasks)] = 1
+    points = rng.integers(0, 100, (tasks + 2, 2))
+    ways = np.rint(np.linalg.norm(points[:, None] - points[:tasks], axis=2)).astype(np.int64)
+    if seed % 2:
+        ways = rng.integers(0, 90, ways.shape)
+    return pose_problem(
+        ways=[ways, 2 * ways],
+        home=rng.integers(0, 60, (robots, tasks + 2)),
+        pace=rng.integers(2, size=robots),
+        origin=tasks + rng.integers(2, size=robots),
+        counts=counts,
+        needs=needs,
+        duration=rng.integers(0, 40, tasks),
+        release=rng.integers(0, 60, tasks),
+    )
+
+
+def test_no_plan_is_over_before_its_routes_can_be() -> None:
+    """With precedence and forming too."""
+    gaps = []
+    strict = [random_problem(seed, tasks=4, robots=3, caps=2) for seed in range(30)]
+    for problem in (*strict, *map(skilled_robots, range(30))):
+        best, relaxation = best_of_all(problem), relax(problem)
+        for units in (COARSE, FINE):
+            offers: list[int] = []
+            bound = raise_by_routes(problem, relaxation, 1, units, offers.append)
+            assert offers == sorted(offers)
+            assert bound == max([1, *offers])
+            gaps.append((best - bound) / max(1, best))
+    assert min(gaps) == 0
+    assert np.mean(gaps) < 0.1
+
+
+def test_routes_share_out_what_work_alone_cannot() -> None:
+    """Three tasks 10 off in three directions, two robots: one has two of them, 40 with the ways.
+
+    Nothing takes time there. Each takes 20 there and back by itself: 30 a robot in the mean.
+    """
+    ways = np.array([[0, 20, 20], [20, 0, 20], [20, 20, 0], [10, 10, 10]])
+    problem = pose_problem(
+        ways=[ways],
+        home=[[10, 10, 10, 0]] * 2,
+        pace=[0, 0],
+        origin=[3, 3],
+        counts=[[1], [1]],
+        needs=[[1], [1], [1]],
+        duration=[0, 0, 0],
+    )
+    relaxation = relax(problem)
+    assert bound_by_chains_and_work(problem, relaxation) < 30
+    assert raise_by_routes(problem, relaxation, 1, FINE) == 40
 
 
 def depots(seed: int, tasks: int, caps: int) -> CoalitionProblem:
@@ -166,8 +248,9 @@ def test_a_capability_that_nobody_needs_or_has_bounds_nothing() -> None:
         needs=[[1, 0]],
         duration=[3],
     )
-    assert list(improving_bounds(problem, lambda: 11)) == [11]
-    assert list(itertools.islice(improving_bounds(problem, lambda: 12), 3)) == [11, 11, 11]
+    assert raised(problem, 11, 3) == [11]
+    assert raised(problem, 12, 3) == [11, 11, 11]
+    assert raise_by_routes(problem, relax(problem), 0, FINE) == 11
 
 
 def test_a_bound_is_a_sum_of_the_problem_s_times() -> None:
@@ -184,6 +267,6 @@ def test_a_bound_is_a_sum_of_the_problem_s_times() -> None:
     )
     assert grain_of(problem, 9000) == 1000
     assert grain_of(problem, 10_500) == 500
-    bounds = list(itertools.islice(improving_bounds(problem, lambda: 9000), 20))
+    bounds = raised(problem, 9000, 20)
     assert bounds[-1] == 9000
     assert all(bound % 1000 == 0 for bound in bounds)

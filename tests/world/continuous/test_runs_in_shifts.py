@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from random import Random
 from typing import Any
 
 import pytest
@@ -166,3 +167,27 @@ def _is_in_a_shift(given: Mission, event: Event) -> bool:
         if shifts and not any(a <= event.at and event.until <= b + 1e-6 for a, b in shifts):
             return False
     return True
+
+
+def test_what_does_not_fit_into_shifts_with_the_way_home_is_missed() -> None:
+    """A plan of all tasks is the first one, and has nobody home in time."""
+    draw = Random(0)
+    places = [(float(draw.randrange(21)), float(draw.randrange(21))) for _ in range(30)]
+    given = Mission(
+        name="more than there is time for",
+        world=Plane(20, 20),
+        capabilities=("a",),
+        robots=tuple(Robot(name, (0, 0), {"a": 1}, shifts=((0, 40),)) for name in ("r0", "r1")),
+        tasks=tuple(
+            Task(f"t{number}", place, {"a": 1}, 1.0, optional=True)
+            for number, place in enumerate(places)
+        ),
+        time="continuous",
+        ends="home",
+        until=40,
+    )
+    record = run(given)
+    assert record.end.status == "completed"
+    assert record.end.makespan is not None
+    assert record.end.makespan <= 40
+    assert 0 < len(record.end.missed) < 22

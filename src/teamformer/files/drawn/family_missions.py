@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
 
+from teamformer.base.errors import MissionError
 from teamformer.files.drawn.families import Amounts, Family
 from teamformer.files.drawn.generate import random_places, spawn_places
 from teamformer.files.drawn.surprises import SURPRISES, make_uncertain
@@ -18,6 +20,7 @@ from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.capabilities import exact, total
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.parts.roads import AIR, GROUND
+from teamformer.mission.parts.shifts import Shift
 
 SHELF = (4, 2)
 """Cells that a shelf of a warehouse takes; aisles two cells wide lie between shelves."""
@@ -45,6 +48,18 @@ BEHIND, MOST_BEHIND, AMONG = 0.4, 2, 8
 most. These are among the `AMONG` tasks that were drawn just before it."""
 
 
+ROTAS: tuple[tuple[Shift, ...], ...] = (
+    ((0, 34), (40, 74)),
+    ((26, 54), (60, 94)),
+    ((0, 94),),
+    (),
+)
+"""The shifts of a robot: early, late, without a break, always."""
+
+EVERY = 100
+"""After how many steps shifts come again."""
+
+
 def draw_mission(
     family: Family, rng: np.random.Generator, name: str, incident: str | None = None
 ) -> Mission:
@@ -52,8 +67,8 @@ def draw_mission(
 
     With `incident` "lost" one robot that the others can do without is lost at a random step, in the
     first half of the mission; with "arrivals" a fifth of the tasks appear at random steps; with
-    "ordered" tasks come after others; with one of `SURPRISES` not everything is known. The mission
-    itself is the same.
+    "ordered" tasks come after others; with "shifts" most robots work in shifts; with one of
+    `SURPRISES` not everything is known. The mission itself is the same.
     """
     for _ in count():
         mission, spare = _draw(family, rng, name)
@@ -65,6 +80,8 @@ def draw_mission(
         return make_uncertain(mission, incident, rng)
     if incident == "ordered":
         return _put_in_order(mission, rng)
+    if incident == "shifts":
+        return _work_in_shifts(mission, rng)
     return mission if incident is None else _let_arrive(mission, rng)
 
 
@@ -285,6 +302,18 @@ def _put_in_order(mission: Mission, rng: np.random.Generator) -> Mission:
         ordered = replace(mission, tasks=tuple(tasks))
         if not any(find_hopeless_windows(ordered)):
             return ordered
+
+
+def _work_in_shifts(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Let robots work in shifts; they are drawn again if a task fits into none in common."""
+    while True:
+        drawn = rng.integers(len(ROTAS), size=len(mission.robots)).tolist()
+        robots = tuple(
+            replace(robot, shifts=ROTAS[rota], every=EVERY if ROTAS[rota] else 0)
+            for robot, rota in zip(mission.robots, drawn, strict=True)
+        )
+        with suppress(MissionError):
+            return replace(mission, robots=robots, step_limit=0)
 
 
 def _draw_step(rng: np.random.Generator) -> int:

@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from teamformer.fleet.agent.ears import Ears
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.loads import note_load, note_place
 from teamformer.fleet.agent.meeting import Meeting
-from teamformer.fleet.agent.membership import HEARS_ALL, Membership, neighbours
+from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.agent.planning import FleetPlan, PlanKeeper
 from teamformer.fleet.agent.service import Service
 from teamformer.fleet.agent.voice import Voice
@@ -86,13 +87,10 @@ class Agent:
         self._namesakes = 0
         self._mates_changes = 0  # grows when somebody says something new about the task at hand
         self._report = Report(*self._place)
+        self._lets_go = False  # it has told its body to, which may report that late
         self._decided = -1  # the changes that it has decided upon
         self._plan_at = float("inf")
-        others = frozenset(range(mission.robots)) - {me}
-        self.watched = (
-            others if mission.robots <= HEARS_ALL else neighbours(self.me, mission.robots)
-        )
-        self._watched_for = (-1, -1)  # the goal and the plan that it listens for
+        self.ears = Ears(mission, me)
 
     def tick(
         self, now: float, report: Report, inbox: Sequence[Message]
@@ -109,17 +107,18 @@ class Agent:
             report = self._report  # this one came late
         if now < self.due and self._changes() == self._decided and report == self._report:
             return self.command, notices
-        had_load, self._report = self.carries, report
+        had_load, self._report = self._reports_load, report
+        self._lets_go = self._lets_go and self._reports_load
         self._sense(report, now, notices)
         is_rid = self._has_served or self.command.task in self.knowledge.over
-        if had_load and not self.carries and not is_rid:
+        if had_load and not self._reports_load and not is_rid:
             self.membership.doubt_myself(now, *self._place, self._waits(now))
         self.knowledge.let_happen(self.age(now))
         if now >= self._look_at - LOOK / 4:  # together with a heartbeat, if one is near
             self._look(now)
         self._plan(now, notices)
         self._serve(now, report, notices)
-        self._listen(now)
+        self.ears.listen_for(self.service.goal, self.keeper.plan, self.membership, now)
         self._steer(now)
         self.voice.speak(now, self._place, notices)
         self.due = min(self._next_time(now), self.voice.next_beat)
@@ -246,15 +245,17 @@ class Agent:
     def _look(self, now: float) -> None:
         """Look who is lost, and whether this robot gets on."""
         self._look_at = now + LOOK
-        self.membership.call_lost(now, self.watched)
+        self.membership.call_lost(now, self.ears.watched)
         place = self.command.place
         if self.carries:
             place = self.knowledge.tasks[self.command.task].to
         wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
+        has_way = not wants_to_move or self._leads(place)
+        wants_to_move = wants_to_move and has_way and self.knowledge.is_at_work
         if wants_to_move:
             self._wanted = place
         x, y = self._place
-        is_unable = self._report.is_unfit
+        is_unable = self._report.is_unfit or not has_way
         self.membership.judge_myself(now, x, y, wants_to_move, self._waits(now), is_unable)
 
     def _waits(self, now: float) -> float:
@@ -294,14 +295,20 @@ class Agent:
                 service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
         is_there = is_for_it and (self._is_bound or self._is_at(service.goal))
-        is_there = is_there and not report.is_unfit
+        is_there = is_there and not report.is_unfit and self.knowledge.is_at_work
         is_elsewhere = self._has_load(service.goal) or service.goal in self.mission.hidden
         if is_there and is_elsewhere:
             is_on_its_way = self.command.place not in (None, self.knowledge.place_of(service.goal))
             is_there = not (is_on_its_way or report.is_gone or self.membership.is_stuck)
         chosen = None if leading is None else leading.decide(now, self._place, notices)
         may_begin = self.mission.may_begin(service.goal, self.knowledge.over, self.age(now))
+        begins = self.knowledge.begins(service.team_here(now), service.goal)
+        may_begin = may_begin and begins <= self.knowledge.age
         service.stand_by(now, is_there, report.is_busy, may_begin, chosen)
+
+    def _leads(self, place: Place | None) -> bool:
+        """Say whether a way leads to a place from where this robot is."""
+        return place is not None and self.mission.leads(self.me, self._place, place)
 
     def _fellows(self, goal: int) -> frozenset[int]:
         """Return the robots that go to the same task as this one next."""
@@ -317,7 +324,11 @@ class Agent:
 
     @property
     def carries(self) -> bool:
-        """Say whether this robot carries the load of the task at hand."""
+        """Say whether this robot carries the load of the task at hand, and means to go on."""
+        return self._reports_load and not self._lets_go
+
+    @property
+    def _reports_load(self) -> bool:
         return self._report.carries and self._report.leg == self.command.leg
 
     @property
@@ -343,6 +354,7 @@ class Agent:
         if service.goal != NOBODY:
             duration = self.knowledge.tasks[service.goal].duration
         is_serving = service.phase == SERVE
+        self._lets_go = self._lets_go or (self.carries and not is_serving)
         if is_serving and self._has_load(service.goal):
             pace = min(self.mission.paces[robot] for robot in service.team_here(now))
         new = Command(
@@ -366,11 +378,12 @@ class Agent:
             return command.place
         if self._has_load(goal) and now < service.promised:
             return command.place  # it stays with the load, or where it has let it go
-        if self.membership.is_stuck and (goal == NOBODY or self._has_load(goal)):
+        is_idle = goal == NOBODY or self._has_load(goal)
+        if self.membership.is_stuck and is_idle and self._leads(self._wanted):
             place = self._wanted  # it goes on trying
         elif goal == NOBODY:
             is_home_bound = self.is_over and self.mission.ends
-            missed = {} if is_home_bound else self.meeting.missed(now, self.watched)
+            missed = {} if is_home_bound else self.meeting.missed(now, self.ears.watched)
             place = self.meeting.place(self._place, missed, self.age(now))
         elif now >= service.formed:
             is_here = command.task == goal and command.place is None and self._is_at(goal)
@@ -378,18 +391,6 @@ class Agent:
         if place is None and goal == command.task != NOBODY:
             return command.place  # forming where it stands
         return place
-
-    def _listen(self, now: float) -> None:
-        """In a large fleet, listen to neighbours and to those that this robot is to meet."""
-        if self.mission.robots <= HEARS_ALL:
-            return
-        goal, plan = self.service.goal, self.keeper.plan
-        if (goal, plan.note.epoch) != self._watched_for:
-            self._watched_for = (goal, plan.note.epoch)
-            mates = frozenset(plan.coalition(goal)) - {self.me}
-            watched = neighbours(self.me, self.mission.robots) | mates
-            self.membership.watch(watched - self.watched, now)
-            self.watched = watched
 
     def _next_time(self, now: float) -> float:
         """Return when something is to be decided, even if nothing is heard until then."""

@@ -51,6 +51,10 @@ class Remembered(Struct, frozen=True, array_like=True):
     called_off: tuple[int, ...] = ()
     needs: tuple[NeedsFact, ...] = ()
 
+    def read_at(self, now: float) -> Remembered:
+        """Return it as it is when it is read, by the clock of the machine: the mission went on."""
+        return replace(self, age=self.age + max(0.0, now - self.seen_at))
+
 
 class Knowledge:
     """The facts and words that a robot has; `me` is its number."""
@@ -72,6 +76,8 @@ class Knowledge:
         self.digest = 0
         self.changes = 0  # grows with every fact
         self.refused = 0  # facts that made no sense
+        self.age = 0.0  # of the mission, when it was looked at last, seconds
+        self.is_closed = False  # the mission is over, with whatever is not done
         self._hidden = sorted((t.appears, t.key) for t in mission.tasks if t.appears > 0)[::-1]
         self._ends = sorted((at, key) for key, at in mission.off_at.items())[::-1]
         self._news: deque[tuple[float, int]] = deque(maxlen=MOST_NEWS)
@@ -97,16 +103,27 @@ class Knowledge:
         return old
 
     def let_happen(self, age: float) -> None:
-        """Let tasks become known, or be called off, whose time has come by the mission's file."""
+        """Let tasks become known, or be called off, whose time has come by the mission's file.
+
+        Once the mission is over by that, all that is not over is missed.
+        """
+        self.age = age
         while self._hidden and self._hidden[-1][0] <= age:
             self._learn(self._hidden.pop()[1])
         while self._ends and self._ends[-1][0] <= age:
             self.call_off(self._ends.pop()[1])
+        if age >= self.mission.until and not self.is_closed:
+            self.is_closed = True
+            for key in self.tasks:
+                self._end(key)
 
     @property
     def happens_next(self) -> float:
         """Return the mission's age at which its file has something happen next; inf for never."""
-        return min((times[-1][0] for times in (self._hidden, self._ends) if times), default=NEVER)
+        times = [times[-1][0] for times in (self._hidden, self._ends) if times]
+        return (
+            min(times, default=NEVER) if self.is_closed else min(*times, self.mission.until, NEVER)
+        )
 
     def add_task(self, task: TaskFact) -> bool:
         """Take in a task of an operator; say whether it is held now."""
@@ -120,6 +137,8 @@ class Knowledge:
         self.tasks[task.key] = task
         self.digest ^= _hash(task.key, False)
         self._learn(task.key)
+        if self.is_closed:
+            self._end(task.key)
         return True
 
     def mark_done(self, key: int, now: float) -> bool:
@@ -291,6 +310,24 @@ class Knowledge:
         for key in sorted(self.undone):
             task, load = self.tasks[key], self.loads.get(key)
             yield task if load is None else replace(task, x=load.x, y=load.y)
+
+    @property
+    def is_at_work(self) -> bool:
+        """Say whether this robot is in one of its shifts."""
+        return self.mission.is_at_work(self.me, self.age)
+
+    def begins(self, robots: Iterable[int], key: int) -> float:
+        """Return when robots that stand at a task can begin it: now, with a shift, or never (inf).
+
+        It is to end before the mission is over, and within a shift of each.
+        """
+        mission = self.mission
+        if key not in self.tasks or (mission.until == NEVER and not mission.has_shifts):
+            return self.age
+        (x, y), who = self.place_of(key), list(robots)
+        task = replace(self.tasks[key], x=x, y=y)
+        at = mission.fits(task, who, self.age)
+        return at if mission.ends_in_time(task, who, at) else NEVER
 
     def covers(self, robots: Iterable[int], key: int) -> bool:
         """Say whether robots together have what a task needs."""

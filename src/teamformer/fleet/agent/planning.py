@@ -6,9 +6,10 @@ import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from teamformer.fleet.agent.knowledge import Knowledge
+from teamformer.fleet.agent.knowledge import NEVER, Knowledge
 from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.in_shifts import can_still_do
 from teamformer.fleet.messages import SERVE, PlanNote, TaskFact
 from teamformer.fleet.planner import FleetPlanner, FleetSituation
 from teamformer.world.rules.constants import NOBODY
@@ -26,7 +27,8 @@ class FleetPlan:
     routes: dict[int, list[int]] = field(init=False)  # the tasks of each robot, in order
     version: tuple[int, int, int] = field(init=False)
     live: frozenset[int] = field(init=False)  # the robots that it counts on
-    listed: frozenset[int] = field(init=False)  # the tasks that it thought of
+    idle: frozenset[int] = field(init=False)  # the tasks that it does not mean to have done
+    listed: frozenset[int] = field(init=False)  # all tasks that it thought of
 
     def __post_init__(self) -> None:
         note = self.note
@@ -34,13 +36,15 @@ class FleetPlan:
         for key, coalition in zip(note.order, note.coalitions, strict=True):
             for robot in coalition:
                 routes.setdefault(robot, []).append(key)
-        text = repr((note.live, note.order, note.coalitions, note.left_out)).encode()
+        idle = (note.left_out, note.given_up)
+        text = repr((note.live, note.order, note.coalitions, *idle)).encode()
         digest = int.from_bytes(hashlib.blake2b(text, digest_size=8).digest(), "big") >> 2
         keep = object.__setattr__
         keep(self, "routes", routes)
         keep(self, "version", (note.epoch, note.maker, digest))
         keep(self, "live", frozenset(note.live))
-        keep(self, "listed", frozenset((*note.order, *note.left_out)))
+        keep(self, "idle", frozenset((*note.left_out, *note.given_up)))
+        keep(self, "listed", self.idle.union(note.order))
 
     @property
     def stops(self) -> tuple[tuple[int, tuple[int, ...]], ...]:
@@ -67,20 +71,24 @@ def make_plan(
 ) -> PlanNote:
     """Plan what can be done; tasks that the robots cannot do are left out and said so.
 
-    So are those that come after such tasks, or after one that nobody knows yet. A task that others
-    come after may have been done by robots that are lost: somebody looks, after all else.
+    So are those that come after such tasks, or after one that nobody knows yet. Tasks that may be
+    missed are given up where others are worth more. A task that others come after may have been
+    done by robots that are lost: somebody looks, after all else.
     """
     robots = tuple(sorted(situation.places))
     places = situation.places
     able = [task for task in situation.tasks if mission.can_do(robots, task, places)]
+    able = [task for task in able if can_still_do(mission, task, places, situation.age)]
     able = _without_waiting(mission, able, situation.over)
     left_out = tuple(task.key for task in situation.tasks if task not in able)
     stops: Sequence[tuple[int, tuple[int, ...]]] = ()
     if able:
         stops = planner.plan(mission, situation._replace(tasks=tuple(able)))
+    planned = {key for key, _ in stops}
+    given_up = tuple(task.key for task in able if task.key not in planned)
     stops = [*stops, *_looks(mission, situation)]
     order, coalitions = tuple(key for key, _ in stops), tuple(who for _, who in stops)
-    return PlanNote(epoch, maker, robots, order, coalitions, left_out)
+    return PlanNote(epoch, maker, robots, order, coalitions, left_out, given_up)
 
 
 def _looks(
@@ -121,6 +129,7 @@ class PlanKeeper:
         self.changes = 0  # grows with every plan that is followed
         self._looked_at = -1  # the changes after which it last looked for a reason
         self._next = 0
+        self._late = frozenset[int]()  # planned tasks that cannot begin any more, as it was planned
         self._looked = set[int]()  # tasks at which it has looked whether they are done
 
     def take(self, note: PlanNote, now: float) -> None:
@@ -134,7 +143,16 @@ class PlanKeeper:
     def _follow(self, plan: FleetPlan, now: float) -> None:
         self.plan, self.since, self._next = plan, now, 0
         self._looked.clear()
+        self._late = self._too_late()
         self.changes += 1
+
+    def _too_late(self) -> frozenset[int]:
+        """Return the planned tasks whose robots' shifts leave no time for them any more."""
+        knowledge = self._knowledge
+        if not knowledge.mission.has_shifts:
+            return frozenset()
+        open_stops = ((key, who) for key, who in self.plan.stops if key in knowledge.undone)
+        return frozenset(key for key, who in open_stops if knowledge.begins(who, key) == NEVER)
 
     def note_look(self, key: int) -> None:
         """Note that this robot sees that a task is not done to which it only went to look."""
@@ -145,7 +163,8 @@ class PlanKeeper:
     def next_task(self, robot: int) -> int:
         """Return a robot's first task that is known here and not over, or NOBODY.
 
-        Nor is it one at which this robot has looked in vain: then it is free to meet others.
+        Nor is it one at which this robot has looked in vain: then it is free to meet others. Nor
+        one that would not end before the mission is over, or its robots' shifts are.
         """
         over, tasks = self._knowledge.over, self._knowledge.tasks
         route = self.plan.routes.get(robot, ())
@@ -156,7 +175,9 @@ class PlanKeeper:
         for place in range(begin, len(route)):
             key = route[place]
             has_looked = robot == self._knowledge.me and key in self._looked
-            if key in tasks and key not in over and not has_looked:
+            if key not in tasks or key in over or has_looked:
+                continue
+            if self._knowledge.begins(self.plan.coalition(key), key) < NEVER:
                 return key
         return NOBODY
 
@@ -202,6 +223,7 @@ class PlanKeeper:
         """Look for a reason to plan, where anything has changed since the last look."""
         knowledge = self._knowledge
         looked = knowledge.changes + membership.changes + self.changes  # all of which grow
+        looked += len(self._too_late())
         if looked == self._looked_at:
             return
         self._looked_at = looked
@@ -214,6 +236,8 @@ class PlanKeeper:
         """Say whether the plan misses a task, counts on others than are there, or on too few."""
         undone = self._knowledge.undone
         if undone and (live != self.plan.live or not undone <= self.plan.listed):
+            return True
+        if self._too_late() > self._late:
             return True
         left_out = self.plan.note.left_out
         return any(self._needs_more(key) for key in self._knowledge.seen if key in undone) or any(

@@ -1,16 +1,14 @@
 """The world that simulated bodies share: robots walk, stand at tasks, do them, and carry loads.
 
-Nothing happens between events, so places are worked out when they are asked for. Robots go the ways
-of the mission's world, at their own speed, through one another; who is delayed stands still now and
-then. Who carries a load goes at the pace of the slowest who do, and stands still if one of them is
-stuck. On roads nobody turns round between two places.
+Nothing happens between events, so places are worked out when they are asked for. Who carries a load
+goes at the pace of the slowest who do, and stands still if one of them is stuck.
 """
 
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.journey import Journey
@@ -19,73 +17,56 @@ from teamformer.fleet.bodies.simulated import (
     SERVICE,
     UNLOADING,
     Done,
-    SimulatedRobot,
     WorkUnderWay,
 )
+from teamformer.fleet.bodies.walking import NEVER, Lifted, WalkingWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.places import sight_of
 from teamformer.mission.parts.roads import Roads
-from teamformer.world.continuous.delays import StandingStill
 from teamformer.world.continuous.events import Event, Passed
-from teamformer.world.continuous.ways import Stage, way_together
+from teamformer.world.continuous.ways import way_together
 from teamformer.world.rules.constants import NOBODY
 
-NEVER = float("inf")
+OPENS, OFF, CLOSE, BORDER = -1.0, -2.0, -3.0, -4.0
+"""Stand at the end of events for the begin of a task's window, that it is called off, that the
+mission is over, and that a shift begins or ends of the robot which stands in place of the task."""
 
-OPENS, OFF = -1.0, -2.0
-"""Stand at the end of events for the begin of a task's window, and that it is called off."""
-
-
-class Walked(NamedTuple):
-    """A robot set out on a way, or stays where it is: at a place, or stopped between two."""
-
-    at: float
-    robot: int
-    journey: Journey
-    carries: int = NOBODY  # the task whose load it carries
+AFTER_ALL = 1 << 63
+"""Stands for the task of what comes after all that happens to tasks at the same moment."""
 
 
-class Lifted(NamedTuple):
-    """A load was taken up by robots at a place, or, by nobody, set down there."""
-
-    at: float
-    task: int
-    robots: tuple[int, ...]
-    place: Place
-
-
-class FleetWorld:
+class FleetWorld(WalkingWorld):
     """All robots and tasks; `advance` lets time pass, which must never run backwards.
 
     `truth` is the mission as it really is, where something of it is uncertain.
     """
 
     def __init__(self, mission: FleetMission, truth: Mission | None = None) -> None:
-        self.mission = mission
-        self.now = 0.0
-        self._map = mission.source.world
+        super().__init__(mission, truth)
         facts = mission.tasks if truth is None else mission.facts_of(truth)[: len(mission.tasks)]
-        self._still = StandingStill((truth or mission.source).robots)
         self.tasks: dict[int, TaskFact] = {task.key: task for task in facts}
         self.done: dict[int, Done] = {}
-        self.over: set[int] = set()  # what is done or called off
-        self.robots = [
-            SimulatedRobot(Journey((Passed(0.0, robot.at),))) for robot in mission.source.robots
-        ]
-        self.moves: list[Walked | Lifted | Event] = []  # events are those of services
+        self.over: set[int] = set()  # what is done, called off or missed
+        self.missed: set[int] = set()  # what was not over when the mission was
         self._lies: dict[int, Place] = {}  # loads that were moved, by task
         self._ways_of_loads: dict[int, Journey] = {}  # of those that are carried
         self._services: dict[int, WorkUnderWay] = {}  # by task
-        # When, robot or -1, task, stamp.
-        self._events = [(at, NOBODY, key, OPENS) for key, at in mission.opens.items()]
+        self._events += [(at, NOBODY, key, OPENS) for key, at in mission.opens.items()]
         self._events += [(at, NOBODY, key, OFF) for key, at in mission.off_at.items()]
+        if mission.until < NEVER:
+            self._events.append((mission.until, NOBODY, AFTER_ALL, CLOSE))
         heapq.heapify(self._events)
+        for robot in range(mission.robots):
+            self._put_border(robot, 0.0)
 
     def add_task(self, task: TaskFact) -> None:
         """Let there be another task."""
         self.tasks.setdefault(task.key, task)
+        if self.now >= self.mission.until and task.key not in self.over:
+            self._miss(task.key)
 
     def call_off(self, key: int) -> None:
         """Let a task be called off: what comes after it may begin; who does not know may do it."""
@@ -124,10 +105,51 @@ class FleetWorld:
                 self._look_at_services(task)
             elif stamp == OFF:
                 self.call_off(task)
+            elif stamp == CLOSE:
+                self._close(touched)
+            elif stamp == BORDER:
+                self._pass_border(task, touched)
             elif task in self._services and self._services[task].end == stamp:
                 self._go_on(task, touched)
         self.now = now
         return touched
+
+    def _close(self, touched: set[int]) -> None:
+        """Let all be missed that is not over, and break off what is under way."""
+        for key in self.tasks.keys() - self.over:
+            self._miss(key)
+        for robot, body in enumerate(self.robots):
+            if body.carries != NOBODY:
+                self._let_go(robot, touched)
+        for key in list(self._services):
+            self._look_at_services(key)
+
+    def _put_border(self, robot: int, after: float) -> None:
+        """Have it noticed when the next shift of a robot begins or ends."""
+        step = self.mission.step
+        border = self.mission.source.robots[robot].rota.next_border(after / step)
+        if border is not None:
+            heapq.heappush(self._events, (border[0] * step, NOBODY, robot, BORDER))
+
+    def _pass_border(self, robot: int, touched: set[int]) -> None:
+        """Let a shift begin, or break off what a robot does whose shift ends."""
+        body, key = self.robots[robot], self.robots[robot].command.task
+        if body.carries != NOBODY:
+            self._let_go(robot, touched)
+        service = self._services.get(key)
+        is_here = key in self.tasks and self.mission.is_same_place(
+            *self.place(robot), *self.place_of(key)
+        )
+        if service is not None and service.team == body.command.team and is_here:
+            del self._services[key]
+            self._tell("broken", key, ())
+        self._look_at_services(key)
+        self._put_border(robot, self.now)
+        touched.add(robot)
+
+    def _miss(self, key: int) -> None:
+        self.missed.add(key)
+        self.over.add(key)
 
     def command(self, robot: int, command: Command) -> set[int]:
         """Let a robot obey from now on; return the robots that sense something new."""
@@ -138,7 +160,7 @@ class FleetWorld:
         if body.carries != NOBODY and not self._is_at_work(robot, body.carries):
             self._let_go(robot, touched)
         if (command.leg, command.place) != (old.leg, old.place) and body.carries == NOBODY:
-            self._walk(robot)
+            self.walk(robot)
             touched.add(robot)
         for task in {old.task, command.task}:
             self._look_at_services(task)
@@ -161,7 +183,7 @@ class FleetWorld:
             report = report._replace(needs=task.needs)
         if task.key in self.mission.hidden:
             radius = self.mission.source.finding_radius
-            is_seen = is_here or self.mission.apart((x, y), at) <= radius
+            is_seen = is_here or sight_of(self._map, (x, y), at) <= radius
             return report._replace(load=at if is_seen else None, is_gone=not is_here)
         if task.to is None:
             return report
@@ -171,10 +193,6 @@ class FleetWorld:
             return report._replace(is_gone=True)
         is_seen = is_here or self._sees(robot, at)
         return report._replace(load=at if is_seen else None, is_gone=not is_here)
-
-    def place(self, robot: int) -> Place:
-        """Return where a robot is now."""
-        return self.robots[robot].journey.place(self.now, self._map)
 
     def _sees(self, robot: int, load: Place) -> bool:
         """Say whether a robot sees a load; on roads also where it has just set out."""
@@ -207,7 +225,7 @@ class FleetWorld:
         if self.robots[robot].carries != NOBODY:
             self._carry(self.robots[robot].carries)
         elif not self.robots[robot].is_dead:
-            self._walk(robot)
+            self.walk(robot)
 
     def at_work(self, key: int) -> Iterator[int]:
         """Return the robots that stand at a task or carry its load, alive and told to serve it."""
@@ -224,13 +242,14 @@ class FleetWorld:
         """Say whether a robot serves a task, and has a way on with its load, if it has one."""
         body, to = self.robots[robot], self.tasks[key].to
         is_told = body.command.serve and body.command.task == key and not body.is_dead
+        is_told = is_told and self.mission.is_at_work(robot, self.now)
         return is_told and (to is None or self.mission.leads(robot, self.place_of(key), to))
 
     def _set_still(self, robot: int, is_dead: bool, is_stuck: bool = False) -> set[int]:
         body = self.robots[robot]
         touched = set[int]()
         body.is_dead, body.is_stuck = is_dead, body.is_stuck or is_stuck
-        self._stop(robot)
+        self.stop(robot)
         if body.carries != NOBODY and is_dead:
             self._let_go(robot, touched)
         elif body.carries != NOBODY:
@@ -249,12 +268,12 @@ class FleetWorld:
             begin = way.beginning(self.now, self._map)
             movers = [(self.mission.source.robots[r].moves, self.mission.paces[r]) for r in who]
             stages = way_together(self.mission.ways, movers, begin[-1].place, to)
-            way = Journey((*begin, *self._passing(who, begin[-1].at, stages)))
+            way = Journey((*begin, *self.passing(who, begin[-1].at, stages)))
         self._ways_of_loads[key] = way
         for robot in who:  # in a plane each a little way from the load
             at = Passed(way.way[0].at, self.place(robot))
             is_road = isinstance(self._map, Roads)
-            self._set_out(robot, way if is_road else Journey((at, *way.way[1:])))
+            self.set_out(robot, way if is_road else Journey((at, *way.way[1:])))
         team = self.robots[who[0]].command.team
         self._begin(key, WorkUnderWay(team, way.end, CARRIED))
         if way.end < NEVER:
@@ -264,7 +283,7 @@ class FleetWorld:
         """Let a robot carry no more: the others go on if they can, or set the load down."""
         key, body = self.robots[robot].carries, self.robots[robot]
         body.carries = NOBODY
-        self._stop(robot)
+        self.stop(robot)
         who = [other for other, each in enumerate(self.robots) if each.carries == key]
         touched.update((robot, *who))
         if self.mission.covers(who, self.tasks[key].needs):
@@ -276,7 +295,7 @@ class FleetWorld:
         del self._services[key]
         for other in who:
             self.robots[other].carries = NOBODY
-            self._stop(other)
+            self.stop(other)
         self.moves.append(Lifted(self.now, key, (), self._lies[key]))
         self._tell("broken", key, (robot, *who))
 
@@ -285,49 +304,6 @@ class FleetWorld:
         self._services[key] = service
         if service.end < NEVER:
             heapq.heappush(self._events, (service.end, NOBODY, key, service.end))
-
-    def _walk(self, robot: int) -> None:
-        """Begin the way to where the command says; half a cell is lost where it turns.
-
-        On roads it goes on to the next place first, even if it is to stay.
-        """
-        body, goal = self.robots[robot], self.robots[robot].command.place
-        if body.is_stuck:
-            self._stop(robot)
-            return
-        begin = body.journey.beginning(self.now, self._map)
-        here, mover = begin[-1].place, self.mission.source.robots[robot]
-        stages: list[Stage] = []
-        if goal is not None and self.mission.leads(robot, here, goal):
-            stages = self.mission.ways.stages(here, goal, mover.moves)
-        way, at = body.journey.way, body.journey.passed(self.now)
-        is_grid = isinstance(self._map, Grid)
-        if is_grid and stages and at + 1 < len(way) and stages[0][0] == way[at + 1].place:
-            begin = (way[at],)  # on the way there already
-        pace = self.mission.paces[robot]
-        rest = self._passing((robot,), begin[-1].at, [(p, d / pace) for p, d in stages])
-        self._set_out(robot, Journey((*begin, *rest)))
-
-    def _passing(
-        self, who: Sequence[int], begin: float, stages: Iterable[Stage]
-    ) -> Iterator[Passed]:
-        """Yield when robots that go together pass places; delays come in whole steps."""
-        step = self.mission.step
-        for place, spent in stages:
-            at = begin + spent
-            if any(self.mission.source.robots[robot].delays for robot in who):
-                at = step * self._still.after(who, begin / step, spent / step)
-            yield Passed(at, place)
-
-    def _stop(self, robot: int) -> None:
-        """Let a robot stay where it is."""
-        self._set_out(robot, self.robots[robot].journey.stop(self.now, self._map))
-
-    def _set_out(self, robot: int, journey: Journey) -> None:
-        self.robots[robot].journey = journey
-        self.moves.append(Walked(self.now, robot, journey, self.robots[robot].carries))
-        if journey.end < NEVER:
-            heapq.heappush(self._events, (journey.end, robot, NOBODY, journey.end))
 
     def _look_at_services(self, key: int) -> None:
         """Begin or break off the service of a task, by who is at work on it now."""
@@ -338,6 +314,7 @@ class FleetWorld:
             teams.setdefault(self.robots[robot].command.team, []).append(robot)
         needs = self.tasks[key].needs
         able = [team for team, who in sorted(teams.items()) if self.mission.covers(who, needs)]
+        able = [] if key in self.missed else able
         going = self._services.get(key)
         if going is not None and going.team not in able:
             del self._services[key]

@@ -65,7 +65,8 @@ def _end(watch: Watch) -> Iterator[Alert]:
     """Say if tasks cannot be done by the robots that are there and fit, and who could."""
     out = {r for r, word in watch.words.items() if word.is_lost or not word.is_fit}
     able = [robot for robot in range(watch.mission.robots) if robot not in out]
-    stuck = [task for _, task in watch.open_tasks() if not watch.mission.can_do(able, task)]
+    must = (task for _, task in watch.open_tasks() if not watch.mission.may_miss(task.key))
+    stuck = [task for task in must if not watch.mission.can_do(able, task)]
     if not stuck:
         return
     robots, [first, *_] = watch.source.robots, stuck

@@ -35,6 +35,9 @@ from teamformer.world.rules.constants import NOBODY
 STAYS = 3
 """Steps for which a robot's word that it is at work holds on, if it says something else since."""
 
+HEARD_WITHIN = STAYS
+"""Steps, or units of time, within which is heard of what was done before a mission was over."""
+
 ANSWERS = 1.5
 """Seconds that agents have to tell who did a task, after STAYS steps at the earliest."""
 
@@ -87,11 +90,20 @@ class Watch:
 
     @property
     def is_over(self) -> bool:
-        """Say whether all tasks that it knows are done, and told, or called off."""
-        return self.tasks.keys() <= self._done.keys() | self._off and not self._news
+        """Say whether all tasks that it knows are done, and told, or called off, or missed."""
+        return (
+            self.is_closed or self.tasks.keys() <= self._done.keys() | self._off
+        ) and not self._news
+
+    @property
+    def is_closed(self) -> bool:
+        """Say whether the mission is over by its `until`, and all has been heard of before."""
+        return self.made >= self.mission.in_time(self.mission.until) + HEARD_WITHIN
 
     def open_tasks(self) -> list[tuple[int, TaskFact]]:
         """Return the tasks that are not over, with their numbers."""
+        if self.is_closed:
+            return []
         left = self.tasks.keys() - self._done.keys() - self._off
         return [(self._number[key], task) for key, task in self.tasks.items() if key in left]
 
@@ -355,4 +367,5 @@ class Watch:
         at = place_in(self.source.world, (task.x, task.y))
         caps = dict(zip(self.source.capabilities, task.needs, strict=True))
         needs = {cap: count for cap, count in caps.items() if count}
-        return Task(name, at, needs, self.mission.in_time(task.duration), steps)
+        duration, optional = self.mission.in_time(task.duration), self.mission.may_miss_added
+        return Task(name, at, needs, duration, steps, optional=optional)

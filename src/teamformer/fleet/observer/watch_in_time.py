@@ -71,13 +71,16 @@ class WatchInTime(Watch):
         self._note_called_off()
         for key in self._off:
             self.seen.tell(now, "cancel", (), self._number[key])
+        if self.is_closed:
+            self.seen.miss_the_rest(now, self.source)
         return Step()
 
     def record(self) -> Record:
         """Return what has been seen so far; it ends when the last task is over."""
-        is_complete = len(self.seen.over) == len(self.source.tasks)
-        at = max(self.seen.over.values(), default=0.0) if is_complete else float(self._made)
-        status = "completed" if is_complete else "interrupted"
+        is_over = len(self.seen.over) == len(self.source.tasks)
+        at = max(self.seen.over.values(), default=0.0) if is_over else float(self._made)
+        is_late = any(not self.source.tasks[task].optional for task in self.seen.missed)
+        status = "too late" if is_late else "completed" if is_over else "interrupted"
         return self.seen.record(self.source, at, status)
 
     def _tell_appeared(self, now: float) -> None:

@@ -53,8 +53,7 @@ class FactsFile:
         if (saved.mission, saved.robot) != (self._mission, self._robot):
             hint = "name another file with --facts"
             raise TeamformerError(f"{self._path}: this is of another mission or robot", hint)
-        away = max(0.0, time.time() - saved.remembered.seen_at)
-        return replace(saved.remembered, age=saved.remembered.age + away)
+        return saved.remembered.read_at(time.time())
 
     def write(self, remembered: Remembered) -> None:
         """Replace the file; when this returns, it is on the disk."""

@@ -118,9 +118,8 @@ class LocalFleet:
         self._let_all_hear(server)
         alive = sum(agent.poll() is None for agent in self._agents)
         names = {key: task.name for key, task in world.tasks.items()}
-        return FleetResult(
-            world.is_over, tuple(world.done.values()), len(world.tasks), alive, names
-        )
+        is_completed = world.is_over and all(map(mission.may_miss, world.missed))
+        return FleetResult(is_completed, tuple(world.done.values()), len(world.tasks), alive, names)
 
     def _let_all_hear(self, server: WorldServer) -> None:
         """Go on for a moment, so that robots and onlookers hear of the last task too."""

@@ -86,8 +86,8 @@ class AgentProcess:
         saved = self._save(agent, (-1, -1))
         watched: frozenset[int] = frozenset()
         while not self.is_ending:
-            if agent.watched != watched:
-                watched = agent.watched
+            if agent.ears.watched != watched:
+                watched = agent.ears.watched
                 self.transport.listen_to(watched | {self.robot})  # or to who has the same name
             wait = min(LONGEST_WAIT, agent.due - time.monotonic())
             inbox = self._open(self.transport.receive(wait))

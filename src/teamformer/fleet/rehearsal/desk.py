@@ -16,7 +16,8 @@ class Desk:
         orders = [Operator(order.task, mission.robots) for order in faults.orders]
         tasks = (mission.tasks[off.task] for off in faults.withdrawals)
         self.operators = orders + [Operator(it, mission.robots, calls_off=True) for it in tasks]
-        self.times = [*(it.at for it in faults.orders), *(it.at for it in faults.withdrawals)]
+        self.times = [order.at for order in faults.orders]
+        self.times += [off.at for off in faults.withdrawals]
 
     def accepted(self) -> set[int]:
         """Return the added tasks that operators were told are accepted."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence, Set
 
 from msgspec.structs import replace
 
+from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.in_shifts import can_still_do
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.operator import Operator
 from teamformer.fleet.rehearsal.faults import Faults
@@ -27,27 +30,45 @@ class EndingWatch:
         self._operators = operators
         self._stuck = {spell.robot for spell in faults.stuck if spell.end is None}
 
-    def left(self, now: float, held: Set[int], knowing: Set[int]) -> list[TaskFact] | None:
-        """Return what cannot be done any more if all else is done; None while it is not.
+    def status(self, now: float, held: Set[int], agents: Sequence[Agent | None]) -> str | None:
+        """Return how the mission has ended; None while it goes on.
 
         `held` are the operators' tasks, and those called off, that somebody knows still. Robots
-        `knowing` that all is over have to be home, if the mission ends there.
+        that know that all is over have to be home, if the mission ends there.
         """
         able = self._able()
         waiting = [operator for operator in self._operators if not operator.is_accepted]
         if any(len(able) >= operator.needed for operator in waiting):
             return None
         unheard = {operator.task.key for operator in waiting}
-        impossible = self.impossible(now, held)
-        excused = unheard | {task.key for task in impossible} | self.called_off(now)
-        is_over = all(key in excused for key in self._world.tasks if key not in self._world.done)
-        is_home = bool(impossible) or all(map(self._is_home, knowing & set(able)))
-        return impossible if is_over and is_home else None
+        is_closed = now >= self._mission.until
+        left = self._left(now).keys() - unheard
+        must = {key for key in left if not self._mission.may_miss(key)}
+        if not is_closed:
+            impossible = {task.key for task in self.impossible(now, held)}
+            if not left <= impossible | ((left - must) & self._idle(agents)):
+                return None
+        is_given_up = bool(left) and not is_closed
+        knowing = (r for r in able if (it := agents[r]) and (it.is_over or is_given_up))
+        is_home = all(map(self._is_home, knowing))
+        if not is_home and (is_closed or not must):
+            return None
+        return ("too late" if is_closed else "infeasible") if must else "ended"
+
+    def _idle(self, agents: Sequence[Agent | None]) -> set[int]:
+        """Return the tasks that are not over and that no running robot means to do."""
+        running = [agent for agent in agents if agent is not None]
+        idle = self._world.tasks.keys() - self._world.over if running else set[int]()
+        for agent in running:
+            idle &= agent.keeper.plan.idle - {agent.service.goal}
+        return idle
 
     def _is_home(self, robot: int) -> bool:
         """Say whether a robot is where it has to be in the end, or cannot get there."""
         home, here = self._mission.home_of(robot), self._world.place(robot)
         if home is None or not self._mission.leads(robot, here, home):
+            return True
+        if self._mission.comes(robot, here, home, self._world.now) == math.inf:  # no shift is left
             return True
         return self._mission.is_same_place(*here, *home)
 
@@ -64,10 +85,20 @@ class EndingWatch:
         can_do, places = self._mission.can_do, {robot: self._world.place(robot) for robot in able}
         idle = {key: self._as_it_lies(it) for key, it in tasks.items() if not is_served(key)}
         cannot = {key for key, it in idle.items() if not can_do(able, it, places)} | lost
+        if self._mission.has_shifts:
+            longest = ((key, self._as_long_as_believed(it)) for key, it in idle.items())
+            fits = ((key, can_still_do(self._mission, it, places, now)) for key, it in longest)
+            cannot |= {key for key, is_possible in fits if not is_possible}
         before = self._mission.before
         while more := {key for key in left if before.get(key, set()) & cannot} - cannot:
             cannot |= more
         return [task for key, task in left.items() if key in cannot]
+
+    def _as_long_as_believed(self, task: TaskFact) -> TaskFact:
+        """Return a task that takes as long as it really does, or as robots believe if longer."""
+        own = self._mission.tasks
+        believed = own[task.key].duration if task.key < len(own) else 0.0
+        return replace(task, duration=max(task.duration, believed))
 
     def _as_it_lies(self, task: TaskFact) -> TaskFact:
         """Return a task with its load where that lies."""
@@ -87,13 +118,15 @@ class EndingWatch:
 
     def undone(self, now: float, held: Set[int]) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Return the names of tasks that can be done and are not, and of those that cannot be."""
-        impossible = tuple(task.name for task in self.impossible(now, held))
-        names = (task.name for task in self._left(now).values())
-        return tuple(name for name in names if name not in impossible), impossible
+        impossible = {task.key for task in self.impossible(now, held)}
+        names = {key: task.name for key, task in self._left(now).items()}
+        must = [key for key in names if not self._mission.may_miss(key)]
+        undone = tuple(names[key] for key in must if key not in impossible)
+        return undone, tuple(names[key] for key in must if key in impossible)
 
     def _left(self, now: float) -> dict[int, TaskFact]:
         """Return the tasks that are neither done nor called off."""
-        over = self._world.done.keys() | self.called_off(now)
+        over = self._world.done.keys() | self.called_off(min(now, self._mission.until))
         return {key: task for key, task in self._world.tasks.items() if key not in over}
 
     def called_off(self, now: float) -> set[int]:

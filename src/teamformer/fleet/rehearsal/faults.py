@@ -245,7 +245,8 @@ def _arrivals_of(mission: FleetMission, truth: Mission) -> Iterator[Order]:
     facts = mission.facts_of(truth)[len(mission.tasks) :]
     for number, task in enumerate(facts):
         key = (FIRST_ARRIVAL + number) << 24
-        yield Order(task.appears, structs.replace(task, key=key, appears=0.0))
+        if task.appears < mission.until:
+            yield Order(task.appears, structs.replace(task, key=key, appears=0.0))
 
 
 def _draw_crashes(rng: random.Random, mission: FleetMission, span: float) -> Iterator[Crash]:
@@ -281,7 +282,9 @@ def _draw_withdrawals(
 ) -> Iterator[Withdrawal]:
     keys = range(len(mission.tasks))
     for key in rng.sample(keys, rng.randint(1, min(2, len(keys)))):
-        yield Withdrawal(rng.uniform(0, span), key)
+        at = rng.uniform(0, span)
+        if at < mission.until:
+            yield Withdrawal(at, key)
 
 
 def _draw_orders(rng: random.Random, mission: FleetMission, span: float) -> Iterator[Order]:
@@ -292,4 +295,6 @@ def _draw_orders(rng: random.Random, mission: FleetMission, span: float) -> Iter
         place = (beside.x, beside.y)
         place = place if mission.can_do_at(like, place) else (like.x, like.y)
         task = TaskFact(key, f"order-{number + 1}", *place, like.needs, like.duration)
-        yield Order(rng.uniform(0, span), task)
+        at = rng.uniform(0, span)
+        if at < mission.until:
+            yield Order(at, task)

@@ -10,7 +10,8 @@ class Outcome:
     """How a rehearsal ended; times in seconds.
 
     `status` is `ended`; `infeasible` if robots were lost that tasks need, or an accepted task with
-    the memory of all who held it, and all others are done; `blocked` if something that can be done
+    the memory of all who held it, and all others are done; `too late` if a task that must be done
+    was not when the mission was over by its `until`; `blocked` if something that can be done
     was not done until the deadline.
     """
 

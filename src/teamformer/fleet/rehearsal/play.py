@@ -9,11 +9,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.agent.knowledge import Remembered
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Command, Report
-from teamformer.fleet.bodies.world import NEVER, FleetWorld, Walked
+from teamformer.fleet.bodies.walking import NEVER, Walked
+from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import OPERATOR, Beat, Message, Notice, Post
 from teamformer.fleet.operator import AGAIN
@@ -108,10 +111,9 @@ class Rehearsal:
             self._step()
             if self._is_to_look and self.now >= over:
                 self._is_to_look = False
-                knowing = {r for r, agent in enumerate(self.agents) if agent and agent.is_over}
-                left = self._ending.left(self.now, self._held(), knowing)
-                if left is not None:
-                    status = "infeasible" if left else "ended"
+                ended = self._ending.status(self.now, self._held(), self.agents)
+                if ended is not None:
+                    status = ended
                     break
         return self._outcome(status)
 
@@ -171,7 +173,7 @@ class Rehearsal:
         command, notices = agent.tick(clock, self._sensed[robot], inbox)
         if agent.memory_version != self._saved_version[robot]:
             self._saved_version[robot] = agent.memory_version
-            self._saved[robot] = agent.remember(clock)
+            self._saved[robot] = replace(agent.remember(clock), seen_at=clock)
             known = agent.knowledge
             self.trace.note_knowledge(self.now, robot, known.called_off, known.seen.keys())
             for key in self.mission.hidden.keys() & known.loads.keys():
@@ -183,7 +185,9 @@ class Rehearsal:
                 self._wake_at(other, self._tick + 1)
         for notice in notices:
             self._send(robot, notice)
-        self._plans += agent.keeper.made - plans
+        if agent.keeper.made > plans:
+            self._plans += agent.keeper.made - plans
+            self._is_to_look |= self.mission.until < NEVER  # it may have given tasks up
         if self._wake[robot] <= self._tick or agent.due < self._due[robot]:
             self._wake_when_due(robot, agent)
 
@@ -242,7 +246,7 @@ class Rehearsal:
     def _receivers(self, robot: int) -> list[int]:
         """Return who listens to a robot."""
         agents = enumerate(self.agents)
-        return [other for other, it in agents if it is not None and robot in it.watched]
+        return [other for other, it in agents if it is not None and robot in it.ears.watched]
 
     def _deliver(self, at: float, sender: int, receiver: int, message: Message) -> None:
         tick = max(self._tick + 1, math.ceil(at / TICK))
@@ -290,6 +294,8 @@ class Rehearsal:
             self._put(at, "order", number)
         for at in self.mission.off_at.values():
             self._put(at, "over", 0)  # the mission may end with it
+        if self.mission.until < NEVER:
+            self._put(self.mission.until, "over", 0)
         if faults.junk:
             self._put(0.0, "junk", 0)
 
@@ -335,7 +341,8 @@ class Rehearsal:
         self._saved_version[robot] = (-1, -1)
         self._reports[robot].forget()
         self.trace.forget(robot)
-        self.agents[robot] = self._start(robot, self._saved[robot] if keeps_facts else None)
+        saved = self._saved[robot] if keeps_facts else None
+        self.agents[robot] = self._start(robot, saved and saved.read_at(self._clock(robot)))
 
     def _offer(self, number: int) -> set[int]:
         operator = self._desk.operators[number]
@@ -376,7 +383,7 @@ class Rehearsal:
             makespan=self._ending.makespan(alive),
             end=self.now,
             tasks_done=len(world.done),
-            blocked_tasks=undone if status == "blocked" else impossible,
+            blocked_tasks={"blocked": undone, "infeasible": impossible}.get(status, ()),
             messages=network.messages,
             bytes=network.bytes,
             received_bytes=network.received_bytes,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass
@@ -22,6 +23,9 @@ from teamformer.mission.parts.roads import Roads
 SLACK = 300.0
 """Seconds beyond the time that the slowest robot takes alone for every task, one by one."""
 
+
+LONGEST_SHIFTS = 10_000.0
+"""Units of time for which shifts may be waited for in a rehearsal."""
 
 LOOKING = 3.0
 """Seconds that a robot takes at each cell, or metre, to see that a load is not there."""
@@ -93,7 +97,15 @@ def deadline(mission: FleetMission, faults: Faults) -> float:
     walks += across * mission.ends
     walks += 2 * turn_time(mission) * len(turns(mission))
     begins = max([*mission.opens.values(), *(task.appears for task in tasks)])
-    return faults.over + begins + SLACK / (1 - faults.loss) + 2 * walks
+    if mission.until < math.inf:
+        begins = max(begins, mission.until)
+    seconds = faults.over + begins + SLACK / (1 - faults.loss) + 2 * walks
+    rotas = [robot.rota for robot in mission.source.robots if robot.rota]
+    if not rotas:
+        return seconds
+    seconds /= min(rota.share for rota in rotas)
+    longest = max(rota.shifts[-1][1] + rota.every * (len(tasks) + 1) for rota in rotas)
+    return seconds + mission.step * min(longest, LONGEST_SHIFTS)
 
 
 def _places_on_way(mission: FleetMission) -> float:

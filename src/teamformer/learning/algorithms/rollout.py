@@ -17,7 +17,7 @@ from teamformer.methods.learned.codec import Codec
 from teamformer.methods.learned.policy import rows_of
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.world.env import Decision, TeamFormation
-from teamformer.world.state.arrays import COMPLETED, INFEASIBLE
+from teamformer.world.state.arrays import RUNNING, STEP_LIMIT
 
 Chooser = Callable[[tuple[Array, ...]], tuple[Array, Array]]
 """From the tokens of the teams that have a choice, their actions and log-probabilities."""
@@ -112,7 +112,7 @@ def _rollout(env: TeamFormation, record: _Record, reward: TrainingReward) -> Rol
         last_value_of=torch.from_numpy(reward.values_of(env)),
         is_running=np.array(record.is_running),
         rewards=np.array(record.rewards, dtype=np.float32),
-        has_ended=np.isin(env.worlds.count["status"], (COMPLETED, INFEASIBLE)),
+        has_ended=~np.isin(env.worlds.count["status"], (RUNNING, STEP_LIMIT)),
     )
 
 

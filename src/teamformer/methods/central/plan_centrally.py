@@ -14,6 +14,7 @@ from teamformer.methods.central.variations import vary
 from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.checks.optional import has_optional
 from teamformer.mission.coordination import Plan
 from teamformer.mission.model import Mission
 from teamformer.planning.bounds.earliest import earliest_starts
@@ -89,7 +90,7 @@ def plan_centrally(
     plays.add(name, default, log=shared)  # the first play is never cut short
     if believed is not None and believed.has_surprises:
         plays.add_as_believed(name, default, believed)
-    given = None if start is None else _team_plan(start)
+    given = None if start is None else _team_plan(start, len(mission.tasks))
     if given is not None:
         plays.add_plan("start", given)
     situation = situation_in_hindsight(mission)
@@ -113,6 +114,8 @@ def plan_centrally(
         plays.add_plan("schedule", plan_of_lists(order, solution.schedule.coalitions))
     if time_limit > 0:
         vary(situation.problem, plays, bound, seed)
+    if has_optional(mission):  # the others count all tasks
+        bound = lower_bound(mission)
     return plays.report(solution, bound, searched, is_first=time_limit == 0)
 
 
@@ -217,6 +220,8 @@ def _relax_and_search(
     return solution
 
 
-def _team_plan(plan: Plan) -> CoalitionPlan:
+def _team_plan(plan: Plan, tasks: int) -> CoalitionPlan:
     coalition_of = dict(zip(plan.order, plan.coalitions, strict=True))
-    return plan_of_lists(plan.order, [coalition_of[task] for task in range(len(coalition_of))])
+    left_out = [task for task in range(tasks) if task not in coalition_of]
+    coalitions = [coalition_of.get(task, ()) for task in range(tasks)]
+    return plan_of_lists([*plan.order, *left_out], coalitions)

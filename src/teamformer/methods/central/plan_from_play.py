@@ -19,6 +19,7 @@ class CoalitionLog:
 
     def __init__(self, mission: Mission) -> None:
         self._order: list[int] = []
+        self._may_lack = [task.optional for task in mission.tasks]
         self._coalitions: list[list[int]] = [[] for _ in mission.tasks]
 
     def note(self, env: TeamFormation) -> None:
@@ -31,10 +32,11 @@ class CoalitionLog:
                 self._coalitions[task] = np.flatnonzero(team_of == tasks[task]["done_by"]).tolist()
 
     def plan(self) -> CoalitionPlan | None:
-        """Return what was done as a plan; None if not everything was."""
-        if not all(self._coalitions):
+        """Return what was done as a plan; None if not everything was that must be."""
+        left = [task for task, robots in enumerate(self._coalitions) if not robots]
+        if not all(self._may_lack[task] for task in left):
             return None
-        return plan_of_lists(self._order, self._coalitions)
+        return plan_of_lists([*self._order, *left], self._coalitions)
 
 
 def plan_from_play(

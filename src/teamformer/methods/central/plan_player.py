@@ -9,6 +9,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.shifts import fits_now
 from teamformer.planning.problem.relaxed_problem import count_table
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -36,18 +37,24 @@ class PlanPlayer:
         self._rank = {task: place for place, task in enumerate(order)}
         self._routes = [list(route) for route in routes]
         self._at = [0] * len(routes)  # how far on its route each robot is
+        planned = {task for route in routes for task in route}
+        self.left_out = frozenset(range(len(mission.tasks))) - planned
         self._places = np.array([task.at for task in mission.tasks], dtype=np.float64)
         world = mission.world
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
         self._reach = max(mission.join_radius, self._near)
-        kinds = [(sorted(r.can.items()), r.speed, r.flies, r.absences) for r in mission.robots]
-        self._kind = [repr(kind) for kind in kinds]
+        self._kind = [
+            repr((sorted(r.can.items()), r.speed, r.flies, r.absences, r.rota))
+            for r in mission.robots
+        ]
+        self._rotas = [robot.rota for robot in mission.robots]
         self._counts = count_table([robot.can for robot in mission.robots], mission)
 
     def decide_in(self, env: TeamFormation) -> Decision:
         """Return every team's decision in the first world of an environment."""
         tasks, teams = env.worlds.tasks[0], env.worlds.teams[0]
-        self._is_done = (tasks["done_at"] != NOBODY).tolist()
+        is_done = (tasks["done_at"] != NOBODY) | (tasks["missed_at"] != NOBODY)
+        self._is_done = is_done.tolist()  # or missed
         self._is_open = tasks["is_open"]
         members: dict[int, list[int]] = {}
         for robot, slot in enumerate(env.worlds.robots["team"][0][: len(self._routes)].tolist()):
@@ -57,6 +64,7 @@ class PlanPlayer:
         wanted = {slot: env.worlds.has[0, slot].copy() for slot in slots}
         named = dict.fromkeys(slots, NOBODY)
         waiting: dict[int, int] = {}  # the team at its next task that nobody joins yet, by task
+        steps = int(env.worlds.count["steps"][0])
         serves, x, y = (teams[field].tolist() for field in ("serves", "x", "y"))
         for slot in slots:
             ways = self._ways(members[slot])
@@ -65,7 +73,9 @@ class PlanPlayer:
             parted = self._part(members[slot], ways)
             if parted is not None:
                 wanted[slot] = parted
-            elif self._is_at(ways[0], x[slot], y[slot]):
+            elif self._is_at(ways[0], x[slot], y[slot]) and fits_now(
+                [self._rotas[robot] for robot in members[slot]], steps, 1
+            ):
                 other = waiting.setdefault(ways[0], slot)
                 if other != slot and self._is_in_reach(x[slot] - x[other], y[slot] - y[other]):
                     wanted[other] = wanted[other] + wanted[slot]

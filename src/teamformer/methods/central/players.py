@@ -22,8 +22,10 @@ def is_coordinator(player: Player) -> TypeGuard[Coordinator]:
 
 def stage_for(player: Player, mission: Mission, truth: Mission) -> TeamFormation:
     """Return a world for a player: with its coordinator, if it is one or takes commands."""
-    coordinator: Coordinator | None = OnCommand() if isinstance(player, PlanPlayer) else None
-    if is_coordinator(player):
+    coordinator: Coordinator | None = None
+    if isinstance(player, PlanPlayer):
+        coordinator = OnCommand(player.left_out)
+    elif is_coordinator(player):
         coordinator = player
     return TeamFormation([mission], truths=[truth], coordinator=coordinator)
 

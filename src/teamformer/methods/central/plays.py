@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from teamformer.base.array_types import Array
@@ -16,7 +17,9 @@ from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
 from teamformer.methods.seam.protocol import Policy
 from teamformer.mission.checks.costs import judged_by, weighed
+from teamformer.mission.checks.optional import has_optional
 from teamformer.mission.coordination import Coordinator
+from teamformer.mission.keys.task_keys import SMALLEST_WEIGHT
 from teamformer.mission.model import Mission
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, routes_of
 from teamformer.planning.relaxation.solve import RelaxedSolution
@@ -85,7 +88,7 @@ class Plays:
         self.makespan: int | None = None
         self.best_plan: tuple[Rank, CoalitionPlan] | None = None
         self._cost = math.inf  # of the best play: its makespan, if that alone counts
-        self._weights = judged_by(mission)
+        self._weights, self._may_miss = judged_by(mission), has_optional(mission)
         self.limit = time_limit
         self._source = self._mission = mission
         self._played_by, self._script = "", Script()
@@ -156,7 +159,8 @@ class Plays:
         mission = mission or self._source
         env = stage_for(player, mission, self._source)
         end = self._end if until is None else until
-        most = NEVER if self.makespan is None or self._weights else self.makespan
+        goes_by_steps = self._weights is None and not self._may_miss
+        most = NEVER if self.makespan is None or not goes_by_steps else self.makespan
         script: Script = []
         while env.is_running[0] and len(script) < most:
             if self.makespan is not None and self.seconds > end:
@@ -180,10 +184,15 @@ class Plays:
         return cost, -tally.tasks_done
 
     def _cost_of(self, env: TeamFormation) -> float:
-        """Return what a play that has done everything costs: its makespan, if that alone counts."""
+        """Return what a play that is over costs: its makespan, if that alone counts.
+
+        Without a cost nothing outweighs what is missed.
+        """
+        steps, off = env.tally().steps, env.called_off()
+        cost = price_of_missed(self._source, env.missed())
         if self._weights is None:
-            return env.tally().steps
-        return weighed(self._source, self._weights, env.ends(), env.tally().steps)
+            return cost + steps
+        return cost + weighed(self._source, self._weights, env.ends(), steps, off)
 
     def _cost_at_least(self, env: TeamFormation) -> float:
         """Return what a play costs if all that is not done is done at once; weights count here."""
@@ -194,7 +203,8 @@ class Plays:
 
     def is_proven(self, bound: int) -> bool:
         """Say whether nothing can be better than the best play."""
-        return self._weights is None and self.makespan == bound
+        is_bounded = self._weights is None and not self._may_miss
+        return is_bounded and self.makespan == bound
 
     def report(
         self,
@@ -206,7 +216,8 @@ class Plays:
         """Return the best play; what the search expected in between is in its curve."""
         script = [line for line in self._script if line]  # nobody decides while nobody is left
         curve: list[tuple[float, int]] = []
-        for seconds, steps in sorted(self._curve + searched) if self._weights is None else ():
+        is_curve = self._weights is None and not self._may_miss
+        for seconds, steps in sorted(self._curve + searched) if is_curve else ():
             is_better = not curve or steps < curve[-1][1]
             if is_better and self.makespan is not None and steps >= self.makespan:
                 curve.append((round(seconds, 3), steps))
@@ -223,10 +234,21 @@ class Plays:
         )
 
 
+def price_of_missed(mission: Mission, missed: Iterable[int]) -> float:
+    """Return what it costs that tasks are missed, where no cost says it: more than all else does.
+
+    Of two plans that miss tasks of different weights in all, the lighter ones cost less.
+    """
+    if mission.cost is not None:
+        return 0.0
+    weight = sum(mission.tasks[task].weight for task in missed)
+    return weight * (mission.step_limit + 1) / SMALLEST_WEIGHT
+
+
 def _again(player: Player, env: TeamFormation) -> Coordinator | None:
     """Return the coordinator by which the script of a play is played again."""
     if isinstance(player, PlanPlayer):
-        return OnCommand()
+        return OnCommand(player.left_out)
     return Replayed(env.plans(), player) if is_coordinator(player) else None
 
 

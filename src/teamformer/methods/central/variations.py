@@ -81,7 +81,7 @@ def _other_crew(
     kind = int(rng.integers(3))
     if kind == 0:
         return list(crews[int(rng.integers(len(crews)))])
-    if kind == 1:
+    if kind == 1 and crew:
         crew.discard(int(rng.choice(sorted(crew))))
         return sorted(crew | {robot})
     return sorted(crew ^ {robot})

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.precedence import tasks_before
 from teamformer.planning.steps.shared_plan import kept_plan, shared_plan_of
 from teamformer.planning.steps.situation import Situation, situation_of
 from teamformer.planning.steps.starts import plan_from_crews
@@ -50,10 +51,24 @@ class Crews:
             kept = time_team_plan(situation, kept_plan(situation, plan))
             timed.insert(0, ("kept", kept))
         made = shared_plan_of(situation, *min(timed, key=_what_counts))
+        waiting = _that_may_come(known, made.order, waiting)
+        nobody = ((),) * len(waiting)
         if waiting:
             order, coalitions = made.order + waiting, made.coalitions + nobody
             return replace(made, order=order, coalitions=coalitions, ends=())
         return made
+
+
+def _that_may_come(
+    known: Known, planned: tuple[int, ...], waiting: tuple[int, ...]
+) -> tuple[int, ...]:
+    """Return the waiting tasks without those that come after one that is left out."""
+    tasks = known.mission.tasks
+    coming = {*planned, *(task for task, _ in known.under_way)}
+    before, kept = tasks_before(tasks), set(waiting)
+    while out := {task for task in kept if not coming | kept >= set(before.get(task, ()))}:
+        kept -= out
+    return tuple(task for task in waiting if task in kept)
 
 
 def _what_counts(named: tuple[str, TimedPlan]) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from teamformer.mission.coordination import Coordinator, Known, Plan, heeded_by
 
@@ -29,5 +29,15 @@ class Replayed:
         for at, made in self.plans:
             is_same = at == known.now and made.why == known.news
             if is_same and set(known.possible_tasks) <= set(made.order):
-                return made
+                return _without_left_out(known, made)
         return self.coordinator.update(known, plan)
+
+
+def _without_left_out(known: Known, plan: Plan) -> Plan:
+    """Return a plan without the optional tasks that it has for nobody: it gives these up."""
+    tasks, pairs = known.mission.tasks, zip(plan.order, plan.coalitions, strict=True)
+    rows = [(task, robots) for task, robots in pairs if robots or not tasks[task].optional]
+    if len(rows) == len(plan.order):
+        return plan
+    order, coalitions = tuple(task for task, _ in rows), tuple(robots for _, robots in rows)
+    return replace(plan, order=order, coalitions=coalitions, ends=())

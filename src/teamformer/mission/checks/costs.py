@@ -62,7 +62,10 @@ def parts_of_ends(
 
 
 def cost_in_steps(
-    mission: Mission, ends: Mapping[int, float], makespan: float | None
+    mission: Mission,
+    ends: Mapping[int, float],
+    makespan: float | None,
+    called_off: Container[int] = (),
 ) -> float | None:
     """Return what a mission in steps costs that is over, None if it is not or has no cost.
 
@@ -71,14 +74,22 @@ def cost_in_steps(
     """
     if mission.cost is None or makespan is None:
         return None
-    return weighed(mission, mission.cost, ends, makespan)
+    return weighed(mission, mission.cost, ends, makespan, called_off)
 
 
 def weighed(
-    mission: Mission, weights: Mapping[str, float], ends: Mapping[int, float], makespan: float
+    mission: Mission,
+    weights: Mapping[str, float],
+    ends: Mapping[int, float],
+    makespan: float,
+    called_off: Container[int] = (),
 ) -> float:
-    """Return the mean, by weights, of when all is over, when tasks end and how late, in steps."""
-    return cost_of(weights, {"makespan": makespan, **parts_of_ends(mission.tasks, ends)})
+    """Return the mean, by weights, of when all is over, when tasks end and how late, in steps.
+
+    Optional tasks without an end are missed, unless they are called off.
+    """
+    parts = parts_of_ends(mission.tasks, ends, called_off)
+    return cost_of(weights, {"makespan": makespan, **parts})
 
 
 def find_cost_problems(mission: Mission) -> Iterator[Problem]:

@@ -13,7 +13,14 @@ from teamformer.mission.checks.loads import find_flown_loads
 from teamformer.mission.checks.optional import find_optional_problems, has_optional
 from teamformer.mission.checks.windows import find_endless_play
 from teamformer.mission.checks.zone_checks import zones_not_served
-from teamformer.mission.keys.key import BEFOREHAND, CONTINUOUS, FLEETS, ROBOTARIUM, STEPS
+from teamformer.mission.keys.key import (
+    BEFOREHAND,
+    CONTINUOUS,
+    FLEETS,
+    FLEETS_IN_STEPS,
+    ROBOTARIUM,
+    STEPS,
+)
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.mission_keys import HOME, TIMES
 from teamformer.mission.keys.unknown import find_unknown, told_once
@@ -153,6 +160,8 @@ def rules_of_rehearsals(mission: Mission) -> Iterator[Problem]:
         yield from find_flown_loads(mission)
     remedy = _remedy(mission, FLEETS)
     yield from told_once(mission, find_unknown(mission, FLEETS), remedy)
+    if mission.time == "steps":
+        yield from told_once(mission, find_unknown(mission, FLEETS_IN_STEPS), remedy)
     both = [
         (("tasks", number, "within"), f"task '{task.name}' has a load within a region")
         for number, task in enumerate(mission.tasks)

@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from teamformer.mission.keys.charging_keys import BATTERY_KEYS, NEW
-from teamformer.mission.keys.key import CONTINUOUS, FLEETS, ROBOTARIUM, STEPS, Key, Unknown
+from teamformer.mission.keys.key import (
+    CONTINUOUS,
+    FLEETS,
+    FLEETS_IN_STEPS,
+    ROBOTARIUM,
+    STEPS,
+    Key,
+    Unknown,
+)
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     LATEST_RETURN,
@@ -163,13 +171,12 @@ ROBOT_KEYS = (
     Key(
         "shifts",
         Shifts(),
-        "in continuous time, when the robot works: `[[0, 480], [540, 960]]` "
-        "([shifts](mission/time.md#shifts))",
+        "when the robot works: `[[0, 480], [540, 960]]` ([shifts](mission/time.md#shifts))",
         default=(),
         without="always",
         since="0.2.0",
         example=[[0, 480], [540, 960]],
-        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "works in shifts"),
+        unknown=Unknown((FLEETS_IN_STEPS, ROBOTARIUM), "works in shifts"),
     ),
     Key(
         "every",

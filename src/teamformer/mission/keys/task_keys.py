@@ -184,7 +184,7 @@ TASK_KEYS = (
         default=False,
         without="it must be done",
         since="0.2.0",
-        unknown=Unknown((FLEETS, ROBOTARIUM), "is optional"),
+        unknown=Unknown((ROBOTARIUM,), "is optional"),
     ),
 )
 

@@ -43,6 +43,11 @@ class Rota:
             return 1.0
         return sum(closes - opens for opens, closes in self.shifts) / self.every
 
+    @property
+    def over(self) -> float:
+        """Return from when on it never works again; infinite if there is no such moment."""
+        return self.shifts[-1][1] if self.shifts and not self.every else math.inf
+
     def since(self, now: float) -> Iterator[Shift]:
         """Yield its shifts that are not over at a moment, one after the other; perhaps for ever."""
         if not self.shifts:
@@ -164,6 +169,11 @@ def fits_all(rotas: Sequence[Rota], earliest: float, takes: float) -> float:
             return start
         earliest = start
     return math.inf if bound else earliest
+
+
+def fits_now(rotas: Sequence[Rota], now: float, takes: float) -> bool:
+    """Say whether something that begins now is within a shift of each."""
+    return fits_all(rotas, now, takes) == now
 
 
 def _next_two(rota: Rota, now: float) -> list[Shift]:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from teamformer.base.array_types import Array, Floats
-from teamformer.mission.model import Mission
+from teamformer.mission.model import Mission, as_believed
 from teamformer.planning.bounds.earliest import earliest_in_order, earliest_starts
 from teamformer.planning.bounds.legs import least_legs, one_for_each_place
 from teamformer.planning.bounds.open_paths import LARGEST_EXACT, bound_paths, shortest_path, span
@@ -45,18 +45,18 @@ LEFT_OUT = (0.0, 0.5, 0.8)
 def lower_bound(mission: Mission) -> int:
     """Return a number of steps in which no policy can complete a mission faster.
 
-    Tasks that are called off do not count: they need not be done.
+    Tasks that are called off and optional ones do not count: they need not be done.
     """
-    if all(task.cancelled is not None for task in mission.tasks):
+    mission = _that_must_be_done(mission)
+    if not mission.tasks:
         return 0
-    mission = _without_cancelled(mission)
     if not may_set_down(mission):
         problem = relax(mission, in_table=False)
         start = earliest_in_order(mission, problem)
         bound = bound_makespan(problem, start)
         return refuter_in_steps(problem, start, _tasks_a_tour(problem)).raised(bound)
     robots = tuple(replace(robot, absences=()) for robot in mission.robots)
-    mission = replace(mission, robots=robots)
+    mission = as_believed(mission, robots=robots)
     problem = relax(mission, in_table=False)
     is_whole = np.array([task.to is None for task in mission.tasks])
     return bound_makespan(problem, earliest_in_order(mission, problem), is_whole)
@@ -68,8 +68,9 @@ def _tasks_a_tour(problem: Relaxed) -> int:
     return TASKS_A_TOUR - round(math.log(more, 3))
 
 
-def _without_cancelled(mission: Mission) -> Mission:
-    gone = {task.name for task in mission.tasks if task.cancelled is not None}
+def _that_must_be_done(mission: Mission) -> Mission:
+    """Return a mission with those tasks only that have to be done."""
+    gone = {t.name for t in mission.tasks if t.cancelled is not None or t.optional}
     if not gone:
         return mission
     tasks = (
@@ -77,7 +78,7 @@ def _without_cancelled(mission: Mission) -> Mission:
         for task in mission.tasks
         if task.name not in gone
     )
-    return replace(mission, tasks=tuple(tasks))
+    return as_believed(mission, tasks=tuple(tasks))
 
 
 def bound_makespan(

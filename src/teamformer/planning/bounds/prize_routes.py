@@ -31,6 +31,7 @@ class Stops(NamedTuple):
     legs: Array  # (stops, stops) time from the end of one stop to the arrival at the next
     ready: Array  # (stops,) no stop begins before
     stay: Array  # (stops,) time
+    home: Array  # (stops,) time that is left after the end of a last stop
     bit: Array  # (stops, stops) of the second's place in the memory of the first, or -1
     carried: Array  # (stops, stops, memories) memory at the second of what the first remembers
 
@@ -42,7 +43,9 @@ class Outlook(NamedTuple):
     then: Array  # (times, stops, memories) next stop and its memory as one number, or END
 
 
-def make_stops(legs: Array, ready: Array, stay: Array, place: Array, memory: int) -> Stops:
+def make_stops(
+    legs: Array, ready: Array, stay: Array, home: Array, place: Array, memory: int
+) -> Stops:
     """Return stops each of which remembers so many other places, the nearest.
 
     `place` (stops,) numbers the places; stops in one place, of different lengths, exclude one
@@ -61,7 +64,8 @@ def make_stops(legs: Array, ready: Array, stay: Array, place: Array, memory: int
         bit[place == near[:, [at]]] = at
     carried = np.zeros((count, count, 1 << memory), np.int16)
     _carry(place, near, bit, carried)
-    return Stops(legs, ready.astype(np.int64), stay.astype(np.int64), bit, carried)
+    ready, stay, home = (times.astype(np.int64) for times in (ready, stay, home))
+    return Stops(legs, ready, stay, home, bit, carried)
 
 
 @entry
@@ -99,7 +103,7 @@ def look_ahead(stops: Stops, prizes: Array, deadline: int, outlook: Outlook) -> 
     much or the same could be had later.
     """
     worth, then = outlook
-    legs, ready, stay, bit, carried = stops
+    legs, ready, stay, home, bit, carried = stops
     count, memories = worth.shape[1:]
     worth[: deadline + 2] = NOTHING
     for time in range(deadline, -1, -1):
@@ -110,7 +114,8 @@ def look_ahead(stops: Stops, prizes: Array, deadline: int, outlook: Outlook) -> 
                 if worth[time + 1, stop, memory] > worth[time, stop, memory]:
                     worth[time, stop, memory] = worth[time + 1, stop, memory]
                     then[time, stop, memory] = then[time + 1, stop, memory]
-            if time + stay[stop] == deadline and prizes[stop] > worth[time, stop, 0]:
+            is_last = time + stay[stop] + home[stop] == deadline
+            if is_last and prizes[stop] > worth[time, stop, 0]:
                 worth[time, stop, 0] = prizes[stop]
                 then[time, stop, 0] = END
             for memory in range(memories):

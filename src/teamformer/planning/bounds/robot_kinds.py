@@ -24,18 +24,18 @@ from teamformer.world.rules.constants import FAR, ROUNDING
 class Kind(NamedTuple):
     """Robots with the same capabilities, speed and loss, and where they can be of use."""
 
-    robots: Array  # (alike,) numbers
+    sizes: Array  # (groups,) how many robots start alike
     place: Array  # (stops,) number of its place
     stops: Stops  # times in units
-    first: Array  # (alike, stops) units that each takes to a stop if it is the first
+    first: Array  # (groups, stops) units that each takes to a stop if it is the first
     brings: Array  # (stops, needs) what one of them brings to each need by stopping
     units: float  # in a step
     last: int  # the last step that it is there in
 
     def with_memory(self, memory: int) -> Kind:
         """Return the kind with stops that remember so many places."""
-        legs, ready, stay, *_ = self.stops
-        return self._replace(stops=make_stops(legs, ready, stay, self.place, memory))
+        legs, ready, stay, home, *_ = self.stops
+        return self._replace(stops=make_stops(legs, ready, stay, home, self.place, memory))
 
     def deadline(self, makespan: int) -> int:
         """Return by which time such a robot has to end a plan that takes so many steps."""
@@ -98,8 +98,10 @@ def _kind(
     is_same = problem.cells[np.ix_(tasks, tasks)] == 0  # (stops, stops)
     place = is_same.argmax(axis=1)  # (stops,) the first of those in the same place
     brings = _brought(problem, one, tasks, is_same, needs)
-    stops = make_stops(np.where(is_same, FAR, legs), ready, stay, place, memory=0)
-    return Kind(robots, place, stops, first, brings, units, int(problem.lost[one]) - 1)
+    legs, home = np.where(is_same, FAR, legs), np.zeros(len(tasks), np.int64)
+    stops = make_stops(legs, ready, stay, home, place, memory=0)
+    first, sizes = np.unique(first, axis=0, return_counts=True)
+    return Kind(sizes, place, stops, first, brings, units, int(problem.lost[one]) - 1)
 
 
 def _ways(problem: Relaxed, robot: int, places: Array, tasks: Array) -> tuple[float, int, Array]:

@@ -21,7 +21,7 @@ from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.earliest import earliest_formed
 from teamformer.planning.bounds.legs import one_for_each_place
 from teamformer.planning.bounds.prize_routes import collect, empty_outlook, look_ahead
-from teamformer.planning.bounds.robot_kinds import robot_kinds, size_of_kinds
+from teamformer.planning.bounds.robot_kinds import Kind, robot_kinds, size_of_kinds
 from teamformer.planning.bounds.route_mix import RouteMix
 from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.world.rules.constants import FAR
@@ -71,8 +71,25 @@ def raise_by_routes(
     if BUILDING * kinds + legs * 2 ** MEMORIES[0] * bound > largest:
         return bound
     covers = list(_covers(mission, problem))
+    return raise_by_covers(covers, legs * bound, bound, offer, is_over, largest)
+
+
+def raise_by_covers(
+    covers: list[RouteCover],
+    legs: float,
+    bound: int,
+    offer: Callable[[int], None],
+    is_over: Callable[[], bool],
+    largest: float = LARGEST,
+    grain: int = 1,
+) -> int:
+    """Raise a bound by the routes of covers, of which each needs to be possible.
+
+    `legs` is how much there is to look at where nothing is remembered. Bounds are raised by a
+    `grain` at least. Returns the best one.
+    """
     for memory in MEMORIES:
-        effort = legs * 2**memory * bound
+        effort = legs * 2**memory
         if is_over() or effort > largest:
             break
         if memory < MEMORIES[-2] and GROWTH * effort <= min(QUICK, largest):
@@ -80,7 +97,7 @@ def raise_by_routes(
         covers.sort(key=lambda one: one.margin, reverse=True)  # those that have proven most
         for cover in covers:
             cover.remember(memory)
-            bound = _raise(cover, bound, offer, is_over, largest)
+            bound = _raise(cover, bound, offer, is_over, largest, grain)
     return bound
 
 
@@ -90,15 +107,16 @@ def _raise(
     offer: Callable[[int], None],
     is_over: Callable[[], bool],
     largest: float,
+    grain: int,
 ) -> int:
     """Disprove one makespan after the other; after a leap too far go back to the next."""
     while True:
-        mix, target = cover.empty_mix(), bound
+        mix, target = cover.empty_mix(), bound + grain - 1
         while cover.effort(target) <= largest and cover.disprove(target, mix, is_over):
             bound = target + 1
             offer(bound)
-            target = bound + int(LEAP * cover.margin * target)
-        if target == bound:
+            target = bound + max(grain - 1, int(LEAP * cover.margin * target))
+        if target == bound + grain - 1:
             return bound
 
 
@@ -114,7 +132,11 @@ def _covers(mission: Mission, problem: Relaxed) -> Iterator[RouteCover]:
         if is_need[:, caps].any():
             is_theirs = np.zeros(is_need.shape[1], dtype=bool)
             is_theirs[caps] = True
-            yield RouteCover(mission, problem, start, is_need & is_theirs)
+            is_here = is_need & is_theirs
+            needs = np.argwhere(is_here)  # (needs, 2) task and capability
+            kinds = robot_kinds(mission, problem, start, needs)
+            effort = 4.0 + problem.duration[needs[:, 0]]  # (needs,)
+            yield RouteCover(problem.needs[is_here], effort, kinds)
 
 
 def linked_capabilities(counts: Array) -> list[list[int]]:
@@ -133,15 +155,13 @@ def linked_capabilities(counts: Array) -> list[list[int]]:
 class RouteCover:
     """What tasks need, the robots by kind, and the prizes that have proven most so far."""
 
-    def __init__(self, mission: Mission, problem: Relaxed, start: Array, is_need: Array) -> None:
-        needs = np.argwhere(is_need)  # (needs, 2) task and capability
-        self.amount = problem.needs[is_need].astype(np.int64)  # (needs,)
+    def __init__(self, amount: Array, effort: Array, kinds: list[Kind]) -> None:
+        """Take how many each need takes, and how much work each of these is about: (needs,)."""
+        self.amount = amount.astype(np.int64)  # (needs,)
         self.margin = 0.0  # share of all prizes that the last proof had to spare
-        effort = 4.0 + problem.duration[needs[:, 0]]  # (needs,)
         prizes = effort / max(1.0, float((effort * self.amount).sum()))
         self.prizes: Array = prizes  # (needs,) for one of each; times amounts they add up to 1
-        self._kinds = robot_kinds(mission, problem, start, needs)
-        self._robots = len(problem.pace)
+        self._kinds = kinds
 
     def remember(self, memory: int) -> None:
         """Let every stop remember so many places."""
@@ -149,7 +169,8 @@ class RouteCover:
 
     def empty_mix(self) -> RouteMix:
         """Return a mix of no routes."""
-        return RouteMix(self.amount, self._robots)
+        sizes = [kind.sizes for kind in self._kinds]
+        return RouteMix(self.amount, np.concatenate([*sizes, np.zeros(0, np.int64)]))
 
     def effort(self, makespan: int) -> int:
         """Return how much there is to look at to collect prizes once."""
@@ -177,15 +198,15 @@ class RouteCover:
 
     def _collect(self, prizes: Array, makespan: int, mix: RouteMix) -> int:
         """Return the most that all robots collect, each for itself; add their routes to a mix."""
-        total = 0
+        total, group = 0, 0
         for kind in self._kinds:
             deadline = kind.deadline(makespan)
-            if deadline < 0:
-                continue
-            outlook = empty_outlook(kind.stops, deadline)
-            look_ahead(kind.stops, kind.brings @ prizes, deadline, outlook)
-            visits = np.zeros(len(kind.stops.ready), np.int64)
-            for robot, first in zip(kind.robots.tolist(), kind.first, strict=True):
-                total += collect(kind.stops, outlook, first, deadline, visits)
-                mix.add(robot, visits @ kind.brings)
+            if deadline >= 0:
+                outlook = empty_outlook(kind.stops, deadline)
+                look_ahead(kind.stops, kind.brings @ prizes, deadline, outlook)
+                visits = np.zeros(len(kind.stops.ready), np.int64)
+                for number, (size, first) in enumerate(zip(kind.sizes, kind.first, strict=True)):
+                    total += int(size) * collect(kind.stops, outlook, first, deadline, visits)
+                    mix.add(group + number, visits @ kind.brings)
+            group += len(kind.sizes)
         return total

@@ -12,9 +12,12 @@ MOST = 4.0
 
 
 class RouteMix:
-    """Which share of each robot's time goes to which of its routes, to bring most of all needs."""
+    """Which share of robots' time goes to which of their routes, to bring most of all needs.
 
-    def __init__(self, amount: Array, robots: int) -> None:
+    Robots are in groups of so many that are alike; each need takes an amount.
+    """
+
+    def __init__(self, amount: Array, sizes: Array) -> None:
         import_apart("ortools.math_opt.python.mathopt")
         from ortools.math_opt.python import mathopt
 
@@ -25,18 +28,18 @@ class RouteMix:
         self._brought = [model.add_linear_constraint(lb=0.0) for _ in amount]
         for constraint, needed in zip(self._brought, amount.tolist(), strict=True):
             constraint.set_coefficient(share, -float(needed))
-        self._taken = [model.add_linear_constraint(ub=1.0) for _ in range(robots)]
+        self._taken = [model.add_linear_constraint(ub=float(size)) for size in sizes]
         self._solver = mathopt.IncrementalSolver(model, mathopt.SolverType.HIGHS)
         self._known: set[tuple[int, bytes]] = set()
 
-    def add(self, robot: int, brought: Array) -> None:
-        """Let a robot take one more route, which brings so much to each need."""
-        route = (robot, brought.tobytes())
+    def add(self, group: int, brought: Array) -> None:
+        """Let the robots of a group take one more route, which brings so much to each need."""
+        route = (group, brought.tobytes())
         if route in self._known:
             return
         self._known.add(route)
         taken = self._model.add_variable(lb=0.0)
-        self._taken[robot].set_coefficient(taken, 1.0)
+        self._taken[group].set_coefficient(taken, 1.0)
         for need in np.flatnonzero(brought).tolist():
             self._brought[need].set_coefficient(taken, float(brought[need]))
 

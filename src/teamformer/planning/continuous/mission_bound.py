@@ -10,6 +10,7 @@ from teamformer.planning.continuous.continuous_mission import pose_present
 from teamformer.planning.continuous_bounds.makespan import refuter_of
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS
 from teamformer.planning.continuous_bounds.relaxations import bound_by_chains_and_work, relax
+from teamformer.planning.continuous_bounds.routes import COARSE, raise_by_routes
 
 
 def bound_in_time(truth: Mission) -> float:
@@ -26,6 +27,7 @@ def bound_in_time(truth: Mission) -> float:
     relaxation = relax(problem)
     bound = bound_by_chains_and_work(problem, relaxation)
     if len(posed.tasks) < MANY_TASKS:
+        bound = raise_by_routes(problem, relaxation, bound, COARSE)
         bound = refuter_of(problem, relaxation).raised(bound)
     return max(0.0, bound - posed.rounding) / posed.scale
 

@@ -17,6 +17,8 @@ from teamformer.planning.continuous.continuous_mission import ContinuousMission,
 from teamformer.planning.continuous.reactive import dispatch, react
 from teamformer.planning.continuous.solve import Solution, plan_together, solve
 from teamformer.planning.continuous_bounds.makespan import improving_bounds
+from teamformer.planning.continuous_bounds.relaxations import relax
+from teamformer.planning.continuous_bounds.routes import COARSE, raise_by_routes
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.links import have_weights
@@ -112,4 +114,6 @@ def _compile(has_extras: bool) -> None:
     search.anneal(1, 1, 0, 10, 10)
     schedule_of(problem, search.best)
     react(problem)
-    list(islice(improving_bounds(problem, lambda: 10), 2))
+    relaxation = relax(problem)
+    raise_by_routes(problem, relaxation, 1, COARSE)
+    list(islice(improving_bounds(problem, relaxation, 1, lambda: 10), 2))

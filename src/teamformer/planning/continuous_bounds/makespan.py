@@ -13,11 +13,7 @@ from teamformer.planning.bounds.refutation import (
     Tours,
     tours_through,
 )
-from teamformer.planning.continuous_bounds.relaxations import (
-    Relaxation,
-    bound_by_chains_and_work,
-    relax,
-)
+from teamformer.planning.continuous_bounds.relaxations import Relaxation
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 
 MORE_NODES = 4
@@ -27,16 +23,18 @@ NEAR = 5000
 """The next round begins when the gap is this share of the makespan."""
 
 
-def improving_bounds(problem: CoalitionProblem, upper: Callable[[], int]) -> Iterator[int]:
-    """Yield ticks that no plan beats, never fewer than before, until they reach `upper`.
+def improving_bounds(
+    problem: CoalitionProblem, relaxation: Relaxation, bound: int, upper: Callable[[], int]
+) -> Iterator[int]:
+    """Yield ticks that no plan beats, never fewer than a bound, until they reach `upper`.
 
     That is the makespan of the best plan known so far, or more.
     Destructive improvement (Klein and Scholl 1999): a makespan that is refuted is too short.
     Makespans are bisected, again and again with more nodes. The same bound may come repeatedly.
     Between multiples of the problem's grain there is no makespan, so bounds are such multiples.
     """
-    relaxation, grain = relax(problem), grain_of(problem, upper())
-    bound = min(upper(), _up(bound_by_chains_and_work(problem, relaxation), grain))
+    grain = grain_of(problem, upper())
+    bound = min(upper(), _up(bound, grain))
     yield bound
     refuter = refuter_of(problem, relaxation)
     nodes, open_from = 0, upper()  # so many nodes have not refuted `open_from`, if it is less

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from teamformer.planning.continuous_bounds.makespan import improving_bounds
+from teamformer.planning.continuous_bounds.relaxations import bound_by_chains_and_work, relax
+from teamformer.planning.continuous_bounds.routes import COARSE, FINE, raise_by_routes
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.race import Race
 from teamformer.planning.search.arc_search import has_few_tasks
@@ -31,7 +33,17 @@ def raise_bound(problem: CoalitionProblem, race: Race[Any], makespan: Callable[[
     `makespan` is that of the best plan known.
     """
     deadline = time.perf_counter() + proof_share(len(problem.needs)) * race.seconds_left
-    for bound in improving_bounds(problem, makespan):
-        race.raise_bound(bound)
-        if race.is_over or time.perf_counter() > deadline:
+
+    def is_over() -> bool:
+        return race.is_over or time.perf_counter() > deadline
+
+    relaxation = relax(problem)
+    bound = bound_by_chains_and_work(problem, relaxation)
+    race.raise_bound(bound)
+    for units in (COARSE, FINE):
+        if not is_over():
+            bound = raise_by_routes(problem, relaxation, bound, units, race.raise_bound, is_over)
+    for better in improving_bounds(problem, relaxation, bound, makespan):
+        race.raise_bound(better)
+        if is_over():
             break

@@ -41,6 +41,9 @@ SHY = 1
 """A robot counts as coming later by up to so many times what a task takes it."""
 
 
+TOO_LATE = 2
+"""When tasks have their turn that end too late, after those that must be done and optional ones."""
+
 FEW = 4
 """Where the rule finds no plan, it is tried again with everything put back by up to so many tasks
 at random."""
@@ -143,8 +146,12 @@ def put_back(calls: Calls, leg: int) -> None:
 
 @kernel
 def soonest(problem: CoalitionProblem, schedule: Schedule, calls: Calls, position: int) -> int:
-    """Return the task that comes next at a position of the order; NOBODY if none can be done."""
-    best, least = NOBODY, NEVER
+    """Return the task that comes next at a position of the order; NOBODY if none can be done.
+
+    Where tasks can be missed, first come those that must be done and can be in time, then others
+    that can be.
+    """
+    best, least, first = NOBODY, NEVER, TOO_LATE
     linked = are_linked(problem)
     group = begun_group(problem, schedule) if linked else NOBODY
     for task in range(len(schedule.rank)):
@@ -156,9 +163,20 @@ def soonest(problem: CoalitionProblem, schedule: Schedule, calls: Calls, positio
             continue
         if calls.is_stale[task]:
             call(problem, schedule, calls, task, position)
-        if calls.begin[task] < NEVER and calls.begin[task] + calls.handicap[task] < least:
-            best, least = task, calls.begin[task] + calls.handicap[task]
+        turn, begin = _turn(problem, calls, task), calls.begin[task] + calls.handicap[task]
+        if calls.begin[task] < NEVER and (turn < first or (turn == first and begin < least)):
+            best, least, first = task, begin, turn
     return best
+
+
+@kernel
+def _turn(problem: CoalitionProblem, calls: Calls, task: int) -> int:
+    """Return when a task has its turn if it begins as soon as it can: the least first."""
+    if len(problem.misses.until) == 0:
+        return TOO_LATE
+    if calls.begin[task] + problem.duration[task] > problem.misses.until[0]:
+        return TOO_LATE
+    return int(problem.misses.optional[task])
 
 
 @kernel

@@ -16,6 +16,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.pauses import fitted, is_in_shifts, left_by, united
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 from teamformer.world.rules.constants import FAR
@@ -48,7 +49,12 @@ def start_in_steps(problem: ArcProblem, graph: Graph, task: int, first_seat: int
                 place -= 1
             there[place] = graph.comes[tail]
             count += 1
-    step = max(_opens(problem, graph, task), pair_off(there, count))
+    if is_in_shifts(problem):
+        step = united(problem, graph, first_seat, taken, count)
+        step = max(_opens(problem, graph, task), step)
+        step = fitted(problem, graph, task, first_seat, step * TICKS, nodes[task].duration) // TICKS
+    else:
+        step = max(_opens(problem, graph, task), pair_off(there, count))
     for seat in range(first_seat, first_seat + taken):
         if step + nodes[task].duration // TICKS >= problem.kinds[seats[seat].kind].lost:
             step = max(step, FAR)
@@ -84,26 +90,28 @@ def plan_ways(problem: ArcProblem, graph: Graph, node: int) -> int:
             is_first |= ways[other].key == ways[way].key and ways[other].to < ways[way].to
             turn += is_first
         leaves = free + min(turn, count - 1) * problem.forming[0]
-        ways[way].comes = leaves + _walked(problem, graph, node, way, leaves)
+        ways[way].comes = _walked(problem, graph, node, way, leaves)
     return count
 
 
 @kernel
 def _walked(problem: ArcProblem, graph: Graph, node: int, way: int, leaves: int) -> int:
-    """Return the steps of a group on its way, with what it serves there; nobody walks home."""
+    """Return when a group is there, with what it serves on its way; nobody walks home."""
     to, pace, delay = graph.ways[way].to, graph.ways[way].pace, 0
     if to >= problem.ways.shape[1]:
-        return 0
+        return leaves
     if len(problem.passes) > 0:
         nodes, index = graph.nodes, node * len(problem.near) + to
         for place in range(problem.passed[index], problem.passed[index + 1]):
             other = problem.passes[place]
-            there = leaves + delay + problem.ways[pace, node, other] // TICKS
+            there = delay + problem.ways[pace, node, other] // TICKS
+            there = left_by(problem, graph, node, to, leaves, there)
             start = (nodes[other].end - nodes[other].duration) // TICKS
             is_open = _opens(problem, graph, other) <= there + 1
             if is_open and there < start and _can_do(problem, graph, node, to, nodes[other].need):
                 delay += nodes[other].duration // TICKS
-    return delay + problem.ways[pace, node, to] // TICKS
+    there = delay + problem.ways[pace, node, to] // TICKS
+    return left_by(problem, graph, node, to, leaves, there)
 
 
 @kernel

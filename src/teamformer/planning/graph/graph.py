@@ -27,6 +27,7 @@ from teamformer.planning.graph.arc_problem import (
     different_needs,
     is_permit,
     least_durations,
+    may_miss,
     most_seats,
     takes_with,
 )
@@ -96,6 +97,7 @@ class Graph(NamedTuple):
     worth: Records  # (tasks,) WORTH
     left: Ints  # (seats,) what who leaves a seat has in its battery; empty if nobody has one
     detour: Ints  # (seats,) by how much the way to a seat is longer as its robot charges; the same
+    together: Int32s  # (seats of a node,) room for the kinds of those whose shifts are looked at
 
 
 def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Graph:
@@ -147,6 +149,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
         worth=worth,
         left=np.zeros(charged, np.int64),
         detour=np.zeros(charged, np.int64),
+        together=np.zeros(widest, np.int32),
     )
 
 
@@ -248,13 +251,35 @@ def aim_of(problem: ArcProblem, graph: Graph, makespan: int, price: int) -> int:
 
 @kernel
 def cost_of(
-    problem: ArcProblem, graph: Graph, makespan: int, back_sum: int, end_sum: int, price: int
+    problem: ArcProblem,
+    graph: Graph,
+    makespan: int,
+    back_sum: int,
+    end_sum: int,
+    price: int,
+    leads: int,
 ) -> int:
-    """Return what a search goes by, in ticks: plans of one aim cost less if all is over early."""
+    """Return what a search goes by, in ticks: plans of one aim cost less if all is over early.
+
+    `leads` is what it takes missed tasks to cost.
+    """
     if is_in_steps(graph):
         weights = problem.weights
-        return (weights[0] * makespan + weights[1] * end_sum + price) // weights[2]
-    return makespan + back_sum // (SPREAD * len(graph.back))
+        return (weights[0] * makespan + weights[1] * end_sum + price) // weights[2] + leads
+    counted = counted_makespan(problem, graph, makespan, leads)
+    return counted + back_sum // (SPREAD * len(graph.back)) + leads
+
+
+@kernel
+def counted_makespan(problem: ArcProblem, graph: Graph, makespan: int, leads: int) -> int:
+    """Return when all is over: if something is missed, at the end of the mission at the earliest.
+
+    `leads` is what it takes missed tasks to cost. In steps, where the makespan may have a price, it
+    stays as it is.
+    """
+    if may_miss(problem) and leads > 0 and not is_in_steps(graph):
+        return max(makespan, graph.worth[0].until)
+    return makespan
 
 
 @entry
@@ -341,7 +366,7 @@ def sum_up(problem: ArcProblem, graph: Graph) -> None:
     total[LATEST], total[MAKESPAN] = latest, back[latest]
     total[BACK_SUM], total[END_SUM], total[PRICE] = back_sum, end_sum, price
     total[AIM] = aim_of(problem, graph, back[latest], price) + total[MISSED]
-    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, price) + total[LEADS]
+    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, price, total[LEADS])
 
 
 def plan_of(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> CoalitionPlan:

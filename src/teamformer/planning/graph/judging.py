@@ -15,7 +15,7 @@ import numpy as np
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.approximate_steps import find_way, plan_ways
-from teamformer.planning.graph.arc_problem import ArcProblem, Records
+from teamformer.planning.graph.arc_problem import ArcProblem, Records, is_weighed
 from teamformer.planning.graph.arriving import left_after
 from teamformer.planning.graph.charging import is_charged
 from teamformer.planning.graph.graph import (
@@ -194,7 +194,7 @@ def spend(
 ) -> tuple[bool, int]:
     """Note what robots have left after a task that starts then, and their detours to it.
 
-    Return whether they had it before, and by how much they go round more.
+    Return whether they had it before, and by how much they go round more if plans have a cost.
     """
     node, is_same, more = graph.nodes[task], True, 0
     for seat in range(node.first, node.first + node.taken):
@@ -203,9 +203,11 @@ def spend(
             record(trial, LEFT, seat, graph.left[seat])
             graph.left[seat] = left
             is_same = False
-        more += go_round(graph, trial, seat, detour)
-    for seat in range(node.first + node.taken, node.first + problem.most[0]):
-        more += go_round(graph, trial, seat, 0)
+        if is_weighed(problem):
+            more += go_round(graph, trial, seat, detour)
+    if is_weighed(problem):
+        for seat in range(node.first + node.taken, node.first + problem.most[0]):
+            more += go_round(graph, trial, seat, 0)
     return is_same, more
 
 
@@ -307,7 +309,7 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
             misses += missed(problem, worth, end) - missed(problem, worth, old_end)
             leads += missed_leads(problem, worth, end) - missed_leads(problem, worth, old_end)
     number[AIMED] = aim_of(problem, graph, makespan, price) + misses
-    return cost_of(problem, graph, makespan, back_sum, end_sum, price) + leads
+    return cost_of(problem, graph, makespan, back_sum, end_sum, price, leads)
 
 
 @kernel

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 from teamformer.base.kernels.jit import kernel
 from teamformer.mission.parts.shifts import MOST_TRIED
 from teamformer.planning.graph.arc_problem import may_have_extras
-from teamformer.planning.problem.rotas import fits, have_shifts, walked
+from teamformer.planning.problem.constants import TICKS
+from teamformer.planning.problem.rotas import (
+    fits,
+    have_shifts,
+    pair_off_together,
+    walk_together,
+    walked,
+)
 
 if TYPE_CHECKING:
     from teamformer.planning.graph.arc_problem import ArcProblem
@@ -43,3 +50,25 @@ def fitted(
         if start == before:
             return start
     return max(earliest, problem.rotas.late[0])
+
+
+@kernel
+def united(problem: ArcProblem, graph: Graph, first_seat: int, taken: int, count: int) -> int:
+    """Return, in steps, when groups are one team that are there in the first steps of `there`."""
+    for seat in range(taken):
+        graph.together[seat] = graph.seats[first_seat + seat].kind
+    return pair_off_together(problem.rotas, graph.together, taken, graph.there, count, TICKS)
+
+
+@kernel
+def left_by(problem: ArcProblem, graph: Graph, node: int, to: int, leaves: int, steps: int) -> int:
+    """Return, in steps, when a group has walked so many that leaves a node for another."""
+    if not is_in_shifts(problem):
+        return leaves + steps
+    first, count = graph.nodes[node].first, 0
+    for seat in range(first, first + graph.nodes[node].taken):
+        if graph.seats[graph.seats[seat].next].node == to:
+            graph.together[count] = graph.seats[seat].kind
+            count += 1
+    begin, spent = leaves * TICKS, steps * TICKS
+    return walk_together(problem.rotas, graph.together, count, begin, spent, TICKS) // TICKS

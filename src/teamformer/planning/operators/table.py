@@ -37,8 +37,8 @@ class OperatorShares(NamedTuple):
 DROP, EXCHANGE_TASKS, SWAP, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(8)
 
 OPERATORS = (
-    OperatorShares("drop a task", 10, 10, 0, 0, with_misses=True),
-    OperatorShares("exchange tasks", 20, 20, 0, 0, with_misses=True),
+    OperatorShares("drop a task", 10, 10, 10, 10, with_misses=True),
+    OperatorShares("exchange tasks", 20, 20, 20, 20, with_misses=True),
     OperatorShares("swap heads", 40, 0, 25, 30),
     OperatorShares("ride", 15, 10, 20, 5, with_spares=True),
     OperatorShares("move a stretch", 0, 0, 15, 0),

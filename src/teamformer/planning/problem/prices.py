@@ -17,6 +17,9 @@ from teamformer.world.rules.constants import NEVER
 SHARES = 3200
 """What a step of everything costs, for each task: how finely prices are told apart."""
 
+STEP = 200
+"""What a step of makespan costs, for each task, where that alone counts."""
+
 SMOOTH = 16
 """What a step of the end of any task costs a search beside its price: it leads out of plateaus."""
 
@@ -41,6 +44,8 @@ def prices_of(mission: Mission, tasks: Sequence[Task]) -> Prices:
               ("makespan", "max_tardiness", "tardiness", "completion")}  # fmt: skip
     of_tasks = (wanted["tardiness"] + wanted["completion"]) * by_task.sum()
     everything = wanted["makespan"] + wanted["max_tardiness"] + of_tasks
+    if everything == 0:  # only what is missed counts
+        wanted["makespan"] = everything = 1.0
     step = SHARES * len(tasks) / everything
 
     def price(weight: npt.ArrayLike) -> Ints:
@@ -55,6 +60,15 @@ def prices_of(mission: Mission, tasks: Sequence[Task]) -> Prices:
     )
 
 
+def step_of_missed(mission: Mission, tasks: Sequence[Task]) -> float:
+    """Return what a missed task of weight 1 costs, in the unit of prices of a step."""
+    weights = judged_by(mission) or {}
+    by_task = sum(task.weight for task in tasks)
+    everything = weights.get("makespan", 0.0) + weights.get("max_tardiness", 0.0)
+    everything += (weights.get("tardiness", 0.0) + weights.get("completion", 0.0)) * by_task
+    return SHARES * len(tasks) * weights.get("missed", 0.0) / (everything or 1.0)
+
+
 @kernel
 def price_of_end(prices: Prices, task: int, end: int) -> int:
     """Return what it costs that a task ends in a step, and is late then."""
@@ -63,10 +77,15 @@ def price_of_end(prices: Prices, task: int, end: int) -> int:
 
 
 @kernel
-def price_of_ends(prices: Prices, ends: Array) -> int:
-    """Return what it costs that tasks end in such steps (tasks,), and how late the latest is."""
+def price_of_ends(prices: Prices, ends: Array, until: int = NEVER) -> int:
+    """Return what it costs that tasks end in such steps (tasks,), and how late the latest is.
+
+    What ends after `until` is missed, and costs nothing here.
+    """
     price, latest = np.int64(0), np.int64(0)
     for task in range(len(prices.due)):
+        if ends[task] > until:
+            continue
         price += price_of_end(prices, task, ends[task])
         latest = max(latest, ends[task] - prices.due[task])
     return price + prices.whole[1] * latest

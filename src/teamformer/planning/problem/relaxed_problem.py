@@ -27,7 +27,15 @@ from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.precedence import tasks_before
 from teamformer.planning.problem.coalition_problem import listed
-from teamformer.planning.problem.prices import Prices, prices_of
+from teamformer.planning.problem.misses import Misses, misses_of, no_misses
+from teamformer.planning.problem.prices import (
+    SHARES,
+    STEP,
+    Prices,
+    prices_of,
+    step_of_missed,
+)
+from teamformer.planning.problem.rotas import Rotas, rotas_in_ticks
 from teamformer.planning.problem.ways import (
     are_ways_straight,
     ends_of,
@@ -70,6 +78,8 @@ class Relaxed(NamedTuple):
     before: Int32s  # (tasks, most) the tasks that must be done before each, then NOBODY; nothing
     # that is relaxed counts them
     prices: Prices  # what plans in steps are searched by besides the makespan
+    misses: Misses  # what is missed if the mission is over before a task is done, in steps
+    rotas: Rotas  # of each robot, in steps; empty where all always work. Nothing relaxed counts it
 
 
 class Future(NamedTuple):
@@ -138,7 +148,7 @@ def relax_ways(
     ]
     duration = np.array([task.duration + task.unload for task in tasks], np.int32)
     before = tasks_before(tasks)
-    return Relaxed(
+    problem = Relaxed(
         cells=cells,
         spots=spots,
         goals=goals,
@@ -157,7 +167,32 @@ def relax_ways(
         quickest=np.array(quickest, np.int32),
         before=listed([before.get(task, []) for task in range(len(tasks))]),
         prices=prices_of(mission, tasks),
+        misses=no_misses(),
+        rotas=rotas_in_ticks([robot.rota for robot in robots], int, FAR, 0),
     )
+    if mission.until is None or not tasks:
+        return problem
+    return problem._replace(misses=_misses(mission, tasks, problem))
+
+
+def _misses(mission: Mission, tasks: Sequence[Task], problem: Relaxed) -> Misses:
+    """Return what is missed of tasks when the mission is over, in what plans of steps cost."""
+    assert mission.until is not None, "the mission is over at a time"
+    until, everything, prices = int(mission.until), cost_of_step(problem), problem.prices
+    most = everything
+    if has_prices(problem):
+        most = int(prices.whole.sum() + prices.late.sum() + prices.ends.sum())
+    numbers = np.arange(len(tasks))
+    ways = problem.steps[problem.pace.max(), cells_between(problem, numbers, numbers)]
+    walked = float(ways[ways < FAR].mean()) if (ways < FAR).any() else 0.0
+    leg = int(everything * (problem.duration.mean() + walked + 1))
+    price = step_of_missed(mission, tasks)
+    return misses_of(mission, tasks, until, most * (until + 1), leg, price)
+
+
+def cost_of_step(problem: Relaxed) -> int:
+    """Return what a step of everything costs in a plan in steps."""
+    return (SHARES if has_prices(problem) else STEP) * len(problem.duration)
 
 
 def least_carried(counts: Int32s, takes: Array, need: Int32s) -> Any:

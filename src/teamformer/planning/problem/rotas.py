@@ -73,6 +73,12 @@ def of_kinds(rotas: Rotas, rows: Ints) -> Rotas:
     return by_kind._replace(shifts=np.ascontiguousarray(rotas.shifts[rows]))
 
 
+def stretched(rotas: Rotas, ticks: int) -> Rotas:
+    """Return shifts in a unit of time of which so many make one of that which they are in."""
+    shifts = np.where(rotas.shifts == NEVER, NEVER, rotas.shifts * ticks)
+    return Rotas(shifts, rotas.every * ticks, rotas.worked * ticks, rotas.late * ticks)
+
+
 def rotas_as_told(rotas: Rotas, kinds: Int32s) -> list[Rota]:
     """Return when robots of these kinds work, in ticks, by the plain rule; nothing if always."""
     if len(rotas.every) == 0:
@@ -178,6 +184,77 @@ def fits_all(
         if start == before:
             return start
     return max(earliest, rotas.late[0])
+
+
+@kernel
+def fit_together(rotas: Rotas, rows: Int32s, count: int, earliest: int, takes: int) -> int:
+    """Return the first moment from which something fits into a shift of each of the first rows."""
+    start = earliest
+    for _ in range(MOST_TRIED):
+        before = start
+        for place in range(count):
+            start = fits(rotas, rows[place], start, takes)
+        if start == before:
+            return start
+    return max(earliest, rotas.late[0])
+
+
+@kernel
+def walk_together(rotas: Rotas, rows: Int32s, count: int, begin: int, spent: int, step: int) -> int:
+    """Return when those of the first rows have walked so long who walk while all of them work.
+
+    They do so in whole steps of so many ticks.
+    """
+    if count == 1:
+        return walked(rotas, rows[0], begin, spent)
+    now, left = begin, spent
+    while 0 < left < rotas.late[0]:  # else there is no way
+        now = fit_together(rotas, rows, count, now, step)
+        if now >= rotas.late[0]:
+            break
+        until = NEVER
+        for place in range(count):
+            until = min(until, _ends(rotas, rows[place], now))
+        gone = min(left, until - now)
+        now, left = now + gone, left - gone
+    return now + left
+
+
+@kernel
+def pair_off_together(
+    rotas: Rotas, rows: Int32s, size: int, arrival: Ints, count: int, step: int
+) -> int:
+    """Return in which step the first `count` teams that arrive, in sorted steps, are one.
+
+    As in `pair_off`, but nobody joins unless all robots work, those of the first rows.
+    """
+    here, now = 1, arrival[0]
+    for index in range(1, count):
+        while here > 1:
+            joined = fit_together(rotas, rows, size, now * step, step) // step + 1
+            if joined > arrival[index]:
+                break
+            here, now = (here + 1) // 2, joined
+        here, now = here + 1, max(now, arrival[index])
+    while here > 1:
+        here = (here + 1) // 2
+        now = fit_together(rotas, rows, size, now * step, step) // step + 1
+    return now
+
+
+@kernel
+def _ends(rotas: Rotas, kind: int, moment: int) -> int:
+    """Return when the shift of a kind ends in which a moment is; the moment if it is in none."""
+    later = _turn(rotas, kind, moment)
+    for row in range(rotas.shifts.shape[1]):
+        opens, closes = rotas.shifts[kind, row, 0], rotas.shifts[kind, row, 1]
+        if opens == NEVER or opens + later > moment:
+            break
+        if closes == NEVER:
+            return closes
+        if moment < closes + later:
+            return closes + later
+    return moment
 
 
 @kernel

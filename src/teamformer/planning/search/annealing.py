@@ -11,7 +11,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.graph.arc_problem import SLACK, ArcProblem, is_weighed, may_miss
-from teamformer.planning.graph.graph import COST, MAKESPAN, Graph
+from teamformer.planning.graph.graph import COST, LEADS, MAKESPAN, Graph, counted_makespan
 from teamformer.planning.graph.judging import CHAINED, ArcChange, undo
 from teamformer.planning.graph.ledger import (
     BEST,
@@ -170,7 +170,7 @@ def _allow(
     allowed, total = ledger.lead[NOW] + np.floor(slack), graph.total
     if problem.weights[3]:
         return allowed, NEVER
-    spread = total[COST] - total[MAKESPAN]
+    spread = total[COST] - counted_makespan(problem, graph, total[MAKESPAN], total[LEADS])
     gains = problem.weights[4]
     return allowed, np.int64(allowed) - spread + np.int64(heat) // 8 + problem.habits[SLACK] + gains
 

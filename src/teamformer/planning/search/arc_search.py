@@ -117,13 +117,21 @@ class ArcSearch:
         return self._open()
 
     def _late(self) -> list[int]:
-        """Return the optional tasks that the plan has end too late."""
+        """Return the optional tasks that the plan has end too late.
+
+        If none does, return those after which robots are not home by the end of their shifts.
+        """
         if not can_miss(self.problem.misses):
             return []
         nodes, worth, tasks = self.graph.nodes, self.graph.worth, len(self.problem.needs)
         is_late = (nodes.taken[:tasks] > 0) & (nodes.end[:tasks] > worth.until)
         late = is_late & (worth.is_optional > 0)
-        return [int(task) for task in np.flatnonzero(late)]
+        if late.any() or not self._is_late(int(self.graph.back.max())):
+            return [int(task) for task in np.flatnonzero(late)]
+        seats, homes = self.graph.seats, len(self.graph.seats) - len(self.graph.back)
+        is_late_home = self.graph.back >= self.problem.rotas.late[0]
+        last = seats.node[seats.prev[homes:][is_late_home]]
+        return [int(task) for task in np.unique(last) if task < tasks and worth.is_optional[task]]
 
     def begin_at_best(self) -> None:
         """Go back to the best plan."""

@@ -39,6 +39,7 @@ class Groups(NamedTuple):
     spare: Array  # (2,) a task that can be done without some group that comes to it, and that group
     moved: Array  # (tasks,) the tasks in the order in which they are done, as it is worked out
     spares: Array  # (robots,) those of a coalition that it can do without
+    together: Array  # (robots,) those of a coalition or a group whose shifts are looked at
 
 
 def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups:
@@ -69,6 +70,7 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
         spare=np.zeros(2, np.int32),
         moved=np.zeros(by_task, np.int32),
         spares=np.zeros(by_robot, np.int32),
+        together=np.zeros(by_robot, np.int32),
     )
 
 
@@ -86,6 +88,7 @@ def gather_at_start(problem: Relaxed, groups: Groups) -> None:
         groups.end[group] = groups.free[group] = problem.ready[robot]
     for task in range(tasks):
         groups.is_done[task] = False
+        groups.start[task] = groups.end[task] = FAR
         groups.passed_to[task] = NOBODY
     groups.passes[0] = 0
     groups.too_early[0] = groups.spare[0] = NOBODY
@@ -102,6 +105,15 @@ def opens(problem: Relaxed, groups: Groups, task: int) -> Any:
             return FAR
         opens = max(opens, groups.end[other] + 1)
     return opens
+
+
+@kernel
+def may_begin(problem: Relaxed, groups: Groups, task: int, step: int) -> bool:
+    """Say whether a task may start in a step, and ends before the mission is over."""
+    if step < opens(problem, groups, task):
+        return False
+    until = problem.misses.until
+    return len(until) == 0 or step + problem.duration[task] <= until[0]
 
 
 @kernel

@@ -11,9 +11,9 @@ from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Relaxed, pace_together
 from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.step_times.groups import Groups, can_do, opens
-from teamformer.planning.step_times.serving import serve
+from teamformer.planning.step_times.serving import serve, takes_at
+from teamformer.planning.step_times.shifts import fitted, united
 from teamformer.planning.step_times.walking import walk
-from teamformer.world.rules.pairing import pair_off
 
 
 @kernel
@@ -25,8 +25,10 @@ def meet(
     walked, until, pace = _arrive(problem, crossings, plan, groups, task, count)
     if count > 1:
         _note_spare_group(problem, plan, groups, task, count)
-    start = max(pair_off(groups.arrive, count), opens(problem, groups, task))
-    serve(problem, crossings, plan, groups, task, start, until, pace)
+    start = max(united(problem, plan, groups, task, count), opens(problem, groups, task))
+    takes = takes_at(problem, task, pace)
+    start = fitted(problem, plan, groups, task, start, takes)
+    serve(problem, crossings, plan, groups, task, start, until, takes)
     return walked
 
 

@@ -11,9 +11,10 @@ from teamformer.planning.step_times.groups import (
     can_do,
     do_on_the_way,
     is_crew,
+    may_begin,
     note_too_early,
-    opens,
 )
+from teamformer.planning.step_times.shifts import fitted
 
 
 @kernel
@@ -25,16 +26,14 @@ def serve(
     task: int,
     start: int,
     until: int,
-    pace: int,
+    takes: int,
 ) -> None:
     """Have a team do its task from a step on; it is free when it has done all, on the way too.
 
-    A load goes at the pace of the slowest; `until` is when what was done on the way is over.
+    `until` is when what was done on the way is over.
     """
     groups.start[task] = start
-    groups.end[task] = start + problem.duration[task]
-    if problem.carry[task] > 0:
-        groups.end[task] += problem.steps[pace, problem.carry[task]] - problem.quickest[task]
+    groups.end[task] = start + takes
     groups.free[task] = max(until, groups.end[task])
     groups.is_done[task] = True
     groups.size[task] = plan.size[task]
@@ -42,6 +41,15 @@ def serve(
         groups.of[plan.coalition[task, seat]] = task
     if len(crossings.task) > 0:
         _do_what_is_here(problem, crossings, plan, groups, task)
+
+
+@kernel
+def takes_at(problem: Relaxed, task: int, pace: int) -> int:
+    """Return how long a task takes a team; a load goes at its pace."""
+    takes = problem.duration[task]
+    if problem.carry[task] > 0:
+        takes += problem.steps[pace, problem.carry[task]] - problem.quickest[task]
+    return takes
 
 
 @kernel
@@ -54,9 +62,11 @@ def _do_what_is_here(
     for index in range(crossings.first[way], crossings.first[way + 1]):
         other = crossings.task[index]
         is_late = groups.is_done[other] and groups.start[other] <= start
-        if is_late or start < opens(problem, groups, other):
+        if is_late or not may_begin(problem, groups, other, start):
             continue
         if not can_do(problem, plan, groups, task, task, other):
+            continue
+        if fitted(problem, plan, groups, task, start, problem.duration[other]) > start:
             continue
         if groups.is_done[other]:
             note_too_early(groups, task, task, other, start)

@@ -15,9 +15,10 @@ from teamformer.planning.step_times.groups import (
     can_do,
     do_on_the_way,
     is_crew,
+    may_begin,
     note_too_early,
-    opens,
 )
+from teamformer.planning.step_times.shifts import begins_in_passing, walked_by
 from teamformer.world.rules.constants import NOBODY, ROUNDING
 
 
@@ -53,29 +54,35 @@ def walk(
         for index in range(crossings.first[way], crossings.first[way + 1]):
             other, away = crossings.task[index], crossings.cells[index]
             if away != here:
-                came = since + _steps_of(problem, crossings, rank, away - passed)
+                steps = _steps_of(problem, crossings, rank, away - passed)
+                came = walked_by(problem, plan, groups, group, task, since, steps)
             is_late = groups.is_done[other] and groups.start[other] <= came
-            if is_late or came < opens(problem, groups, other):
+            if is_late or not may_begin(problem, groups, other, came):
                 continue
             if away != cells and not _is_stop(crossings.speeds[rank], away - passed):
                 continue
             if not can_do(problem, plan, groups, group, task, other):
                 continue
-            if groups.is_done[other]:
-                note_too_early(groups, group, task, other, came)
+            start = begins_in_passing(problem, plan, groups, group, task, other, came)
+            if start < came:
                 continue
-            do_on_the_way(groups, group, task, other, came, came + problem.duration[other])
+            if groups.is_done[other]:
+                note_too_early(groups, group, task, other, start)
+                continue
+            do_on_the_way(groups, group, task, other, start, start + problem.duration[other])
             is_planned = away == cells and is_crew(plan, groups, group, task, other)
             groups.passes[0] += not is_planned
             if problem.duration[other] > 0:
-                until = max(until, came + problem.duration[other])
+                until = max(until, start + problem.duration[other])
                 since, passed, here = until, away, away
     groups.until[group] = until
     if here == cells:
         return came
     if passed == 0 and len(problem.lengths) > 1:
-        return since + problem.steps[pace, way_number(problem, group, task)]
-    return since + _steps_of(problem, crossings, rank, cells - passed)
+        steps = problem.steps[pace, way_number(problem, group, task)]
+    else:
+        steps = _steps_of(problem, crossings, rank, cells - passed)
+    return walked_by(problem, plan, groups, group, task, since, steps)
 
 
 @kernel

@@ -14,9 +14,16 @@ from teamformer.planning.problem.coalition_plan import (
     pairs_before,
     plan_of_lists,
 )
-from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
+from teamformer.planning.problem.coalition_problem import (
+    CoalitionProblem,
+    different_rows,
+    pose_problem,
+)
 from teamformer.planning.problem.constants import TICKS
-from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.planning.problem.misses import Misses, can_miss
+from teamformer.planning.problem.prices import STEP
+from teamformer.planning.problem.relaxed_problem import Relaxed, cost_of_step, has_prices
+from teamformer.planning.problem.rotas import of_kinds, stretched
 from teamformer.planning.search.arc_search import ArcSearch
 from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
@@ -31,6 +38,9 @@ FEWEST_NEAR, MOST_NEAR, NEAR_SHARE = 14, 60, 7
 
 LARGE = 100
 """Missions of so many tasks are planned from an empty plan, not from coalitions."""
+
+STEP_OF_SEARCH = 100
+"""What a step of makespan costs in a graph, for each task, where that alone counts."""
 
 COOL = 20
 """An annealing at a plan begins at what a task takes a robot on average, divided by this."""
@@ -147,6 +157,11 @@ def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProb
     problem = situation.problem
     tasks, carried = len(problem.appears), problem.steps[:, problem.carry]  # (paces, tasks)
     leaders, origin = np.unique(situation.company, return_inverse=True)
+    rotas, lost = problem.rotas, problem.lost[robots]
+    apart = lost
+    if len(rotas.every):  # robots with other shifts are of other kinds
+        shifts = rotas.shifts[robots].reshape(len(robots), -1)
+        _, apart = different_rows(np.column_stack([lost, shifts, rotas.every[robots]]))
     places = np.concatenate([np.arange(tasks), tasks + leaders])
     steps = problem.steps[:, problem.cells[:, places]]  # (paces, tasks, places)
     ways = np.ascontiguousarray(steps.transpose(0, 2, 1), np.int64) * TICKS
@@ -162,10 +177,23 @@ def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProb
         release=(problem.appears.astype(np.int64) + 1) * TICKS,
         precedence=pairs_before(problem.before),
         forming=situation.forming_steps,
-        apart=problem.lost[robots],
+        apart=apart,
         spares=riders,
         ready=problem.ready[leaders].astype(np.int64) * TICKS,
+        misses=_misses_in_ticks(problem),
+        rotas=of_kinds(stretched(rotas, TICKS), robots),
     )
+
+
+def _misses_in_ticks(problem: Relaxed) -> Misses:
+    """Return what is missed of tasks that end after a step, whatever their place in it."""
+    misses = problem.misses
+    if not can_miss(misses):
+        return misses
+    leads = np.maximum(1, misses.leads * TICKS // cost_of_step(problem))
+    until = (misses.until + 1) * TICKS - 1
+    scale = 1 if has_prices(problem) else STEP // STEP_OF_SEARCH
+    return misses._replace(until=until, judged=misses.judged // scale * TICKS, leads=leads)
 
 
 def _together(problem: Relaxed) -> Int32s:

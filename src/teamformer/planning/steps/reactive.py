@@ -22,6 +22,7 @@ from teamformer.planning.dispatch.futures import (
 from teamformer.planning.problem.coalition_plan import copy_plan, empty_plan
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 from teamformer.planning.problem.constants import TICKS
+from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.problem.schedule import Schedule, empty_schedule
 from teamformer.planning.step_times.groups import empty_groups
 from teamformer.planning.step_times.passing import settle
@@ -53,7 +54,10 @@ def soonest_plan(known: Known) -> Plan:
     situation = _present(known)
     problem, schedule = pose_present(situation)
     play_out(problem, schedule, empty_calls(problem, 0), 0)
-    return replace(plan_of(situation, schedule.plan), made_from="soonest")
+    plan = schedule.plan
+    if can_miss(problem.misses):
+        plan = time_team_plan(situation, plan).plan
+    return replace(plan_of(situation, plan), made_from="soonest")
 
 
 def reactive_plan(known: Known, old: Plan | None) -> Plan:
@@ -89,6 +93,8 @@ def reactive_plan(known: Known, old: Plan | None) -> Plan:
         leg_of(problem),
     )
     made_from = "futures" if found < kept else "kept"
+    if can_miss(problem.misses):
+        best = time_team_plan(situation, best).plan
     return replace(plan_of(situation, best), made_from=made_from)
 
 

@@ -123,7 +123,9 @@ def plan_mission(known: Known, old: Plan | None = None, is_brief: bool = False) 
     kept = time_team_plan(situation, kept_plan(situation, old))
     name, best = search(situation, rounds, known.step, kept)
     is_better = best.makespan + (kept.makespan - known.step) // SMALLEST_GAIN < kept.makespan
-    if kept.has_prices:
+    if best.missed != kept.missed:
+        is_better = best.cost < kept.cost
+    elif kept.has_prices:
         is_better = best.cost + kept.cost // SMALLEST_GAIN < kept.cost
     return shared_plan_of(situation, name if is_better else KEPT, best if is_better else kept)
 
@@ -202,7 +204,12 @@ def _search_once(arcs: TeamArcs, rounds: Rounds, step: int, old: TimedPlan | Non
 
 
 def _hopeful(plans: list[Named], step: int) -> list[Named]:
-    """Return the plans that do not take much longer than the best, from a step on."""
+    """Return the plans that do not take much longer than the best, from a step on.
+
+    All are where tasks can be missed.
+    """
+    if any(plan.missed is not None for _, plan in plans):
+        return plans
     least = min(plan.makespan for _, plan in plans) - step
     return [
         (name, plan)
@@ -238,5 +245,6 @@ def plan_in_numbers(situation: Situation, plan: Plan) -> tuple[list[int], list[l
 
 def shared_plan_of(situation: Situation, start: str, timed: TimedPlan) -> Plan:
     """Return what a search found in the numbers of the mission, and what it was made from."""
-    ends = tuple(int(timed.ends[task]) for task in timed.plan.order)
+    plan = timed.plan
+    ends = tuple(int(timed.ends[task]) for task in plan.order if plan.size[task] > 0)
     return replace(plan_of(situation, timed.plan), ends=ends, made_from=start)

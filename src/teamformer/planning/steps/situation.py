@@ -88,8 +88,11 @@ def situation_in_hindsight(mission: Mission) -> Situation:
 
 
 def plan_of(situation: Situation, found: CoalitionPlan) -> Plan:
-    """Return what was planned for a situation in the numbers of the mission."""
-    order = found.order.tolist()
+    """Return what was planned for a situation in the numbers of the mission.
+
+    Tasks that are left out are not in it.
+    """
+    order = [task for task in found.order.tolist() if found.size[task] > 0]
     return Plan(
         order=tuple(situation.tasks[task] for task in order),
         coalitions=tuple(

@@ -35,8 +35,9 @@ def begin_race(
 
 
 def _judge(plan: TimedPlan) -> Judgement:
-    """Compare plans by their costs; where tasks have prices the makespan is not all that counts."""
-    bounded = math.inf if plan.has_prices else plan.makespan
+    """Compare plans by their costs; bounds are of the makespan, if that alone counts."""
+    is_bounded = not plan.has_prices and plan.missed is None
+    bounded = plan.makespan if is_bounded else math.inf
     return Judgement(plan.rank, plan.makespan, bounded)
 
 

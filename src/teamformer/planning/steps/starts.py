@@ -10,6 +10,7 @@ from teamformer.base.array_types import Array
 from teamformer.planning.crews.deal import deal_crews
 from teamformer.planning.crews.routes import Shared, bits_of
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
+from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.problem.relaxed_problem import (
     Relaxed,
     has_prices,
@@ -106,10 +107,15 @@ def complete_plan(
 ) -> CoalitionPlan:
     """Return a plan in which each coalition that lacks something gets the nearest who bring it.
 
-    `order` holds all tasks; `coalitions` has robots for each, by number.
+    `order` holds all tasks; `coalitions` has robots for each, by number. Optional tasks for nobody
+    are left out.
     """
+    may_miss = can_miss(problem.misses)
     chosen = [
-        _complete(problem, task, list(coalition)) for task, coalition in enumerate(coalitions)
+        []
+        if may_miss and problem.misses.optional[task] and not coalition
+        else _complete(problem, task, list(coalition))
+        for task, coalition in enumerate(coalitions)
     ]
     return plan_of_lists(order, chosen)
 

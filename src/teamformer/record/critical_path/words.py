@@ -16,6 +16,7 @@ from teamformer.record.phases import (
     LOST,
     OFF,
     PHASES,
+    QUEUEING,
     SERVING,
     UNLOADING,
     WAITING,
@@ -38,6 +39,7 @@ VERBS = {
     LOST: "is lost",
     OFF: "waits for its shift",
     CHARGING: "charges",
+    QUEUEING: "waits for a charger",
     UNKNOWN: "is not known yet",
     CLOSED: "may not begin yet",
     LINKED: "its start is linked",
@@ -46,6 +48,7 @@ VERBS = {
 SHARES = {
     **{phase: phase for phase in PHASES},
     OFF: "waiting for shifts",
+    QUEUEING: "waiting for chargers",
     UNKNOWN: "before tasks are known",
     CLOSED: "before tasks may begin",
     LINKED: "between linked starts",

@@ -15,7 +15,7 @@ from teamformer.world.rules.constants import NOBODY
 FROM_OUTSIDE = ("lost", "back", "rests", "works", "appear", "cancel", "missed", "empty")
 """Events without a cause."""
 
-AT_ONCE = ("plan", "walk", "form", "serve", "know", "broken", "charge")
+AT_ONCE = ("plan", "walk", "form", "serve", "know", "broken", "charge", "queue")
 """Events that happen as soon as what they hang on."""
 
 PARTS = ("formed", "lift", "unload", "done", "overdue")

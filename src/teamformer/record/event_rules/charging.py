@@ -33,6 +33,7 @@ class Charges:
         self.goes_to = now.at_chargers  # the charger that a robot goes to, queues or charges at
         self.goes_for: dict[int, int] = {}  # the task before which it does
         self.queued: dict[int, float] = {}
+        self.waits: set[int] = set()  # of these, who is said to wait for room
         self.full: dict[int, tuple[float, int]] = {}  # of who charges: when it is full, and by what
         self.rules = ChargeRules(
             [robot.battery for robot in mission.robots],
@@ -140,6 +141,7 @@ def forget(charges: Charges, robot: int) -> None:
     """Note that a robot goes to no charger, and charges at none."""
     for kept in (charges.goes_to, charges.goes_for, charges.queued, charges.full):
         kept.pop(robot, None)
+    charges.waits.discard(robot)
 
 
 def is_charging_first(now: Standing, charges: Charges, robot: int) -> bool:
@@ -168,8 +170,8 @@ def _queue_here(now: Standing, charges: Charges, robot: int, charger: int) -> No
     charges.queued.setdefault(robot, now.now)
 
 
-def charge(now: Standing, event: Event) -> None:
-    """Take in that a robot begins to charge."""
+def _at_charger(now: Standing, event: Event) -> int:
+    """Return the charger that a robot charges at, or waits for; check that it has to."""
     robot, charges = one(event), charges_of(now)
     name, it = now.names.robot(robot), now.robots[robot]
     need(robot in charges.left, f"{name} has no battery")
@@ -181,6 +183,22 @@ def charge(now: Standing, event: Event) -> None:
     charger = charges.goes_to[robot]
     place = now.mission.chargers[charger].at
     need(event.place == place == it.way[0].place, f"{name} charges at {now.names.place(place)}")
+    return charger
+
+
+def queue(now: Standing, event: Event) -> None:
+    """Take in that a robot waits for room at a charger."""
+    robot, charges, charger = one(event), charges_of(now), _at_charger(now, event)
+    name = now.names.robot(robot)
+    need(robot in charges.queued and robot not in charges.waits, f"{name} waits already")
+    need(not _is_room(now, charges, charger), f"{name} waits, and there is room")
+    charges.waits.add(robot)
+
+
+def charge(now: Standing, event: Event) -> None:
+    """Take in that a robot begins to charge."""
+    robot, charges, charger = one(event), charges_of(now), _at_charger(now, event)
+    name, place = now.names.robot(robot), now.mission.chargers[charger].at
     need(_is_room(now, charges, charger), f"there is no room at {now.names.place(place)}")
     since = charges.queued[robot]
     first = min((at, other) for other, at in charges.queued.items()
@@ -189,6 +207,7 @@ def charge(now: Standing, event: Event) -> None:
     until = now.now + battery_of(now, robot).time_to_full(charges.left[robot])
     expect(event, until)
     del charges.queued[robot]
+    charges.waits.discard(robot)
     charges.full[robot] = (until, now.count)
 
 
@@ -226,6 +245,8 @@ def settle_charges(now: Standing, later: float) -> None:
     for robot, charger in charges.goes_to.items():
         if robot in charges.queued and _is_room(now, charges, charger):
             raise BrokenRuleError(f"{now.names.robot(robot)} can charge, and does not")
+        if robot in charges.queued and robot not in charges.waits:
+            raise BrokenRuleError(f"{now.names.robot(robot)} waits to charge, and nothing says so")
     for robot, (until, _) in charges.full.items():
         if until < later and not is_near(until, later):
             raise BrokenRuleError(

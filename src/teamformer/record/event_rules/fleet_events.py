@@ -8,6 +8,7 @@ these take; and everything comes after what it has to.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise, takewhile
 
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.parts.capabilities import describe, missing, total
@@ -19,7 +20,7 @@ from teamformer.record.event_rules.lengths import Lengths
 from teamformer.record.event_rules.names import InWords
 from teamformer.record.record import Record
 from teamformer.record.snapshots.events_seen import lateness
-from teamformer.world.continuous.events import Event, Passed
+from teamformer.world.continuous.events import WHY_MISSED, Event, Passed
 
 CLOCKS = 0.06
 """The share of a time by which clocks of robots may differ from one another."""
@@ -27,10 +28,13 @@ CLOCKS = 0.06
 A_MOMENT = 0.05
 """In which things count as happening at once, in units of time."""
 
+SEEN_WITHIN = 2.0
+"""Units of time in which an onlooker tells of what has happened."""
+
 WORK = ("serve", "lift", "unload", "done")
 ALLOWED = {
     *("plan", "walk", "arrive", "serve", "lift", "unload", "done", "broken"),
-    *("lost", "back", "appear", "cancel", "know", "found", "moved", "over"),
+    *("lost", "back", "appear", "cancel", "missed", "know", "found", "moved", "over"),
 }
 """Kinds of events that a fleet tells."""
 
@@ -66,6 +70,7 @@ class _Seen:
         self._lost: set[int] = set()
         self._over: dict[int, float] = {}
         self._done: set[int] = set()
+        self._missed: set[int] = set()
         self._appeared = {n for n, task in enumerate(self._mission.tasks) if task.appears == 0}
         self._reach = 0.0
         if isinstance(self._mission.world, Plane):
@@ -93,10 +98,26 @@ class _Seen:
             self._appeared.add(event.task)
         elif event.kind == "cancel" and event.task not in self._over:
             self._over[event.task] = event.at
+            self._works.pop(event.task, None)
+        elif event.kind == "missed":
+            yield from self._miss(event)
         elif event.kind == "lost":
             yield from self._lose(event)
         elif event.kind == "back":
             self._lost.difference_update(event.robots)
+
+    def _miss(self, event: Event) -> Iterator[str]:
+        """Check that a task may be missed: the mission is over, or it is given up in the end."""
+        task, until = event.task, self._mission.until
+        is_over = until is not None and event.at >= until * (1 - CLOCKS) - A_MOMENT
+        is_given_up = self._mission.tasks[task].optional and event.at == self._record.events[-1].at
+        if task in self._over or not (is_over or is_given_up):
+            yield f"{self._names.task(task)} can still be done, or is over"
+        if event.why not in WHY_MISSED:
+            yield f"{self._names.task(task)} is missed, and no word says why"
+        self._over[task] = event.at
+        self._missed.add(task)
+        self._works.pop(task, None)
 
     def _lose(self, event: Event) -> Iterator[str]:
         """Note that a robot is lost where it is; on roads perhaps not yet at the place told."""
@@ -113,7 +134,7 @@ class _Seen:
             yield f"{who} is there at {event.way[-1].at:g}, and the record says {event.until}"
         at, place = self._passed(robot, event.at, event.way[0].place)
         for one in event.way:
-            least = self._least(robot, place, one.place)
+            least = self._least_on_way(robot, place, one.place)
             if one.at - at < least * (1 - CLOCKS) - A_MOMENT:
                 yield (
                     f"{who} is at {self._names.place(one.place)} at {one.at:g}, and takes "
@@ -139,6 +160,12 @@ class _Seen:
         """Return how long a robot takes at least; nothing where it is near enough."""
         length = self._lengths.between(here, there, robot)
         return max(0.0, length - 2 * self._reach) / self._mission.robots[robot].speed
+
+    def _least_on_way(self, robot: int, here: Place, there: Place) -> float:
+        """Return how long a part of a way takes at least; who let a load go may be on another's."""
+        parts = pairwise(self._ways[robot])
+        took = (b.at - a.at for a, b in parts if (a.place, b.place) == (here, there))
+        return min([self._least(robot, here, there), *took])
 
     def _arrive(self, event: Event) -> Iterator[str]:
         [robot] = event.robots
@@ -184,6 +211,9 @@ class _Seen:
         waits = [k for k in self._before.get(task, ()) if k not in self._over]
         if event.at < early or waits:
             yield f"{self._names.task(task)} may not begin yet"
+        until = self._mission.until
+        if until is not None and event.at > until * (1 + CLOCKS) + SEEN_WITHIN:
+            yield f"{self._names.task(task)} begins when the mission is over"
         self._began[task], self._works[task] = event.at, event
 
     def _lift(self, event: Event) -> Iterator[str]:
@@ -215,11 +245,21 @@ class _Seen:
         real = self._mission.tasks[task]
         if event.at < real.appears + real.duration + real.unload - A_MOMENT:
             yield f"{self._names.task(task)} is done sooner than it can be"
+        for robot in event.robots if real.to is None else ():
+            if not self._is_in_shift(robot, self._began.get(task, event.at), event.at):
+                name = self._names.task(task)
+                yield f"{self._names.robot(robot)} does {name}, and no shift of it is so long"
         if event.robots and self._began.get(task) != event.at:  # else nobody saw it begin
             yield from self._lasts(event, real.duration if real.to is None else real.unload)
         self._works.pop(task, None)
         self._over[task] = event.at
         self._done.add(task)
+
+    def _is_in_shift(self, robot: int, begin: float, end: float) -> bool:
+        """Say whether a robot is in one shift between two moments, as far as clocks agree."""
+        rota, slack = self._mission.robots[robot].rota, CLOCKS * end + SEEN_WITHIN
+        shifts = takewhile(lambda shift: shift[0] <= end + slack, rota.since(begin - slack))
+        return any(a - slack <= begin and end <= b + slack for a, b in shifts)
 
     def _lasts(self, event: Event, due: float) -> Iterator[str]:
         """Say so if a part of a task was shorter than it has to be."""
@@ -237,12 +277,17 @@ class _Seen:
             "status": (end.status, last.status),
             "makespan": (end.makespan, last.at if is_complete else None),
             "tasks_done": (end.tasks_done, len(self._done)),
+            "missed": (end.missed, tuple(mission.tasks[k].name for k in sorted(self._missed))),
             "late": (dict(end.late), lateness(mission, self._over, self._done)),
         }
         for name, (said, found) in facts.items():
             if said != found:
                 yield f"the record says {name} {said}; it is {found}"
-        if is_complete == bool(undone):
+        must = {task for task in self._missed if not mission.tasks[task].optional}
+        if (end.status == "too late") != bool(must):
+            missed = "a task that must be done" if must else "no task that must be done"
+            yield f"the record says status {end.status}, and {missed} is missed"
+        elif is_complete == bool(undone) and not must:
             yield f"the record says status {end.status}, with {len(undone)} tasks not done"
         if bool(end.blocked_tasks) != (end.status == "infeasible"):
             yield f"the record says status {end.status}, and of which tasks, or does not"

@@ -39,6 +39,7 @@ TAKE: Mapping[str, Callable[[Standing, Event], None]] = {
     "found": from_outside.found,
     "moved": from_outside.moved,
     "overdue": from_outside.overdue,
+    "queue": charging.queue,
     "charge": charging.charge,
     "charged": charging.charged,
     "empty": charging.empty,

@@ -13,7 +13,7 @@ from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import possible_places, sight_of
 from teamformer.mission.parts.plane import Plane
-from teamformer.mission.parts.shifts import fits_all, rotas_of
+from teamformer.mission.parts.shifts import fits_now, rotas_of
 from teamformer.mission.parts.zones import may_enter, rooms_of
 from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.record.event_rules.lengths import Lengths, is_near
@@ -200,7 +200,7 @@ class Standing:
         """Say whether something that begins now fits into a shift of each of some robots."""
         if not self.rotas:
             return True
-        return fits_all([self.rotas[robot] for robot in robots], self.now, takes) == self.now
+        return fits_now([self.rotas[robot] for robot in robots], self.now, takes)
 
     def believed_time(self, task: int, robots: tuple[int, ...]) -> float:
         """Return how long robots are believed to take for all of a task."""

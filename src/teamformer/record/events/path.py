@@ -21,6 +21,7 @@ from teamformer.record.phases import (
     IDLE,
     LOADING,
     OFF,
+    QUEUEING,
     SERVING,
     UNLOADING,
     WAITING,
@@ -37,6 +38,7 @@ LASTS = {
     "lift": CARRYING,
     "unload": UNLOADING,
     "charge": CHARGING,
+    "queue": QUEUEING,
 }
 """What goes on from an event until one that hung on it."""
 
@@ -60,13 +62,20 @@ def _stretches(record: Record, events: Sequence[Event]) -> Iterator[Stretch]:
     now, follows, seen = events[-1], NOBODY, set[int]()
     rooms = rooms_of(record.mission)
     number = len(events) - 1
+    waits: Event | None = None  # with which a robot began to wait for one that charges
     while (before := _before(events, number)) != NOBODY and before not in seen:
         seen.add(before)
+        waits = _queued(events, number) or waits
         number, cause = before, events[before]
         doing = _between(record, cause, now)
         robot = _who(events, cause, now, follows)
         if doing == LINKED:
             yield Stretch(cause.at, now.at, LINKED, task=cause.task)
+        elif waits is not None and doing == CHARGING and waits.at < now.at:
+            begun = max(waits.at, cause.at)  # until then nobody waited for it
+            yield Stretch(begun, now.at, QUEUEING, waits.robots[0])
+            yield Stretch(cause.at, begun, CHARGING, robot)
+            waits = waits if waits.at < cause.at else None
         else:
             about = cause.task if cause.kind in LASTS or doing == OFF else now.task
             zone = _zone_waited_for(rooms, events, cause)
@@ -93,6 +102,15 @@ def _before(events: Sequence[Event], number: int) -> int:
         return event.cause
     mine = (k for k in range(number - 1, -1, -1) if event.robots[0] in events[k].robots)
     return next((k for k in mine if events[k].kind not in ("rests", "works")), NOBODY)
+
+
+def _queued(events: Sequence[Event], number: int) -> Event | None:
+    """Return with which event a robot began to wait that charges as soon as there is room."""
+    event = events[number]
+    if event.kind != "charge" or event.robots == events[event.cause].robots:
+        return None
+    mine = (events[k] for k in range(number - 1, -1, -1) if event.robots[0] in events[k].robots)
+    return next((one for one in mine if one.kind == "queue"), None)
 
 
 def _between(record: Record, cause: Event, event: Event) -> str:

@@ -20,6 +20,7 @@ from teamformer.record.phases import (
     FORMING,
     LOST,
     OFF,
+    QUEUEING,
     UNLOADING,
     WAITING,
     WALKING,
@@ -90,6 +91,8 @@ class Explainer:
             return ("its team brings all that the task needs, and stays until that is done",)
         if phase == CHARGING:
             return ("it charges until it is full: else it could not do what comes next",)
+        if phase == QUEUEING:
+            return ("others charge there, and there is no room for one more",)
         if phase == WAITING:
             return (self._why_waiting(task),)
         if task == NOBODY:

@@ -12,6 +12,7 @@ from teamformer.record.phases import (
     LOADING,
     LOST,
     OFF,
+    QUEUEING,
     SERVING,
     UNLOADING,
     WAITING,
@@ -33,13 +34,14 @@ BEGINS = {
     "broken": IDLE,
     "lost": LOST,
     "back": IDLE,
+    "queue": QUEUEING,
     "charge": CHARGING,
     "charged": IDLE,
     "empty": LOST,
 }
 """What an event has its robots do from then on; `arrive` and `cancel` depend on the task."""
 
-OF_NO_TASK = (IDLE, LOST, CHARGING)
+OF_NO_TASK = (IDLE, LOST, CHARGING, QUEUEING)
 
 
 class Runs:
@@ -69,6 +71,10 @@ class Runs:
         run = self._now[robot]
         is_off = robot in self._off and run.phase in (WALKING, WAITING, IDLE)
         return run._replace(phase=OFF) if is_off else run
+
+    def crew(self, task: int) -> Robots:
+        """Return who is at work on a task."""
+        return self.services[self._open[task]].begun_by if task in self._open else ()
 
     def go_on(self, event: Event) -> None:
         """Take in an event."""

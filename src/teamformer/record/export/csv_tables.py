@@ -15,10 +15,11 @@ from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.record.happenings import events
-from teamformer.record.phases import CHARGING, IDLE, LOADING, OFF, PHASES, SERVING
+from teamformer.record.phases import CHARGING, IDLE, LOADING, OFF, PHASES, QUEUEING, SERVING
 from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, known_steps, lateness, missed_tasks
 from teamformer.record.telling.whole import told_of
+from teamformer.record.told.told_record import ToldRecord
 from teamformer.world.rules.constants import NEVER, NOBODY
 
 Row = Sequence[object]
@@ -41,7 +42,9 @@ def _robots(record: Record) -> Iterable[Row]:
     more = _in_details(ROBOT_KEYS, robots)
     away = (f"lost_{when}", f"back_{when}")
     where = _place_columns(record, "")
-    is_told = {OFF: any(robot.shifts for robot in robots), CHARGING: has_batteries(robots)}
+    are_charged = has_batteries(robots)
+    is_told = {OFF: any(robot.shifts for robot in robots)}
+    is_told |= {CHARGING: are_charged, QUEUEING: are_charged}
     phases = tuple(phase for phase in PHASES if is_told.get(phase, True))
     yield (
         "robot",
@@ -51,6 +54,7 @@ def _robots(record: Record) -> Iterable[Row]:
         *where,
         *away,
         *phases,
+        *(["charge_left"] if are_charged else []),
         *(k.name for k in more),
     )
     lost, back = (_times_by_robot(record, kind) for kind in ("lost", "back"))
@@ -72,8 +76,17 @@ def _robots(record: Record) -> Iterable[Row]:
             *at,
             *gone,
             *map(_number, spent.values()),
+            *([_charge_left(told, number)] if are_charged else []),
             *said,
         )
+
+
+def _charge_left(told: ToldRecord, robot: int) -> object:
+    """Return how full a battery is in the end, 0 to 1."""
+    if not told.levels[robot]:
+        return ""
+    begun, full, rate = told.levels[robot][-1]
+    return _number(min(1.0, max(0.0, full + rate * (told.length - begun))))
 
 
 def _moves(robot: Robot) -> str:

@@ -27,21 +27,24 @@ IN_CONTINUOUS_TIME = (
 def ending_to_tree(end: Ending, is_continuous: bool) -> dict[str, Any]:
     """Return an ending as the tree of its file."""
     if not is_continuous:
-        return {key: _listed(getattr(end, key)) for key in IN_STEPS}
-    return {key: _listed(getattr(end, key)) for key in IN_CONTINUOUS_TIME} | {
-        "late": dict(end.late),
-        "broken_links": [list(pair) for pair in end.broken_links],
-        **({"missed": list(end.missed)} if end.missed else {}),
-    }
+        tree = {key: _listed(getattr(end, key)) for key in IN_STEPS}
+    else:
+        tree = {key: _listed(getattr(end, key)) for key in IN_CONTINUOUS_TIME}
+        tree |= {
+            "late": dict(end.late),
+            "broken_links": [list(pair) for pair in end.broken_links],
+        }
+    return tree | ({"missed": list(end.missed)} if end.missed else {})
 
 
 def ending_from_tree(tree: Any, is_continuous: bool) -> Ending:
     """Return the ending of a file; raises `DamageError` for what is none."""
     keys = IN_CONTINUOUS_TIME if is_continuous else IN_STEPS
-    check_keys(tree, (*keys, "missed") if is_continuous else keys, keys)
+    check_keys(tree, (*keys, "missed"), keys)
     if tree["status"] not in STATUSES:
         raise DamageError(f"the status is {short(tree['status'])}, not one of {STATUSES}")
     blocked = tuple(text_of(name) for name in list_of(tree["blocked_tasks"]))
+    missed = tuple(text_of(name) for name in list_of(tree.get("missed", [])))
     if is_continuous:
         return Ending(
             status=tree["status"],
@@ -53,11 +56,12 @@ def ending_from_tree(tree: Any, is_continuous: bool) -> Ending:
             broken_links=tuple(
                 (text_of(name), text_of(other)) for name, other in rows_of(tree["broken_links"], 2)
             ),
-            missed=tuple(text_of(name) for name in list_of(tree.get("missed", []))),
+            missed=missed,
         )
     makespan = None if tree["makespan"] is None else count_of(tree["makespan"])
     steps, tasks_done, joins, splits, illegal = (count_of(tree[key]) for key in COUNTS)
-    return Ending(tree["status"], makespan, steps, tasks_done, joins, splits, illegal, blocked)
+    counts = steps, tasks_done, joins, splits, illegal, blocked
+    return Ending(tree["status"], makespan, *counts, missed=missed)
 
 
 def _late(tree: Any) -> dict[str, float]:

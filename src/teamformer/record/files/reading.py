@@ -48,6 +48,7 @@ from teamformer.record.record import (
     TeamAt,
     Wants,
 )
+from teamformer.world.continuous.events import WHY_MISSED
 
 LARGEST_FILE = 1_000_000_000  # bytes
 """A thousand robots on the move for three thousand steps take 40 MB."""
@@ -312,7 +313,17 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate, heads_for: dict
             for task, members in rows_of(tree.get("served", []), 2)
         ),
         unloads=numbers_below(tree.get("unloads", []), tasks),
+        missed=tuple(
+            (number_below(task, tasks), _why_missed(why))
+            for task, why in rows_of(tree.get("missed", []), 2)
+        ),
     )
+
+
+def _why_missed(why: Any) -> str:
+    if text_of(why) not in WHY_MISSED:
+        raise DamageError(f"why a task was missed is {short(why)}, not one of {[*WHY_MISSED]}")
+    return str(why)
 
 
 def _team(

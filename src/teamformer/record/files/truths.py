@@ -9,7 +9,7 @@ from typing import Any
 
 from teamformer.base.errors import MissionError
 from teamformer.files.trees.writer import absences_to_tree, counts_to_tree, task_to_tree
-from teamformer.mission.model import Absence, Mission, Robot, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task, as_believed
 from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.plane import Plane
 from teamformer.record.files.values import (
@@ -74,10 +74,13 @@ def truth_from_tree(mission: Mission, tree: Any) -> Mission:
     tasks = (_task(task, tree["tasks"].get(task.name), along, time) for task in mission.tasks)
     robots = (_robot(robot, tree["robots"].get(robot.name), time) for robot in mission.robots)
     arrived = (_arrived(said, along, time) for said in list_of(tree.get("arrivals", [])))
+    there = tuple(robots)
+    always = tuple(replace(robot, shifts=(), every=0.0) for robot in there)
     try:
-        return replace(mission, arrivals=None, tasks=(*tasks, *arrived), robots=tuple(robots))
+        truth = replace(mission, arrivals=None, tasks=(*tasks, *arrived), robots=always)
     except MissionError as error:
         raise DamageError(error.problems[0].message) from None
+    return as_believed(truth, robots=there)  # what it is need not fit into shifts
 
 
 def _task(task: Task, said: Any, along: Number, time: Number) -> Task:

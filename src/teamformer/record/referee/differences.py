@@ -136,6 +136,7 @@ class Wording:
             "done": lambda row: f"task {task(row[0])} is done by {self.doer(row[1])}",
             "pursued": lambda row: f"{self.led_by(row[0])} pursued task {task(row[1])}",
             "took": lambda row: f"{self.robots(row)} exchange their parts of the plan",
+            "missed": lambda number: f"task {task(number)} is missed",
             "heard": lambda row: f"robot {robot(row[1])} hears robot {robot(row[0])}",
         }
 

@@ -24,6 +24,7 @@ def judge_ending(record: Record, world: PlainWorld, status: str, notes: Notes) -
         "makespan": (end.makespan, makespan),
         "steps": (end.steps, world.steps),
         "tasks_done": (end.tasks_done, len(world.done)),
+        "missed": (_names(end.missed), _names(_missed_names(world))),
         "joins": (end.joins, world.joins),
         "splits": (end.splits, world.splits),
         "illegal_decisions": (end.illegal_decisions, world.illegal),
@@ -35,6 +36,10 @@ def judge_ending(record: Record, world: PlainWorld, status: str, notes: Notes) -
             notes.note(f"the record says {name} {said}; it is {found}")
     if record.lower_bound is not None and makespan is not None and record.lower_bound > makespan:
         notes.note(f"the lower bound {record.lower_bound} is above the makespan {makespan}")
+
+
+def _missed_names(world: PlainWorld) -> tuple[str, ...]:
+    return tuple(world.mission.tasks[task].name for task in sorted(world.missed))
 
 
 def _names(names: tuple[str, ...]) -> str:

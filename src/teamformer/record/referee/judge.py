@@ -22,7 +22,7 @@ from teamformer.record.told.trees import LAYOUT, told_to_tree
 
 WHY_OVER = {
     "completed": "everything was done before",
-    "infeasible": "some tasks could never be done since a robot was lost",
+    "infeasible": "some tasks could never be done any more",
     "step limit": "the step limit was reached before",
     "too late": "a task that must be done was missed before",
 }

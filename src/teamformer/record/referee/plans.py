@@ -55,12 +55,13 @@ def _faults_of_order(
 
 def _all_before(world: PlainWorld, task: int) -> set[int]:
     """Return the tasks that come before one, and those before these; none by way of one that is
-    called off.
+    called off or missed.
     """
     found: set[int] = set()
     rest = [task]
     while rest:
         before = set(world.before.get(rest.pop(), ())) - world.cancelled.keys() - found
+        before -= world.missed.keys()
         found |= before
         rest += before
     return found

@@ -10,7 +10,7 @@ from teamformer.record.referee.plans import faults_of_plan
 from teamformer.record.referee.reasons import is_order_due, why_plan
 from teamformer.record.referee.told import Earlier, told_of
 from teamformer.record.referee.verdict import Notes
-from teamformer.world.reference.completion import status_of
+from teamformer.world.reference.completion import give_up, may_give_up, status_of
 from teamformer.world.reference.following import PlainPlan, follow_plan
 from teamformer.world.reference.state import Units, Wish
 from teamformer.world.reference.step import begin, make_step
@@ -49,10 +49,19 @@ class Play:
         difference = first_difference(world, before, before.told_by_rules(world), told)
         took = None if difference else self._go_on()
         if took is not None:
-            difference = first_difference(world, before, {"took": tuple(took)}, told)
+            self._give_up(told["missed"])
+            after = {"took": tuple(took), "missed": tuple(world.happened.missed)}
+            difference = first_difference(world, before, after, told)
         if difference:
             self._notes.note(difference)
         return took is not None and difference is None
+
+    def _give_up(self, missed: tuple[int, ...]) -> None:
+        """Let what is left be missed where the record says so, and that may be."""
+        is_more = not set(missed).issubset(self.world.happened.missed)
+        if is_more and self.status == "running" and may_give_up(self.world):
+            give_up(self.world)
+            self.status = status_of(self.world)
 
     def _decide(self, number: int) -> dict[int, Wish]:
         """Return what teams want in a step, and check that it is told in its form, and planned."""

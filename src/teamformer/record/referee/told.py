@@ -14,7 +14,7 @@ Rows = Mapping[str, tuple[Any, ...]]
 
 KINDS = (
     *("splits", "joins", "named", "lost", "back", "teams", "found", "moved"),
-    *("shown", "taken", "left", "served", "unloads", "done", "pursued", "took", "heard"),
+    *("shown", "taken", "left", "served", "unloads", "done", "pursued", "took", "missed", "heard"),
 )
 """All kinds of rows, what leads to something else first."""
 
@@ -22,7 +22,8 @@ KINDS = (
 def told_of(record: Record, number: int) -> Rows:
     """Return what a record tells of a step."""
     step = record.steps[number - 1]
-    return {kind: getattr(step, kind) for kind in KINDS}
+    missed = {"missed": tuple(task for task, _ in step.missed)}
+    return {kind: getattr(step, kind) for kind in KINDS} | missed
 
 
 class Earlier:

@@ -11,9 +11,11 @@ from typing import Any
 from teamformer.mission.model import Mission
 from teamformer.record.record import FLEET, Ending, Record
 from teamformer.world.continuous.events import Event, PlanMade, PlannedTask
+from teamformer.world.continuous.reasons import why_left_out
+from teamformer.world.continuous.ways import Ways
 from teamformer.world.rules.constants import NOBODY
 
-FROM_OUTSIDE = ("lost", "back", "appear", "cancel", "plan")
+FROM_OUTSIDE = ("lost", "back", "appear", "cancel", "missed", "plan")
 """Events that hang on nothing that was seen."""
 
 WORKS = ("serve", "lift", "unload")
@@ -24,8 +26,9 @@ class EventsSeen:
 
     def __init__(self) -> None:
         self.events: list[Event] = []
-        self.over: dict[int, float] = {}  # tasks that are done or called off, and when
+        self.over: dict[int, float] = {}  # tasks that are done, called off or missed, and when
         self.done: set[int] = set()
+        self.missed: set[int] = set()
         self.lost: set[int] = set()
         self.at_work: dict[int, tuple[int, ...]] = {}  # by task
         self._since: dict[int, int] = {}  # the latest event of each robot
@@ -60,8 +63,8 @@ class EventsSeen:
         """Say whether there is something to tell of an event."""
         if kind in ("lost", "walk", "arrive", "back"):
             return bool(robots) and (kind != "back" or robots[0] in self.lost)
-        if kind in ("done", "cancel", "serve", "lift", "unload"):
-            return task not in self.over and (kind in ("done", "cancel") or bool(robots))
+        if kind in ("done", "cancel", "missed", *WORKS):
+            return task not in self.over and (kind not in WORKS or bool(robots))
         return kind != "broken" or task in self.at_work
 
     def _note(self, event: Event) -> None:
@@ -70,10 +73,12 @@ class EventsSeen:
                 self.at_work[task] = tuple(r for r in robots if r not in event.robots)
         elif event.kind in WORKS:
             self.at_work[event.task] = event.robots
-        elif event.kind in ("done", "cancel", "broken"):
+        elif event.kind in ("done", "cancel", "missed", "broken"):
             self.at_work.pop(event.task, None)
-        if event.kind in ("done", "cancel"):
+        if event.kind in ("done", "cancel", "missed"):
             self.over[event.task] = event.at
+        if event.kind == "missed":
+            self.missed.add(event.task)
         if event.kind == "done":
             self.done.add(event.task)
         if event.kind == "lost":
@@ -85,6 +90,15 @@ class EventsSeen:
         """Write down a plan: tasks with their coalitions, in order."""
         rows = tuple(PlannedTask(task, robots) for task, robots in stops)
         self.tell(at, "plan", plan=PlanMade((), rows))
+
+    def miss_the_rest(self, at: float, truth: Mission) -> None:
+        """Write down that every task of a mission is missed that is not over at a time."""
+        ways = Ways(truth.world)
+        for task in range(len(truth.tasks)):
+            if task not in self.over:
+                is_begun = task in self.at_work
+                why = "under way" if is_begun else why_left_out(truth, ways, task)
+                self.tell(at, "missed", (), task, why=why)
 
     def record(
         self,
@@ -111,6 +125,7 @@ class EventsSeen:
                 tasks_done=len(self.done),
                 blocked_tasks=blocked,
                 late=lateness(mission, self.over, self.done),
+                missed=tuple(mission.tasks[task].name for task in sorted(self.missed)),
             ),
         )
 

@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterator
 
-from teamformer.record.phases import AT_WORK, LOADING, SERVING, WAITING
+from teamformer.record.phases import AT_WORK, IDLE, LOADING, OFF, SERVING, WAITING, WALKING
 from teamformer.record.record import Record
 from teamformer.record.teams import Teams
 from teamformer.record.told.told_record import Robots, Run, ToldRecord, ToldService
@@ -65,10 +65,25 @@ class Doings:
         return self._run(robot, step).task
 
     def doing(self, robot: int, step: int) -> str:
-        """Return what a robot did in a step; it waited in a service that came to nothing."""
-        doing = self._run(robot, step).phase
+        """Return what a robot did in a step; it waited in a service that came to nothing.
+
+        One that was off walked if it went on walking for the same task then, and waited else.
+        """
+        run = self._run(robot, step)
+        doing = self._done_after(robot, run) if run.phase == OFF else run.phase
         assert doing is not None, "its team's runs say what it did"
         return WAITING if doing in AT_WORK and not self.service_in(robot, step) else doing
+
+    def _done_after(self, robot: int, off: Run) -> str:
+        """Return what a robot that was off for a while did but for that."""
+        runs = iter(self._told.runs[robot])
+        is_next = (run for run in runs if run.begun > off.begun and run.phase != OFF)
+        after = next(is_next, off)
+        if after.phase is None:
+            after = self._run(after.task, int(after.begun) + 1)
+        if (after.phase, after.task) == (WALKING, off.task):
+            return WALKING
+        return IDLE if off.task == NOBODY else WAITING
 
     def _run(self, robot: int, step: int) -> Run:
         row = self._told.runs[robot]

@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from teamformer.record.critical_path.stretches import CLOSED, UNKNOWN, Stretch, in_order
+from teamformer.record.critical_path.stretches import (
+    CLOSED,
+    UNKNOWN,
+    Stretch,
+    in_order,
+    in_shifts,
+)
 from teamformer.record.phases import AT_WORK, FORMING, IDLE, WAITING
 from teamformer.record.record import Record
 from teamformer.record.task_times import opening_steps
@@ -25,7 +31,8 @@ def find_path(record: Record, told: ToldRecord) -> tuple[Stretch, ...]:
         return ()
     if any(slot is None for step in record.steps for _, slot in step.done):
         return ()
-    return in_order(_Tracing(record, told).stretches(int(record.end.makespan)))
+    path = in_order(_Tracing(record, told).stretches(int(record.end.makespan)))
+    return tuple(in_shifts(record.mission, path))
 
 
 class _Tracing:

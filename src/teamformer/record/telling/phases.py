@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
-from teamformer.record.phases import IDLE, LOST, WALKING, is_same_place, phase_of
+from teamformer.record.phases import (
+    IDLE,
+    LOST,
+    OFF,
+    WAITING,
+    WALKING,
+    is_same_place,
+    phase_of,
+)
 from teamformer.record.record import Step
 from teamformer.record.teams import Teams
 from teamformer.world.rules.constants import NOBODY
 
 Deed = tuple[str, int]
 """What somebody did in a step, one of PHASES, and the task that it was about, or NOBODY."""
+
+
+MAY_BE_OFF = (WALKING, WAITING, IDLE)
+"""What a team does that stands still while one of its robots is outside its shifts."""
 
 
 class TeamsBefore:
@@ -49,7 +61,10 @@ class TeamsBefore:
 
 
 class Phases:
-    """What teams did in the latest step, by slot; `apart` has robots that came with other tasks."""
+    """What teams did in the latest step, by slot.
+
+    `apart` has robots that came with other tasks, and those that were off, or others that were not.
+    """
 
     def __init__(self) -> None:
         self.deeds: dict[int, Deed] = {}
@@ -72,11 +87,13 @@ class Phases:
         formed: set[int],
         work: Mapping[int, str],
         goals: Sequence[Place],
+        off: Set[int],
     ) -> list[int]:
         """Take in a step that the teams have made; return which of some do something else.
 
         `formed` are the teams that have parted or joined, `work` is what teams do for tasks,
-        `goals` where each task is believed to be, or is brought to.
+        `goals` where each task is believed to be, or is brought to, `off` are the robots outside
+        their shifts.
         """
         told, others, self.apart = dict(step.pursued), [], {}
         for slot in sorted(slots):
@@ -91,6 +108,11 @@ class Phases:
                 task=task,
                 is_there=task != NOBODY and is_same_place(mission, place, goals[task]),
             )
+            if phase in MAY_BE_OFF and not off.isdisjoint(teams.robots[slot]):
+                stands = IDLE if task == NOBODY else WAITING
+                does = {r: OFF if r in off else stands for r in teams.robots[slot]}
+                phase = does[slot]
+                self.apart |= {r: (own, task) for r, own in does.items() if own != phase}
             if (phase, task) != self.deeds.get(slot):
                 self.deeds[slot] = phase, task
                 others.append(slot)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from teamformer.base.naming import listed
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.shifts import fits_now
 from teamformer.record.happenings import LogEntry
 from teamformer.record.phases import (
     AT_WORK,
@@ -14,6 +16,7 @@ from teamformer.record.phases import (
     FORMING,
     IDLE,
     LOST,
+    OFF,
     UNLOADING,
     WAITING,
 )
@@ -44,6 +47,7 @@ class Narrator:
         now, step = self._now, self._now.latest
         found = [
             *(LogEntry(now.steps, "cancelled", task=task) for task in now.called_off),
+            *(LogEntry(now.steps, "missed", task=task) for task in now.missed),
             *(LogEntry(now.steps, "lost", (robot,)) for robot in step.lost),
             *(LogEntry(now.steps, "back", (robot,)) for robot in step.back),
             *(LogEntry(now.steps, "found", task=task) for task in step.found),
@@ -72,6 +76,8 @@ class Narrator:
             return ()
         if phase in AT_WORK:
             return (self._why_at_work(phase),)
+        if phase == OFF:
+            return (self._why_off(slot),)
         if phase == IDLE:
             return (self._why_idle(self._now.teams.robots[slot]),)
         if phase == WAITING:
@@ -85,6 +91,15 @@ class Narrator:
             return "its team brings all that the load takes, and stays with it until it is unloaded"
         return "its team brings all that the task needs, and stays until that is done"
 
+    def _why_off(self, robot: int) -> str:
+        now, world = self._now, self._now.source.world
+        again = now.source.robots[robot].rota.goes_on(now.steps - 1)
+        if math.isinf(again):
+            return "its last shift is over"
+        if isinstance(world, Plane):
+            return f"its next shift begins at {round(again * world.step, 2):g} s"
+        return f"its next shift begins after step {again:g}"
+
     def _why_waiting(self, slot: int, task: int) -> str:
         now, tasks = self._now, self._now.source.tasks
         over = {tasks[other].name for other in now.before.get(task, ()) if other in now.over}
@@ -94,8 +109,13 @@ class Narrator:
         if now.steps <= now.opens(task) < NEVER:
             return f"the task may not begin before step {now.opens(task) + 1}"
         robots, mates = now.source.robots, now.teams.robots[slot]
+        off = [mate for mate in mates if mate in now.off]
+        if off:
+            return f"{self._names(off)} {'are' if len(off) > 1 else 'is'} off"
         can = total(robots[mate].can for mate in mates)
         short = missing(can, now.mission.tasks[task].needs)
+        if not short and self._does_not_fit(mates, task):
+            return "the task does not fit into what is left of the shifts of its robots"
         if not short:
             return "its team brings all that the task needs"
         coming = [
@@ -105,6 +125,12 @@ class Narrator:
         ]
         who = self._names(coming) or "nobody on the way"
         return f"lacks {describe(short)}, which {who} {'bring' if len(coming) > 1 else 'brings'}"
+
+    def _does_not_fit(self, robots: Sequence[int], task: int) -> bool:
+        """Say whether a task is too long for what is left of the shifts of robots."""
+        wanted, fleet = self._now.source.tasks[task], self._now.source.robots
+        takes = int(wanted.duration) + wanted.unload
+        return not fits_now([fleet[robot].rota for robot in robots], self._now.steps, takes)
 
     def _why_idle(self, team: Sequence[int]) -> str:
         now = self._now

@@ -21,7 +21,7 @@ class Teller:
         self._narrator = Narrator(self.unrolled)
         self._runs: list[list[Run]] = [[] for _ in record.mission.robots]
         self._texts: dict[str, int] = {}
-        self._apart: set[int] = set()  # the teams whose robots came with other tasks before
+        self._apart: set[int] = set()  # the teams whose robots did not all do the same before
 
     @property
     def steps(self) -> int:
@@ -34,7 +34,7 @@ class Teller:
         now.go_on(record)
         self._narrator.go_on()
         runs = tuple(self._added())
-        self._apart = {now.teams.slot[robot] for robot in now.phases.apart}
+        self._apart = self._teams_apart()
         rows = now.services.rows
         services = tuple((row, rows[row]) for row in now.services.changed)
         return ToldOfStep(services, runs, (*self._texts,)[known:])
@@ -79,10 +79,15 @@ class Teller:
     def _other_mates(self) -> Iterator[tuple[int, int]]:
         """Yield each robot that may have another lowest mate than before, and that one."""
         now = self.unrolled
-        slots = now.teams.robots if self.steps == 1 else now.formed | self._apart
+        apart = self._apart | self._teams_apart()
+        slots = now.teams.robots if self.steps == 1 else now.formed | apart
         for slot in sorted(slots):
             for robot in now.teams.robots.get(slot, ())[1:]:
                 yield robot, slot
+
+    def _teams_apart(self) -> set[int]:
+        """Return the teams of which not all robots did the same in the latest step."""
+        return {self.unrolled.teams.slot[robot] for robot in self.unrolled.phases.apart}
 
     def _text(self, text: str) -> int:
         """Return the number of a text, which is kept once."""

@@ -38,6 +38,7 @@ class Unrolled:
         self.opened: list[int] = []
         self.news: list[int] = []  # tasks that appeared in the latest step
         self.called_off: list[int] = []
+        self.missed: list[int] = []
         self.done: set[int] = set()
         self.is_planned = False
         self.goals: list[Place] = []  # where each task is believed to be, or is brought to
@@ -46,6 +47,9 @@ class Unrolled:
         self.formed: set[int] = set()  # teams with other robots than before the latest step
         self._changed = set(self.teams.robots)  # teams for which the step before changed something
         self._heading: dict[int, list[int]] | None = None
+        self.off: set[int] = set()  # robots outside their shifts in the latest step
+        rotas = enumerate(robot.rota for robot in record.mission.robots)
+        self._rotas = [(robot, rota) for robot, rota in rotas if rota]
         self._read(record)
 
     def _read(self, record: Record) -> None:
@@ -87,14 +91,22 @@ class Unrolled:
         self.formed = formed | self._slots_of(r for r in before.slot if r not in step.lost)
         changed = self.formed | self._slots_of(step.back) | set(self._who_heads_elsewhere(step))
         changed |= {row.slot for row in step.teams} | {slot for slot, _ in step.pursued}
+        off = self._who_is_off()
+        changed |= self._slots_of(off | self.off)
+        self.off = off
         work = self.services.by_slot(self.teams)
         walking = before.walking - self.formed - work.keys() - set(step.back)
         slots = ((changed | self._changed) & self.teams.robots.keys()) - walking
         self._complete(step)
         self.others = self.phases.follow(
-            self.mission, self.teams, step, slots, before, formed, work, self.goals
+            self.mission, self.teams, step, slots, before, formed, work, self.goals, off
         )
         self._changed = changed | self._slots_of(self.services.touched)
+
+    def _who_is_off(self) -> set[int]:
+        """Return who is outside its shifts in the latest step."""
+        made = self.steps - 1
+        return {robot for robot, rota in self._rotas if rota.fits(made, 1) != made}
 
     def _slots_of(self, robots: Iterable[int]) -> set[int]:
         return {self.teams.slot[robot] for robot in robots} - {NOBODY}
@@ -104,6 +116,7 @@ class Unrolled:
         elsewhere = {row.task for row in (*step.moved, *step.left)}
         elsewhere.update(task for task, _ in (*step.taken, *step.done, *step.served))
         elsewhere.update(self._cancelled.get(self.steps, ()))
+        elsewhere.update(task for task, _ in step.missed)
         if elsewhere:
             yield from (slot for slot, task in self.teams.task.items() if task in elsewhere)
 
@@ -113,7 +126,9 @@ class Unrolled:
         due = self._cancelled.get(self.steps, ())
         self.called_off = [k for k in due if k not in self.over and k not in done]
         self.news = [k for k in self._appear.get(self.steps, ()) if k not in self.over]
-        let_go = (*self.called_off, *(task for task, robots in step.served if not robots))
+        self.missed = [task for task, _ in step.missed]
+        gone = (*self.called_off, *self.missed)
+        let_go = (*gone, *(task for task, robots in step.served if not robots))
         for task in (k for k in let_go if self.services.is_up(k)):
             self.lies[task] = self.goals[task] = self._place_of(self.services.who_serves(task))
         for task in done:
@@ -125,13 +140,13 @@ class Unrolled:
         taken = [(task, slot) for task, slot in step.taken if task not in self.over]
         for task in (k for k, _ in taken if k not in done):
             self.goals[task] = self.mission.tasks[task].to or self.lies[task]
-        self.plans.pass_over(self.called_off)
-        ended = {*self.called_off, *(row.task for row in step.left)}
+        self.plans.pass_over(gone)
+        ended = {*gone, *(row.task for row in step.left)}
         self.services.go_on(self.mission, self.teams, step, self.steps, ended, taken)
-        self.over |= done | {*self.called_off}
+        self.over |= done.union(gone)
         self.opened = [
             task
-            for other in (*done, *self.called_off)
+            for other in (*done, *gone)
             for task in self._after.get(other, ())
             if self.over.issuperset(self.before[task])
         ]

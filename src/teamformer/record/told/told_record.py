@@ -41,6 +41,14 @@ class Run(NamedTuple):
     why: tuple[int, ...] = ()  # numbers of texts
 
 
+class Level(NamedTuple):
+    """How full a battery is from a moment on, 0 to 1, and how much comes in a unit of time."""
+
+    begun: float
+    full: float
+    rate: float
+
+
 @dataclass(frozen=True)
 class ToldRecord:
     """What is told of a record of such a length; `runs` are by robot, `texts` by number.
@@ -55,6 +63,7 @@ class ToldRecord:
     texts: tuple[str, ...]
     path: tuple[Stretch, ...] = ()
     layout: Layout | None = None
+    levels: tuple[tuple[Level, ...], ...] = ()  # by robot; empty if nobody has a battery
 
     def runs_of(self, robot: int) -> Iterator[tuple[float, Run]]:
         """Yield the ends of a robot's runs and the runs, its team's among them.

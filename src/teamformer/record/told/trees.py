@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from teamformer.mission.parts.layout import Layout
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.phases import PHASES
-from teamformer.record.told.told_record import Run, ToldOfStep, ToldRecord, ToldService
+from teamformer.record.told.told_record import Level, Run, ToldOfStep, ToldRecord, ToldService
 from teamformer.world.rules.constants import NOBODY
 
 Tree = dict[str, Any]
+Row = TypeVar("Row")
+
+DIGITS = 9
+"""Places after the point that are told of how full a battery is."""
 
 NUMBERS = {None: None} | {phase: number for number, phase in enumerate(PHASES)}
+
+CHARGE = "charge"
+"""The key that says how full batteries are."""
 
 LAYOUT = "map"
 """The key that says where places of roads are drawn, which is nobody's claim."""
@@ -27,6 +34,7 @@ def told_to_tree(told: ToldRecord) -> Tree:
         "texts": list(told.texts),
         "path": path_to_tree(told.path),
         **({} if told.layout is None else {LAYOUT: _layout(told.layout)}),
+        **({CHARGE: [[*map(_level, row)] for row in told.levels]} if told.levels else {}),
     }
 
 
@@ -55,16 +63,18 @@ def added_to_tree(before: ToldRecord, after: ToldRecord) -> Tree:
         "phases": [[robot, _run(run)] for robot, run in _added(before.runs, after.runs)],
         "texts": list(after.texts[len(before.texts) :]),
     }
+    if after.levels:
+        tree[CHARGE] = [[robot, _level(one)] for robot, one in _added(before.levels, after.levels)]
     return tree | {"path": path_to_tree(after.path)} if after.path else tree
 
 
 def _added(
-    before: Sequence[Sequence[Run]], after: Sequence[Sequence[Run]]
-) -> Iterator[tuple[int, Run]]:
+    before: Sequence[Sequence[Row]], after: Sequence[Sequence[Row]]
+) -> Iterator[tuple[int, Row]]:
     """Yield what each robot has more than before."""
     for robot, row in enumerate(after):
-        for run in row[len(before[robot]) :]:
-            yield robot, run
+        for one in row[len(before[robot]) :]:
+            yield robot, one
 
 
 def path_to_tree(path: Iterable[Stretch]) -> list[list[Any]]:
@@ -95,6 +105,10 @@ def _service(service: ToldService) -> list[Any]:
 
 def _run(run: Run) -> list[Any]:
     return [_time(run.begun), NUMBERS[run.phase], _one(run.task), *run.why]
+
+
+def _level(level: Level) -> list[Any]:
+    return [_time(level.begun), round(level.full, DIGITS), round(level.rate, DIGITS)]
 
 
 def _time(when: Any) -> Any:

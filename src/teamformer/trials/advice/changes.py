@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -137,7 +138,8 @@ def _longer_shifts(mission: Mission, robots: list[int]) -> Iterator[Change]:
     first = mission.robots[robots[0]]
     who = f"robots like {first.name} work" if len(robots) > 1 else f"{first.name} works"
     (begins, ends), latest = first.shifts[-1], first.shifts[0][0] + first.every
-    until = ends + LONGER_BY * (ends - begins)
+    longer = LONGER_BY * (ends - begins)
+    until = ends + (math.ceil(longer) if mission.time == "steps" else longer)
     until = min(until, latest) if first.every else until
     if until > ends:
         shifts = (*first.shifts[:-1], (begins, until))

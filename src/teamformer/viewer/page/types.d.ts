@@ -182,6 +182,7 @@ interface Told {
   phases: any[][]; // by robot, as in the record
   texts: string[];
   path: Stretch[];
+  charge: number[][][]; // by robot: since when a battery is how full, and by how much that changes in a tick
   runs: Map<number, { last: number; runs: Run[] }>; // worked out of the phases
 }
 

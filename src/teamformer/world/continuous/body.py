@@ -39,6 +39,7 @@ class RealRobot:
     charger: int = NOBODY  # that it goes to, or queues or charges at
     charges_for: int = NOBODY  # the task for which it charges
     at_charger: float = math.inf  # since when it queues
+    queue: int = NOBODY  # the event with which it began to wait for room
     charge: int = NOBODY  # the event with which it began to charge
 
     @property

@@ -186,7 +186,8 @@ class ChargingWorld(WorkingWorld):
         """Have a robot go to no charger, or charge no more."""
         body = self.bodies[robot]
         body.charger = body.charges_for = NOBODY
-        body.charge, body.at_charger = NOBODY, math.inf
+        body.charge = body.queue = NOBODY
+        body.at_charger = math.inf
 
     def arrive(self, robot: int) -> None:
         """Let a robot be where it was going; at a charger it queues."""
@@ -214,6 +215,15 @@ class ChargingWorld(WorkingWorld):
             if taken.count(charger) < self.rooms[charger]:
                 taken.append(charger)
                 self._charge(robot)
+            elif self.bodies[robot].queue == NOBODY:
+                self._wait_for_room(robot)
+
+    def _wait_for_room(self, robot: int) -> None:
+        body = self.bodies[robot]
+        cause = self.cause_among([body.since])
+        body.since = body.queue = self.tell(
+            "queue", (robot,), NOBODY, cause, place=body.way[0].place
+        )
 
     def _charge(self, robot: int) -> None:
         body, battery = self.bodies[robot], self.truth.robots[robot].battery

@@ -147,6 +147,7 @@ KINDS = {
     "overdue": EventKind(
         ("task", "until"), "a service lasts longer than believed; until: its new expected end"
     ),
+    "queue": EventKind(("robots", "place"), "a robot waits until there is room at a charger"),
     "charge": EventKind(
         ("robots", "place", "until"), "a robot begins to charge, and is full at until"
     ),

@@ -38,7 +38,7 @@ def gives_up(world: PhysicalWorld) -> bool:
     if not left or not is_optional or hopes(world, left):
         return False
     for task in left:
-        world.miss(task, why_left_out(world, task))
+        world.miss(task, why_left_out(world.truth, world.ways, task))
     return True
 
 

@@ -1,41 +1,17 @@
-"""Why tasks were left out."""
+"""Why tasks were left out of a mission in continuous time."""
 
 from __future__ import annotations
 
-from teamformer.mission.checks.optional import is_in_time
-from teamformer.mission.checks.windows import release_of
-from teamformer.mission.parts.capabilities import covers, total
-from teamformer.world.continuous.moving import MovingWorld
+from teamformer.mission.model import Mission
+from teamformer.world.continuous.ways import Ways
+from teamformer.world.rules import left_out
 
 
-def why_left_out(world: MovingWorld, task: int) -> str:
-    """Return why nobody has begun a task, in a word of `WHY_MISSED`.
-
-    It is too far if not even those who would be there first from the start could end it in time.
-    """
-    truth, wanted = world.truth, world.truth.tasks[task]
-    begins = earliest_start(world, task)
-    if begins is None:
-        return "nobody able"
-    if not is_in_time(
-        max(begins, release_of(wanted)) + wanted.duration + wanted.unload, truth.until
-    ):
-        return "too far"
-    if truth.cost is not None and wanted.optional:
-        return "not worth it"
-    return "nobody free"
-
-
-def earliest_start(world: MovingWorld, task: int) -> float | None:
-    """Return when enough robots can be at a task that go there at once, from the start; or None."""
-    wanted = world.truth.tasks[task]
-    comes = sorted(
-        (world.ways.length(robot.at, wanted.at, robot.moves) / robot.speed, number)
-        for number, robot in enumerate(world.truth.robots)
+def why_left_out(truth: Mission, ways: Ways, task: int) -> str:
+    """Return why nobody has begun a task of a mission, in a word of `WHY_MISSED`."""
+    at = truth.tasks[task].at
+    comes = (
+        (ways.length(robot.at, at, robot.moves) / robot.speed, number)
+        for number, robot in enumerate(truth.robots)
     )
-    there: list[int] = []
-    for at, number in comes:
-        there.append(number)
-        if covers(total(world.truth.robots[robot].can for robot in there), wanted.needs):
-            return at
-    return None
+    return left_out.why_left_out(truth, task, comes)

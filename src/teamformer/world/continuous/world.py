@@ -208,7 +208,9 @@ class PhysicalWorld(ChargingWorld):
             work = self.works.get(task)
             ends_now = work is not None and work.is_service and is_in_time(work.all_done, self.now)
             if task not in self.over and not ends_now:
-                self.miss(task, "under way" if task in self.works else why_left_out(self, task))
+                is_begun = task in self.works
+                why = "under way" if is_begun else why_left_out(self.truth, self.ways, task)
+                self.miss(task, why)
 
     def miss(self, task: int, why: str) -> None:
         """Let a task be missed: it is not done any more. Why is a word of `WHY_MISSED`."""

@@ -19,6 +19,7 @@ from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.world.guidance.following import follow_plans
 from teamformer.world.guidance.known import known_of
 from teamformer.world.guidance.parts import Parts
+from teamformer.world.phases.completion import give_up_worlds
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.state.arrays import APPEARED, FOUND, RUNNING, START, Worlds
 
@@ -68,6 +69,7 @@ class Guide:
                 is_new[w] = True
                 self._install(worlds, w, self._plan_after(worlds, w, heard))
         self._follow(worlds, is_new)
+        give_up_worlds(worlds)
 
     def take_over(self, worlds: Worlds, w: int, plan: Plan) -> None:
         """Have a world's teams go by a plan that somebody else has made, from the next step on.
@@ -151,6 +153,8 @@ class Guide:
         for robot, task in plan.scouts:
             self.parts.scouts[w, robot] = task
         robots_of = dict(zip(plan.order, plan.coalitions, strict=True))
+        tasks["is_planned"][tasks["is_open"]] = False
+        tasks["is_planned"][list(robots_of)] = True
         for task in served:
             servers = np.flatnonzero(teams == tasks["server"][task]).tolist()
             robots_of[task] = tuple({*servers, *robots_of.get(task, ())})
@@ -270,6 +274,6 @@ def _make_parts(worlds: Worlds, missions: Sequence[Mission]) -> Parts:
         kinds: dict[tuple[object, ...], int] = {}
         for r, robot in enumerate(mission.robots):
             region = mission.world.region(robot.at)
-            kind = (*sorted(robot.can.items()), robot.speed, robot.flies, region)
+            kind = (*sorted(robot.can.items()), robot.speed, robot.flies, region, robot.rota)
             parts.kind[w, r] = kinds.setdefault(kind, r)
     return parts

@@ -73,7 +73,8 @@ def _without_what_is_over(mission: Mission, tasks: Array, step: int) -> Mission:
     """Return a mission whose tasks are `after` those only that are not over; (tasks,) records."""
     if not any(task.after for task in mission.tasks):
         return mission
-    is_over = (tasks["done_at"] != NOBODY) | (tasks["cancelled"] <= step)
+    is_over = (tasks["done_at"] != NOBODY) | (tasks["missed_at"] != NOBODY)
+    is_over |= tasks["cancelled"] <= step
     over = {task.name for task, gone in zip(mission.tasks, is_over.tolist(), strict=False) if gone}
     left = (tuple(name for name in task.after if name not in over) for task in mission.tasks)
     shorter = zip(mission.tasks, left, strict=True)

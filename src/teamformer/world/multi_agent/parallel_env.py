@@ -19,7 +19,7 @@ from teamformer.world.multi_agent.drawing import RENDER_MODES, check_render_mode
 from teamformer.world.multi_agent.observing import Observation, Observer
 from teamformer.world.reward import Reward
 from teamformer.world.rules.constants import NEVER, NOBODY
-from teamformer.world.state.arrays import COMPLETED, INFEASIBLE, RUNNING, STEP_LIMIT
+from teamformer.world.state.arrays import RUNNING, STEP_LIMIT
 
 try:
     from gymnasium import spaces
@@ -114,7 +114,7 @@ class TeamFormationParallel(ParallelEnv[str, Observation, Any]):  # type: ignore
         self._look()
         slots = self._observe()
         status, is_gone = int(self._env.worlds.count["status"][0]), self._are_gone()
-        is_ended, is_cut = status in (COMPLETED, INFEASIBLE), status == STEP_LIMIT
+        is_ended, is_cut = status not in (RUNNING, STEP_LIMIT), status == STEP_LIMIT
         paid = self._env.rewards[0].tolist()
         observations, rewards, terminations, truncations = {}, {}, {}, {}
         infos: Everyone = {}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from teamformer.base.kernels.jit import allocating_kernel, kernel
-from teamformer.world.rules.constants import NOBODY, ROUNDING
+from teamformer.world.rules.constants import NEVER, NOBODY, ROUNDING
 from teamformer.world.state.task_places import change_cell, put_task
 
 if TYPE_CHECKING:
@@ -43,10 +43,28 @@ def expect_arrival(world: World, team: int, task: int) -> None:
     """Write down how many steps of carrying and unloading a load are ahead of its team."""
     ahead = world.tasks[task].unload
     if not _is_there(world, team, task):
-        ahead += _steps_to_go(world, team, task)
+        ahead += _steps_to_go(world, team, task, world.teams[team].credit)
     elif world.tasks[task].is_carried:
         ahead += 1 - world.tasks[task].served
     world.tasks[task].ahead = ahead
+
+
+@kernel
+def carried_for(world: World, team: int, task: int) -> int:
+    """Return how many steps a team that takes up a load carries and unloads it."""
+    unload = world.tasks[task].unload
+    if _is_there(world, team, task):
+        return int(unload)
+    return int(unload + _steps_to_go(world, team, task, 0.0))
+
+
+@kernel
+def carries_in_time(world: World, team: int, task: int, step: int) -> bool:
+    """Say whether a team that begins with a load in a step is done with it by the end of all."""
+    if world.rules.until == NEVER:
+        return True
+    takes = world.tasks[task].duration + carried_for(world, team, task)
+    return bool(step + takes <= world.rules.until)
 
 
 @kernel
@@ -57,7 +75,7 @@ def _is_there(world: World, team: int, task: int) -> bool:
 
 
 @kernel
-def _steps_to_go(world: World, team: int, task: int) -> int:
+def _steps_to_go(world: World, team: int, task: int, credit: float) -> int:
     x, y = world.teams[team].x, world.teams[team].y
     away_x, away_y = abs(world.tasks[task].to_x - x), abs(world.tasks[task].to_y - y)
     if world.rules.is_plane:
@@ -66,7 +84,7 @@ def _steps_to_go(world: World, team: int, task: int) -> int:
         to_go = np.float64(world.fields[len(world.tasks) + task, int(y), int(x)])
     else:
         to_go = away_x + away_y
-    to_go -= world.teams[team].credit
+    to_go -= credit
     return int(np.ceil(to_go / world.teams[team].pace - ROUNDING))
 
 

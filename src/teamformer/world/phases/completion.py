@@ -1,13 +1,20 @@
-"""Completion: which tasks are done or called off, and what that changes for everybody."""
+"""Completion: which tasks are done, called off or missed, and what that changes for everybody."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from teamformer.base.kernels.jit import kernel
+from teamformer.base.kernels.jit import entry, kernel
 from teamformer.world.phases.assignment import can_do_alone
 from teamformer.world.phases.beliefs import expect_end
-from teamformer.world.phases.carrying import expect_arrival, is_delivered, note_place
+from teamformer.world.phases.carrying import (
+    carried_for,
+    carries_in_time,
+    expect_arrival,
+    is_delivered,
+    note_place,
+)
+from teamformer.world.phases.delays import is_in_shift
 from teamformer.world.phases.motion import is_way
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.state.arrays import (
@@ -17,13 +24,16 @@ from teamformer.world.state.arrays import (
     COMPLETED,
     DONE,
     INFEASIBLE,
+    RUNNING,
     STEP_LIMIT,
+    TOO_LATE,
+    world_at,
 )
 from teamformer.world.state.spatial_index import find_tasks_here, stands_at
 
 if TYPE_CHECKING:
     from teamformer.base.array_types import Array
-    from teamformer.world.state.arrays import World
+    from teamformer.world.state.arrays import World, Worlds
 
 
 @kernel
@@ -40,7 +50,7 @@ def complete_tasks(world: World, step: int) -> None:
         for i in range(find_tasks_here(world, team)):
             task = world.here[i]
             is_free = _is_free(world, task, step) and not world.tasks[task].is_load
-            if is_free and can_do_alone(world, team, task):
+            if is_free and _can_do(world, team, task, step):
                 _begin(world, team, task, step)
     if world.count.done > done_before:
         _close_gaps_in_order(world)
@@ -55,12 +65,10 @@ def cancel_tasks(world: World, step: int) -> bool:
     """
     cancelled_before = world.count.cancelled
     for task in range(world.rules.tasks):
-        if world.tasks[task].cancelled != step or world.tasks[task].done_at != NOBODY:
+        if world.tasks[task].cancelled != step or _is_done_or_missed(world, task):
             continue
-        if world.tasks[task].server != NOBODY:
-            _end_service(world, world.tasks[task].server, task)
-        world.tasks[task].is_carried = False
         world.count.cancelled += 1
+        _let_go(world, task)
         _close(world, task, step)
     if world.count.cancelled == cancelled_before:
         return False
@@ -82,9 +90,11 @@ def _is_loaded(world: World, team: int, step: int) -> bool:
     if world.teams[team].serves > 0:
         return bool(world.tasks[task].server == team)
     is_free = _is_free(world, task, step) and not world.tasks[task].is_carried
-    if is_free and stands_at(world, team, task) and can_do_alone(world, team, task):
-        _begin(world, team, task, step)
-        return True
+    if is_free and stands_at(world, team, task) and _can_do(world, team, task, step):
+        if carries_in_time(world, team, task, step):
+            _begin(world, team, task, step)
+            return True
+        _miss(world, task, step)
     return False
 
 
@@ -92,19 +102,132 @@ def _is_loaded(world: World, team: int, step: int) -> bool:
 def _is_free(world: World, task: int, step: int) -> bool:
     """Say whether a task may begin in a step."""
     may_begin = world.tasks[task].awaits == 0 and world.tasks[task].opens < step
-    return world.tasks[task].is_open and may_begin and world.tasks[task].server == NOBODY
+    is_free = world.tasks[task].is_open and may_begin and world.tasks[task].server == NOBODY
+    return is_free and _ends_in_time(world, task, step)
+
+
+@kernel
+def _ends_in_time(world: World, task: int, step: int) -> bool:
+    """Say whether a task that begins in a step ends before the mission does, as far as is known.
+
+    Of a load the way is not counted, as that depends on who carries it.
+    """
+    takes = world.tasks[task].duration + world.tasks[task].unload
+    return bool(world.rules.until == NEVER or step + takes <= world.rules.until)
+
+
+@kernel
+def miss_tasks(world: World, step: int) -> None:
+    """At the end of a step, let tasks be missed that nobody can end by the end of the mission."""
+    is_over, any_missed = step >= world.rules.until, False
+    for task in range(world.rules.tasks):
+        any_missed |= world.tasks[task].missed_at == step  # a load, before whoever came for it
+        if _is_done_or_missed(world, task) or world.tasks[task].cancelled <= step:
+            continue
+        is_waiting = world.tasks[task].is_open and world.tasks[task].server == NOBODY
+        begins = max(step, world.tasks[task].opens) + 1
+        if is_over or (is_waiting and not _ends_in_time(world, task, begins)):
+            _miss(world, task, step)
+            any_missed = True
+    if any_missed:
+        _close_gaps_in_order(world)
+        _drop_assignments_to_over(world)
+
+
+@kernel
+def _is_done_or_missed(world: World, task: int) -> bool:
+    return world.tasks[task].done_at != NOBODY or world.tasks[task].missed_at != NOBODY
+
+
+@kernel
+def _miss(world: World, task: int, step: int) -> None:
+    world.tasks[task].missed_at = step
+    world.count.missed += 1
+    _let_go(world, task)
+    _close(world, task, step)
+
+
+@kernel
+def _let_go(world: World, task: int) -> None:
+    """End the service of a task that is not done any more; a load is set down."""
+    if world.tasks[task].server != NOBODY:
+        _end_service(world, world.tasks[task].server, task)
+    world.tasks[task].is_carried = False
+
+
+@entry
+def give_up_worlds(worlds: Worlds) -> None:
+    """Let what is left be missed in worlds whose plans leave it out, if that may be.
+
+    That is so if all that is left is optional and known, and no lost robot will be back. Nothing
+    else changes in such a world: it is over, but for its first step.
+    """
+    for w in range(len(worlds.rules)):
+        world = world_at(worlds, w)
+        is_planned = world.rules.is_coordinated and world.rules.until < NEVER
+        is_running = world.count.status == RUNNING and world.count.steps > 0
+        if is_running and is_planned and _is_given_up(world):
+            _give_up(world)
+
+
+@kernel
+def _is_given_up(world: World) -> bool:
+    for robot in range(world.rules.robots):
+        if world.robots[robot].team == NOBODY and world.robots[robot].back < NEVER:
+            return False
+        task = world.robots[robot].next
+        if task != NOBODY and world.tasks[task].is_open:
+            return False
+    for task in range(world.rules.tasks):
+        if _is_done_or_missed(world, task) or world.tasks[task].cancelled <= world.count.steps:
+            continue
+        is_waiting = world.tasks[task].is_open and world.tasks[task].server == NOBODY
+        is_left_out = world.tasks[task].is_optional and not world.tasks[task].is_planned
+        if not is_waiting or not is_left_out:
+            return False
+    return True
+
+
+@kernel
+def _give_up(world: World) -> None:
+    for task in range(world.rules.tasks):
+        if world.tasks[task].is_open:
+            world.tasks[task].missed_at = world.count.steps
+            world.tasks[task].is_open = False
+            world.count.missed += 1
+    judge_status(world, False)
+
+
+@kernel
+def _can_do(world: World, team: int, task: int, step: int) -> bool:
+    """Say whether a team can begin a task in a step: alone, and within a shift of each robot."""
+    if not can_do_alone(world, team, task):
+        return False
+    if not world.rules.has_shifts:
+        return True
+    takes = world.tasks[task].duration
+    if world.tasks[task].is_load:
+        takes += carried_for(world, team, task)
+    return is_in_shift(world, team, step, step + takes)
+
+
+@kernel
+def _goes_on(world: World, team: int, task: int, step: int) -> bool:
+    """Say whether a team has all that the task needs which it serves, in the shifts it began in."""
+    is_able = can_do_alone(world, team, task)
+    return is_able and is_in_shift(world, team, world.tasks[task].begun_at, step)
 
 
 @kernel
 def _serve(world: World, team: int, task: int, step: int) -> None:
     """One step of service; a team that has lost what the task needs breaks it off.
 
-    So does one that is carried away from it: its motion may come from outside.
+    So does one of which a shift is over, or that is carried away: its motion may come from outside.
     """
     world.tasks[task].served += 1
     if world.tasks[task].is_carried:
         _carry(world, team, task, step)
-    elif not (can_do_alone(world, team, task) and stands_at(world, team, task)):
+    elif not (_goes_on(world, team, task, step) and stands_at(world, team, task)):
         _end_service(world, team, task)
         world.count.news |= BROKEN_OFF
     elif world.tasks[task].is_load:
@@ -137,8 +260,11 @@ def _take_up(world: World, team: int, task: int, step: int) -> None:
 
 @kernel
 def _carry(world: World, team: int, task: int, step: int) -> None:
-    """The end of a step with a load; a team that has lost what it takes lets go of it."""
-    if not can_do_alone(world, team, task):
+    """The end of a step with a load; a team that has lost what it takes lets go of it.
+
+    So does one of which a shift is over.
+    """
+    if not _goes_on(world, team, task, step):
         note_place(world, task, world.teams[team].x, world.teams[team].y)
         _end_service(world, team, task)
         world.count.news |= BROKEN_OFF
@@ -163,7 +289,7 @@ def _begin(world: World, team: int, task: int, step: int) -> None:
         _finish(world, team, task, step)
         return
     world.tasks[task].server = team
-    world.tasks[task].served = 0
+    world.tasks[task].served, world.tasks[task].begun_at = 0, step
     world.tasks[task].expected = max(1, world.tasks[task].duration)
     world.teams[team].serves += 1
     world.teams[team].credit = 0.0
@@ -239,7 +365,8 @@ def release_tasks(world: World, steps_made: int) -> bool:
     arrived = 0
     for task in range(world.rules.tasks):
         is_due = world.tasks[task].appears == steps_made
-        if is_due and world.tasks[task].cancelled > steps_made:
+        is_over = world.tasks[task].cancelled <= steps_made
+        if is_due and not is_over and world.tasks[task].missed_at == NOBODY:
             world.tasks[task].is_open = True
             for cap in range(world.has.shape[1]):
                 world.demand[cap] += world.needs[task, cap] > 0
@@ -270,12 +397,14 @@ def _ordered_at(world: World, task: int) -> int:
 def is_possible(world: World, task: int, needs: Array, counts_due: bool) -> bool:
     """Say whether the robots that are left and can get there cover the needs of a task together.
 
-    With those that are due back, if `counts_due`; `needs` are (caps,).
+    With those that are due back, if `counts_due`; `needs` are (caps,). Those whose last shift is
+    over are not left.
     """
     for cap in range(len(needs)):
         short = needs[cap]
         for robot in range(world.rules.robots):
             is_there = is_way(world.robots[robot].region, world.tasks[task].region)
+            is_there &= world.count.steps < world.robots[robot].over
             is_due = counts_due and world.count.steps < world.robots[robot].back < NEVER
             if short > 0 and is_there and (is_due or world.robots[robot].team != NOBODY):
                 short -= world.brings[robot, cap]
@@ -288,18 +417,37 @@ def is_possible(world: World, task: int, needs: Array, counts_due: bool) -> bool
 def judge_status(world: World, is_news: bool) -> None:
     """Say how the trial stands after a step: done, impossible, out of steps, or running.
 
-    What was possible stays so unless there is news: robots may have been lost. A task that is to be
-    called off stops nobody.
+    What was possible stays so unless there is news, as robots may have been lost, or the last shift
+    of one is over. A task that is to be called off stops nobody.
     """
-    if world.count.done + world.count.cancelled == world.rules.tasks:
-        world.count.status = COMPLETED
+    if world.count.done + world.count.cancelled + world.count.missed == world.rules.tasks:
+        world.count.status = TOO_LATE if _has_failed(world) else COMPLETED
         return
-    if is_news:
+    if is_news or _any_stops(world):
         for task in range(world.rules.tasks):
             needs = world.true_needs[task] if world.rules.hides_needs else world.needs[task]
-            is_wanted = world.tasks[task].done_at == NOBODY and world.tasks[task].cancelled == NEVER
+            is_wanted = world.tasks[task].cancelled == NEVER and not world.tasks[task].is_optional
+            is_wanted = is_wanted and not _is_done_or_missed(world, task)
             if is_wanted and not is_possible(world, task, needs, True):
                 world.count.status = INFEASIBLE
                 return
     if world.count.steps >= world.rules.step_limit:
         world.count.status = STEP_LIMIT
+
+
+@kernel
+def _has_failed(world: World) -> bool:
+    """Say whether a task is missed that must be done."""
+    for task in range(world.rules.tasks):
+        if world.tasks[task].missed_at != NOBODY and not world.tasks[task].is_optional:
+            return True
+    return False
+
+
+@kernel
+def _any_stops(world: World) -> bool:
+    """Say whether the last shift of a robot has just ended."""
+    for robot in range(world.rules.robots):
+        if world.robots[robot].over == world.count.steps:
+            return True
+    return False

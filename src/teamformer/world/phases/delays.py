@@ -1,4 +1,4 @@
-"""Delays: steps in which robots stand still, drawn from a seed that is part of the truth."""
+"""Steps in which robots stand still: delays, drawn from a seed of the truth, and between shifts."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from teamformer.base.kernels.jit import kernel
 from teamformer.world.rules.chance import fraction, next_state
 from teamformer.world.rules.constants import NOBODY
+from teamformer.world.rules.shifts import is_within_shift
 
 if TYPE_CHECKING:
     from teamformer.world.state.arrays import World
@@ -26,6 +27,11 @@ def delay_teams(world: World) -> None:
         team = world.robots[robot].team
         if team != NOBODY and fraction(state) < world.robots[robot].delay:
             world.teams[team].is_delayed = True
+    if world.rules.has_shifts:
+        for robot in range(world.rules.robots):
+            team = world.robots[robot].team
+            if team != NOBODY and not _is_at_work(world, robot):
+                world.teams[team].is_delayed = True
 
 
 @kernel
@@ -37,3 +43,34 @@ def chance_of_delay(world: World, team: int) -> float:
             if world.robots[robot].team == team:
                 walks *= 1.0 - world.robots[robot].delay
     return 1.0 - walks
+
+
+@kernel
+def is_in_shift(world: World, team: int, begin: int, end: int) -> bool:
+    """Say whether one shift of each robot of a team has the time between two numbers of steps."""
+    if world.rules.has_shifts:
+        for robot in range(team, world.rules.robots):
+            if world.robots[robot].team == team:
+                every = world.robots[robot].every
+                if not is_within_shift(world.shifts[robot], every, begin, end):
+                    return False
+    return True
+
+
+@kernel
+def may_join(world: World, team: int) -> bool:
+    """Say whether a team serves nothing, and none of its robots is outside its shifts."""
+    return bool(world.teams[team].serves == 0) and not is_off(world, team)
+
+
+@kernel
+def is_off(world: World, team: int) -> bool:
+    """Say whether a robot of a team is outside its shifts in the step that is made next, or now."""
+    steps = world.count.steps
+    return not is_in_shift(world, team, steps, steps + 1)
+
+
+@kernel
+def _is_at_work(world: World, robot: int) -> bool:
+    steps, every = world.count.steps, world.robots[robot].every
+    return is_within_shift(world.shifts[robot], every, steps, steps + 1)

@@ -8,6 +8,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
+from teamformer.world.phases.delays import is_off, may_join
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.rules.splitting import fits
 from teamformer.world.state.arrays import ANYWHERE
@@ -59,6 +60,8 @@ def _intent(world: World, team: int, wanted: Array, prefers_mates: bool) -> tupl
         return MAINTAIN, True
     if (asks_more and asks_less) or world.teams[team].serves > 0:
         return MAINTAIN, False
+    if asks_more and is_off(world, team):
+        return MAINTAIN, False
     if asks_less:
         if choose_stayers(world, team, wanted) == 0:
             return MAINTAIN, False
@@ -96,7 +99,7 @@ def _find_partner(world: World, team: int, wanted: Array, prefers_mates: bool) -
     partner, partner_away, partner_shares, partner_is_mate = NOBODY, 0.0, False, False
     for i in range(find_near(world, team, world.rules.join_radius)):
         other = world.near[i]
-        if world.teams[other].serves > 0 or not _completes(world, team, other, wanted):
+        if not may_join(world, other) or not _completes(world, team, other, wanted):
             continue
         away = distance_squared(world, team, other)
         task = world.teams[team].task

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
+from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.plane import Plane
 from teamformer.world.reference.state import PlainTeam, PlainWorld
+from teamformer.world.reference.ways import ROUNDING, apart
 
 
 def take_up(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> bool:
@@ -21,11 +26,12 @@ def take_up(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> bool:
 def carry(world: PlainWorld, team: PlainTeam, task: int) -> bool:
     """End a step with a load; say whether it has been long enough where it goes.
 
-    A team that has lost what the task needs lets go of it.
+    A team that has lost what the task needs lets go of it, and so does one whose shift is over.
     """
     to = world.mission.tasks[task].to
     assert to is not None
-    if not world.covers(team.has, task):
+    is_in_shift = world.is_in_shift(team.robots, world.begun_at[task], world.steps + 1)
+    if not (is_in_shift and world.covers(team.has, task)):
         del team.serving[task]
         world.served.discard(task)
         world.let_go[task] = team.at
@@ -42,3 +48,20 @@ def put_down(world: PlainWorld) -> None:
         world.carried.remove(task)
         world.put_task(task, place)
     world.let_go = {}
+
+
+def carried_for(world: PlainWorld, team: PlainTeam, task: int) -> int:
+    """Return how many steps a team that takes up a load carries and unloads it."""
+    wanted = world.mission.tasks[task]
+    assert wanted.to is not None
+    return _steps_to(world, team, wanted.to) + int(wanted.unload)
+
+
+def _steps_to(world: PlainWorld, team: PlainTeam, goal: Place) -> int:
+    if world.is_same(team.at, goal):
+        return 0
+    if isinstance(world.world, Plane):
+        way = apart(team.at, goal) - world.here
+    else:
+        way = world.ways.length(team.at, goal, team.flies)
+    return math.ceil(way / team.pace - ROUNDING)

@@ -1,10 +1,11 @@
-"""Phase 7: services go on, break off, begin and end; and when all is over."""
+"""Phase 7: services go on, break off, begin and end; what is missed; and when all is over."""
 
 from __future__ import annotations
 
+from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.reach import can_reach
-from teamformer.world.reference.carrying import carry, put_down, take_up
+from teamformer.world.reference.carrying import carried_for, carry, take_up
 from teamformer.world.reference.state import PlainTeam, PlainWorld
 
 
@@ -19,7 +20,6 @@ def complete_tasks(world: PlainWorld) -> None:
         for task in world.tasks_at(team.at):
             if world.mission.tasks[task].to is None and _is_ready(world, team, task):
                 _begin(world, slot, team, task)
-    put_down(world)
     world.happened.done = dict(sorted(world.happened.done.items()))
     for team in world.teams.values() if world.happened.done else ():
         if team.task is not None and team.task not in world.open:
@@ -32,7 +32,10 @@ def _serve(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
             _finish(world, slot, team, task)
         return
     team.serving[task] -= 1
-    if not (world.covers(team.has, task) and world.is_same(team.at, world.at[task])):
+    is_able = world.covers(team.has, task) and world.is_in_shift(
+        team.robots, world.begun_at[task], world.steps + 1
+    )
+    if not (is_able and world.is_same(team.at, world.at[task])):
         del team.serving[task]
         world.served.discard(task)
         world.happened.any_broken_off = True
@@ -58,15 +61,91 @@ def _is_with_load(world: PlainWorld, slot: int, team: PlainTeam) -> bool:
         return False
     is_here = not team.serving and world.is_same(team.at, world.at[task])
     if is_here and _is_ready(world, team, task):
+        if not _carries_in_time(world, team, task):
+            _miss(world, task, world.steps + 1)
+            return False
         _begin(world, slot, team, task)
         return True
     return task in team.serving
 
 
+def _carries_in_time(world: PlainWorld, team: PlainTeam, task: int) -> bool:
+    """Say whether a team that begins with a load now is done with it by the end of the mission."""
+    wanted, until = world.mission.tasks[task], world.mission.until
+    carried = carried_for(world, team, task)
+    return until is None or world.steps + 1 + wanted.duration + carried <= until
+
+
+def _ends_in_time(world: PlainWorld, task: int, begins: int) -> bool:
+    """Say whether a task that begins in a step, without a way, ends before the mission does."""
+    wanted, until = world.mission.tasks[task], world.mission.until
+    return until is None or begins + wanted.duration + wanted.unload <= until
+
+
+def miss_tasks(world: PlainWorld) -> None:
+    """At the end of a step, let tasks be missed that nobody can end by the end of the mission."""
+    step, until = world.steps + 1, world.mission.until
+    if until is None:
+        return
+    for task, wanted in enumerate(world.mission.tasks):
+        if world.over_in(task) is not None:
+            continue
+        is_waiting = task in world.open and task not in world.served
+        begins = max(step, window_opens(wanted)) + 1
+        if step >= until or (is_waiting and not _ends_in_time(world, task, begins)):
+            _miss(world, task, step)
+    world.happened.missed.sort()
+
+
+def _miss(world: PlainWorld, task: int, step: int) -> None:
+    world.missed[task] = step
+    world.happened.missed.append(task)
+    world.drop(task)
+
+
+def may_give_up(world: PlainWorld) -> bool:
+    """Say whether all that is left is optional and known, and nobody does or comes to do anything.
+
+    A mission lasts a step at least.
+    """
+    tasks = world.truth.tasks
+    left = [task for task in range(len(tasks)) if world.over_in(task) is None]
+    is_quiet = not world.served and world.open.isdisjoint(world.next)
+    is_due = any(world.truth.robots[robot].is_due(world.steps) for robot in world.lost_at)
+    return (
+        world.is_coordinated
+        and world.mission.until is not None
+        and world.steps > 0
+        and is_quiet
+        and not is_due
+        and all(tasks[task].optional and task in world.open for task in left)
+    )
+
+
+def give_up(world: PlainWorld) -> None:
+    """Let all that is left be missed, after a step; nothing else changes."""
+    for task in sorted(world.open):
+        world.missed[task] = world.steps
+        world.happened.missed.append(task)
+    world.happened.missed.sort()
+    world.open.clear()
+
+
 def _is_ready(world: PlainWorld, team: PlainTeam, task: int) -> bool:
     """Say whether a team can do a task, which may begin and which nobody does."""
     is_free = task in world.open and task in world.may_begin and task not in world.served
-    return is_free and task not in world.let_go and world.covers(team.has, task)
+    is_free = is_free and _ends_in_time(world, task, world.steps + 1)
+    is_able = is_free and task not in world.let_go and world.covers(team.has, task)
+    return is_able and _fits(world, team, task)
+
+
+def _fits(world: PlainWorld, team: PlainTeam, task: int) -> bool:
+    """Say whether a task that begins in this step fits, as it is believed, into shifts of all."""
+    if not world.rotas:
+        return True
+    wanted, now = world.mission.tasks[task], world.steps + 1
+    carried = 0 if wanted.to is None else carried_for(world, team, task)
+    return world.is_in_shift(team.robots, now, now + int(wanted.duration) + carried)
 
 
 def _begin(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
@@ -74,6 +153,7 @@ def _begin(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
     if duration or is_load is not None:
         world.served.add(task)
         world.happened.begun.append(task)
+        world.begun_at[task] = world.steps + 1
         team.serving[task] = duration
         team.credit = 0.0
         world.due[task] = max(1, int(world.mission.tasks[task].duration))
@@ -100,7 +180,7 @@ def _finish(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
 def release_tasks(world: PlainWorld) -> None:
     """Make known what appears now, and write down what may begin from the next step on."""
     for task, wanted in enumerate(world.mission.tasks):
-        is_unknown = task not in world.known and task not in world.cancelled
+        is_unknown = task not in world.known and world.over_in(task) is None
         if is_unknown and world.steps >= wanted.appears:
             world.known.add(task)
             world.open.add(task)
@@ -128,19 +208,21 @@ def drop_assignments(world: PlainWorld) -> None:
 def blocked_tasks(world: PlainWorld) -> list[str]:
     """Name the undone tasks that the robots left and due back can never do.
 
+    A robot whose last shift is over is not left.
     A task that is to be called off is none of them.
     """
     mission = world.truth
     robots = [
         robot
         for robot, slot in zip(mission.robots, world.slot_of, strict=True)
-        if slot is not None or robot.is_due(world.steps)
+        if (slot is not None or robot.is_due(world.steps)) and robot.rota.over > world.steps
     ]
     return [
         task.name
         for number, task in enumerate(mission.tasks)
-        if number not in world.done
+        if world.over_in(number) is None
         and task.cancelled is None
+        and not task.optional
         and not covers(
             total(r.can for r in robots if can_reach(mission.world, r, task.at)), task.needs
         )
@@ -150,9 +232,12 @@ def blocked_tasks(world: PlainWorld) -> list[str]:
 def status_of(world: PlainWorld) -> str:
     """Say how a mission stands after a step: `running`, or why no more step is made."""
     happened = world.happened
-    if len(world.done) + len(world.cancelled) == len(world.mission.tasks):
-        return "completed"
+    tasks = world.truth.tasks
+    if all(world.over_in(task) is not None for task in range(len(tasks))):
+        has_failed = any(not tasks[task].optional for task in world.missed)
+        return "too late" if has_failed else "completed"
     is_news = bool(happened.lost or happened.back or happened.cancelled or happened.is_elsewhere)
+    is_news |= any(rota.over == world.steps for rota in world.rotas)
     if is_news and blocked_tasks(world):
         return "infeasible"
     return "step limit" if world.steps >= world.mission.step_limit else "running"

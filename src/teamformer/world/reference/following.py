@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
+from teamformer.mission.parts.shifts import Shift
 from teamformer.world.reference.formation import who_stays
 from teamformer.world.reference.state import PlainTeam, PlainWorld, Robots, Units
 from teamformer.world.reference.ways import apart_squared
 
-Kind = tuple[Units, float, bool, int]
+Kind = tuple[Units, float, bool, int, tuple[Shift, ...], float]
 
 Part = TypeVar("Part")
 
@@ -59,7 +60,8 @@ def follow_plan(
             wants[slot] = _part(world, plan, team, took)
             continue
         task = world.next[team.robots[0]]
-        if task is None or not world.is_same(team.at, world.at[task]):
+        is_there = task is not None and world.is_same(team.at, world.at[task])
+        if task is None or not (is_there and world.is_at_work(team.robots)):
             continue
         other = waiting.setdefault(task, slot)
         if other != slot and _is_in_reach(world, team, world.teams[other]):
@@ -112,9 +114,10 @@ def _kinds(world: PlainWorld, robots: Robots) -> list[Kind]:
 
 
 def _kind_of(world: PlainWorld, robot: int) -> Kind:
-    """Return in what robots are alike: what they bring, how they move, where they get."""
+    """Return in what robots are alike: what they bring, how they move, where they get, and when."""
     it = world.mission.robots[robot]
-    return world.brings[robot], it.speed, it.flies, world.world.region(it.at)
+    region = world.world.region(it.at)
+    return world.brings[robot], it.speed, it.flies, region, it.shifts, it.every
 
 
 def _exchange(

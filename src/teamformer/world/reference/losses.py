@@ -8,16 +8,11 @@ from teamformer.world.reference.state import PlainWorld
 def call_off(world: PlainWorld) -> None:
     """Call off the undone tasks that are cancelled in this step: who serves one is free."""
     for task, wanted in enumerate(world.mission.tasks):
-        if wanted.cancelled != world.steps + 1 or task in world.done:
+        if wanted.cancelled != world.steps + 1 or world.over_in(task) is not None:
             continue
         world.cancelled[task] = world.steps + 1
         world.happened.cancelled.append(task)
-        for tasks in (world.open, world.carried, world.served):
-            tasks.discard(task)
-        for team in world.teams.values():
-            team.serving.pop(task, None)
-            if team.task == task:
-                team.task, team.is_detour = None, False
+        world.drop(task)
 
 
 def lose_robots(world: PlainWorld) -> None:

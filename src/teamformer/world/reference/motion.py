@@ -15,10 +15,11 @@ def move_teams(world: PlainWorld, walks: Joins) -> None:
     """Let teams walk; `walks` says who walks to whom.
 
     A team stands still that forms in this step, serves a task (unless it carries a load), or has a
-    robot that is delayed.
+    robot that is delayed or outside its shifts.
     """
     waits = world.mission.forming_steps > 0
     still = draw_delays(world)
+    still |= {r for r, _ in enumerate(world.rotas) if not world.is_at_work([r])}
     delayed = {world.slot_of[robot] for robot in still}
     for slot, team in world.in_slot_order():
         is_busy = team.serving and not world.carried & team.serving.keys()

@@ -14,6 +14,7 @@ from teamformer.mission.parts.capabilities import Counts
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.shifts import fits_now, rotas_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.reference.ways import PlainWays, apart_squared
 
@@ -69,6 +70,7 @@ class Happenings:
     taken: dict[int, int] = field(default_factory=dict)  # loads taken up, by which slot
     left: dict[int, Place] = field(default_factory=dict)  # loads set down, and where they lie
     done: dict[int, int] = field(default_factory=dict)  # tasks, by which slot
+    missed: list[int] = field(default_factory=list)  # tasks that are not done any more
     known: list[int] = field(default_factory=list)  # tasks that appeared
     opened: list[int] = field(default_factory=list)  # tasks that may begin from now on
     is_elsewhere: bool = False  # a task was found elsewhere than it was believed to be
@@ -102,6 +104,7 @@ class PlainWorld:
         self.finding_radius = max(mission.finding_radius, self.here)
         self.brings = [self.in_units(robot.can) for robot in mission.robots]
         self.regions = [None if robot.flies else world.region(robot.at) for robot in mission.robots]
+        self.rotas = rotas_of(mission.robots)  # by robot; empty where all always work
         self.teams: dict[int, PlainTeam] = {}
         self.slot_of: list[int | None] = [None] * len(mission.robots)
         for robots in mission.starting_teams:
@@ -139,10 +142,12 @@ class PlainWorld:
         self.may_begin: set[int] = set()
         self.done: dict[int, int] = {}  # task -> step
         self.cancelled: dict[int, int] = {}
+        self.missed: dict[int, int] = {}
         self.served: set[int] = set()
         self.carried: set[int] = set()  # loads; `serving` has steps at their goals left
         self.let_go: dict[int, Place] = {}  # loads set down in this step, and where
         self.due: dict[int, int] = {}  # of services, how many steps they are expected to take
+        self.begun_at: dict[int, int] = {}  # the step in which each service began
         self.happened = Happenings()
 
     def in_units(self, counts: Counts) -> Units:
@@ -170,6 +175,15 @@ class PlainWorld:
             self.slot_of[robot] = members[0]
         self.teams[members[0]] = team
         return team
+
+    def is_in_shift(self, robots: Iterable[int], begin: int, end: int) -> bool:
+        """Say whether one shift of each robot has all the time between two numbers of steps."""
+        rotas = [self.rotas[robot] for robot in robots] if self.rotas else []
+        return fits_now(rotas, begin, end - begin)
+
+    def is_at_work(self, robots: Iterable[int]) -> bool:
+        """Say whether all robots work in the step that is made next, or now."""
+        return self.is_in_shift(robots, self.steps, self.steps + 1)
 
     def in_slot_order(self) -> list[tuple[int, PlainTeam]]:
         """Return all teams with their slots, the lowest first."""
@@ -210,13 +224,23 @@ class PlainWorld:
         regions = (self.regions[robot] for robot in team.robots)
         return team.flies or self.task_regions[task] in regions
 
+    def drop(self, task: int) -> None:
+        """Let a task be done no more: who serves it or heads for it is free, and a load lies."""
+        for tasks in (self.open, self.carried, self.served):
+            tasks.discard(task)
+        self.let_go.pop(task, None)
+        for team in self.teams.values():
+            team.serving.pop(task, None)
+            if team.task == task:
+                team.task, team.is_detour = None, False
+
     def rank(self, task: int) -> int:
         """Return the place of a task in the order; of one that has none yet, the first."""
         return self.order.index(task) if task in self.order else 0
 
     def over_in(self, task: int) -> int | None:
-        """Return the step in which a task was done or called off; None if it was not yet."""
-        return self.done.get(task, self.cancelled.get(task))
+        """Return in which step a task was done, called off or missed; None if it is not over."""
+        return self.done.get(task, self.cancelled.get(task, self.missed.get(task)))
 
     def shared_out(self) -> set[int]:
         """Return the tasks that plans have, all known ones, or the order: those that may begin."""

@@ -6,7 +6,13 @@ from collections.abc import Mapping
 
 from teamformer.mission.model import Mission
 from teamformer.world.reference.allocation import allocate_tasks
-from teamformer.world.reference.completion import complete_tasks, drop_assignments, release_tasks
+from teamformer.world.reference.carrying import put_down
+from teamformer.world.reference.completion import (
+    complete_tasks,
+    drop_assignments,
+    miss_tasks,
+    release_tasks,
+)
 from teamformer.world.reference.finding import find_tasks
 from teamformer.world.reference.formation import join_teams, read_decisions, split_teams
 from teamformer.world.reference.losses import call_off, lose_robots, return_robots
@@ -48,6 +54,8 @@ def make_step(world: PlainWorld, wishes: Mapping[int, Wish]) -> Happenings:
     find_tasks(world)
     show_needs(world)
     complete_tasks(world)
+    miss_tasks(world)
+    put_down(world)
     world.steps += 1
     release_tasks(world)
     world.order = [task for task in world.order if task in world.open]

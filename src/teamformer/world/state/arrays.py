@@ -18,8 +18,8 @@ from teamformer.world.rules.constants import NEVER
 LATEST = NEVER - 1
 """The latest step that arrays know; it is later than any step limit."""
 
-RUNNING, COMPLETED, STEP_LIMIT, INFEASIBLE = 0, 1, 2, 3
-STATUS_NAMES = ("running", "completed", "step limit", "infeasible")
+RUNNING, COMPLETED, STEP_LIMIT, INFEASIBLE, TOO_LATE = range(5)
+STATUS_NAMES = ("running", "completed", "step limit", "infeasible", "too late")
 
 RESOLVE, NEAREST = 0, 1
 """What happens to the order when tasks appear: a new tour, or each after its nearest."""
@@ -47,7 +47,7 @@ RULES = np.dtype(
         ("foresight", np.int32),  # which of `mission.rules.FORESIGHTS`
         ("hides_needs", np.bool_),  # what some tasks need is not known
         ("hides_places", np.bool_),  # where some tasks are is not known
-        ("has_delays", np.bool_),  # robots stand still now and then
+        ("has_delays", np.bool_),  # robots stand still now and then, in shifts as well
         ("has_loads", np.bool_),  # some tasks are carried
         ("has_walls", np.bool_),
         ("is_plane", np.bool_),
@@ -59,6 +59,8 @@ RULES = np.dtype(
         ("arrival_radius", np.float64),  # teams so near to each other are in the same place
         ("unit", np.float64),  # the length that counts as one cell for a learned policy
         ("cells_per_length", np.float64),  # 1 on a grid
+        ("until", np.int32),  # the step after which the mission is over, or NEVER
+        ("has_shifts", np.bool_),  # some robots work in shifts only
     ],
     align=True,
 )
@@ -75,6 +77,7 @@ COUNT = np.dtype(
         ("splits", np.int32),
         ("illegal", np.int32),
         ("status", np.int32),
+        ("missed", np.int32),
     ],
     align=True,
 )
@@ -92,6 +95,8 @@ ROBOT = np.dtype(
         ("stays", np.bool_),  # in the split being made
         ("next", np.int32),  # the task that it is to do next by its coordinator's plan, or NOBODY
         ("pace", np.float64),  # cells a step, on a plane metres a step
+        ("every", np.int32),  # steps after which its shifts come again, or 0
+        ("over", np.int32),  # steps made when its last shift ends, or NEVER
     ],
     align=True,
 )
@@ -158,7 +163,11 @@ TASK = np.dtype(
         ("left_at", np.int32),  # the step in which it was last set down elsewhere, or NOBODY
         ("done_at", np.int32),  # step, or NOBODY
         ("done_by", np.int32),  # slot
-        ("is_open", np.bool_),  # known, and neither done nor called off
+        ("is_open", np.bool_),  # known, and neither done, called off nor missed
+        ("is_optional", np.bool_),  # it may be left out
+        ("is_planned", np.bool_),  # its plan has it, be it for nobody yet, or does not know it
+        ("missed_at", np.int32),  # the step after which it was not done any more, or NOBODY
+        ("begun_at", np.int32),  # the step in which its service began
     ],
     align=True,
 )
@@ -204,6 +213,8 @@ class Worlds(NamedTuple):
     near_key: Array  # (worlds, robots) what these are sorted by
     room: Array  # (worlds, caps) what still fits into a split
     here: Array  # (worlds, tasks) tasks found where a team is
+    shifts: Array  # (worlds, robots, most, 2) when each shift begins and ends, then NEVER; or
+    # (worlds, robots, 0, 2) if everybody always works
 
 
 if TYPE_CHECKING:

@@ -77,6 +77,7 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
     has_precedence = any(task.after for s in missions for task in s.tasks)
     precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
     times = max(len(robot.absences) for truth in truths for robot in truth.robots)
+    shifts = max(len(robot.shifts) for s in missions for robot in s.robots)
     hides_needs = any(task.may_need for s in missions for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
     hides_places = any(task.within for s in missions for task in s.tasks)
@@ -109,17 +110,19 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
         near_key=np.zeros((count, robots), dtype=np.int64),
         room=np.zeros((count, caps), dtype=np.int32),
         here=np.zeros((count, tasks), dtype=np.int32),
+        shifts=np.full((count, robots, shifts, 2), NEVER, dtype=np.int32),
     )
     worlds.robots["team"] = NOBODY
-    worlds.robots["lost"] = worlds.robots["back"] = NEVER
+    worlds.robots["lost"] = worlds.robots["back"] = worlds.robots["over"] = NEVER
     worlds.teams["task"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
     worlds.tasks["appears"] = worlds.tasks["cancelled"] = NEVER
-    for field in ("next_here", "server", "done_at", "done_by"):
+    for field in ("next_here", "server", "done_at", "done_by", "missed_at"):
         worlds.tasks[field] = NOBODY
     for field in ("shown_at", "moved_at", "found_at", "taken_at", "left_at"):
         worlds.tasks[field] = NOBODY
     worlds.robots["next"] = NOBODY
+    worlds.tasks["is_planned"] = True
     worlds.count["news"] = START
     return worlds
 
@@ -136,7 +139,8 @@ def _pack_rules(worlds: Worlds, w: int, mission: Mission) -> None:
         "forming_steps": mission.forming_steps,
         "step_limit": mission.step_limit,
         "hides_needs": any(task.may_need for task in mission.tasks),
-        "has_delays": any(robot.delays for robot in mission.robots),
+        "has_delays": any(robot.delays or robot.shifts for robot in mission.robots),
+        "has_shifts": any(robot.shifts for robot in mission.robots),
         "hides_places": any(task.within for task in mission.tasks),
         "has_loads": any(task.to is not None for task in mission.tasks),
         "has_walls": bool(mission.world.rows),
@@ -147,6 +151,7 @@ def _pack_rules(worlds: Worlds, w: int, mission: Mission) -> None:
         "arrival_radius": here,
         "unit": plane.unit if plane else 1.0,
         "cells_per_length": cells_per_length,
+        "until": NEVER if mission.until is None else min(int(mission.until), LATEST),
     }
     for name, value in rules.items():
         worlds.rules[name][w] = value
@@ -195,6 +200,10 @@ def _pack_robots(worlds: Worlds, w: int, mission: Mission) -> None:
         record["lost"], record["back"] = times[0] if times else (NEVER, NEVER)
         if worlds.absences.shape[2]:
             worlds.absences[w, r, : len(times)] = np.reshape(times, (-1, 2))
+        if worlds.shifts.shape[2]:
+            shifts = robot.shifts or [(0, NEVER)]
+            worlds.shifts[w, r, : len(shifts)] = np.minimum(shifts, NEVER)
+            record["every"], record["over"] = robot.every, min(robot.rota.over, NEVER)
         if robot.delays is not None:
             record["delay"] = robot.delays.chance
             record["luck"] = first_state(robot.delays.seed or 0)
@@ -226,6 +235,7 @@ def _pack_tasks(worlds: Worlds, w: int, mission: Mission, truth: Mission, foresi
         record["takes"], record["hides_needs"] = truth.tasks[k].duration, bool(task.may_need)
         record["appears"], record["awaits"] = task.appears, len(task.after)
         record["opens"] = window_opens(task)
+        record["is_optional"] = task.optional
         if task.cancelled is not None:
             record["cancelled"] = min(task.cancelled, LATEST)
         if task.to is not None:

@@ -94,6 +94,7 @@ def _summary(stage: Any, verdicts: list[Any]) -> dict[str, Any]:
         "schedules": len(verdicts),
         "ended": counts["ended"],
         "infeasible": counts["infeasible"],
+        "too_late": counts["too late"],
         "blocked": counts["blocked"],
         "violations": [
             {"schedule": verdict.schedule, "message": message}
@@ -101,7 +102,7 @@ def _summary(stage: Any, verdicts: list[Any]) -> dict[str, Any]:
             for message in verdict.violations
         ],
         "makespan_mean": round(fmean(spans), 3) if spans else None,
-        "undisturbed": round(stage.undisturbed.makespan, 3),
+        "undisturbed": round(stage.undisturbed.makespan or stage.undisturbed.end, 3),
         "messages_per_robot_second": round(sum(o.messages for o in outcomes) / seconds, 3),
         "bytes_per_robot_second": round(sum(o.bytes for o in outcomes) / seconds, 1),
         "plans_mean": round(fmean(outcome.plans for outcome in outcomes), 3),
@@ -116,10 +117,11 @@ def _show(row: dict[str, Any], bad: list[Any], options: RehearseOptions) -> None
         out.print(f"schedule {verdict.schedule}: {status}", style="red")
         for message in verdict.violations[:MOST_SHOWN]:
             out.print(f"  {message}", markup=False)
+    late = f"{row['too_late']} were too late, " if row["too_late"] else ""
     out.print(
         f"{row['schedules']} schedules, seed {options.seed}: {row['ended']} ended, "
         f"{row['infeasible']} could not (they lost robots that tasks need), "
-        f"{row['blocked']} blocked; {len(row['violations'])} promises broken",
+        f"{late}{row['blocked']} blocked; {len(row['violations'])} promises broken",
         style="red" if bad else "green",
     )
     mean = row["makespan_mean"]

@@ -10,6 +10,8 @@ The promises:
 - nobody begins to serve a task before those that come before it are over, nor before its window, by
   more than clocks may differ; and what is done within has its whole duration after that;
 - nobody serves a task that it knows is called off;
+- nobody begins to serve a task that could not end before the mission is over, or its shift, by more
+  than clocks may differ, unless it has lost its memory in a crash;
 - nobody goes through a wall who does not fly, nor on roads where no way leads, or faster than it
   can;
 - who says that it stays, stays: until the time is over or the task is done;
@@ -28,9 +30,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from teamformer.fleet.bodies.journey import Journey
-from teamformer.fleet.bodies.world import Lifted, Walked
+from teamformer.fleet.bodies.walking import Lifted, Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import HERE, READY, TaskFact
+from teamformer.fleet.rehearsal.checking.moments import MomentChecker
 from teamformer.fleet.rehearsal.checking.trace import (
     OFF,
     Accepted,
@@ -70,6 +73,8 @@ class TracedRobot:
     work: tuple[int, int] = (NOBODY, NOBODY)
     is_dead: bool = False
     has_forgotten: bool = False  # its promise, in a crash; the others cannot know
+    has_restarted: bool = False
+    resumed: float = -math.inf  # when it was frozen last, until when
     off: dict[int, float] = field(default_factory=dict)  # since when it knows of tasks that are off
 
 
@@ -105,6 +110,7 @@ class Checker:
             for number, at in enumerate(starts)
         ]
         self._map, self._ways = self.mission.source.world, WayChecker(self.mission)
+        self._moments = MomentChecker(self.mission, self.tasks)
         for key, task in self.tasks.items():
             if task.to is not None:
                 self._loads[key] = Load((task.x, task.y))
@@ -225,9 +231,16 @@ class Checker:
         who, task = self._who(event.robot), self._name(event.task)
         if not self._stands_at(event.robot, event.task, event.at):
             self._blame(f"{event.at:.2f} s: {who} serves task '{task}' without being there")
-        early = self._opens(event.task) - event.at
-        if early > A_TICK + DRIFT * self._opens(event.task):
+        early = self._moments.opens(event.task) - event.at
+        if early > A_TICK + DRIFT * self._moments.opens(event.task):
             self._blame(f"{event.at:.2f} s: {who} serves '{task}' {early:.2f} s before its window")
+        late = event.at - self._moments.latest_start(event.task)
+        slack = A_TICK + DRIFT * event.at
+        if late > slack and not robot.has_restarted:
+            self._blame(f"{event.at:.2f} s: {who} serves '{task}' {late:.2f} s too late to end it")
+        is_in_shift = self._moments.is_in_shift(event.robot, event.task, event.at, slack)
+        if not robot.has_restarted and not is_in_shift:
+            self._blame(f"{event.at:.2f} s: {who} serves '{task}', for which its shift has no time")
         for other in self.mission.before.get(event.task, ()):
             if other not in self._done and other not in robot.off:
                 self._blame(
@@ -257,15 +270,11 @@ class Checker:
                 "needs is bound to be there"
             )
 
-    def _opens(self, key: int) -> float:
-        """Return when a task may begin by its window."""
-        return self.mission.opens.get(key, 0.0)
-
     def _worked(self, key: int, now: float) -> float:
         """Return for how long an able team has been at work on a task that may begin."""
         since = [at for (task, _), at in self._able_since.items() if task == key]
         before = [self._done[k] for k in self.mission.before.get(key, ()) if k in self._done]
-        return now - max([min(since, default=now + 1e9), self._opens(key), *before])
+        return now - max([min(since, default=now + 1e9), self._moments.opens(key), *before])
 
     def _count(self, now: float) -> None:
         """Note since when each team has been able to do its task."""
@@ -321,8 +330,10 @@ class Checker:
         elif event.what == "restart":
             robot.is_dead = False
             robot.work, robot.word = (NOBODY, NOBODY), None
-            robot.has_forgotten = True
+            robot.has_forgotten = robot.has_restarted = True
             robot.off.clear()
+        elif event.what == "resume":
+            robot.resumed = event.at
         self._count(event.at)
 
     def _drop(self, now: float, robot: int, but: int = NOBODY) -> None:
@@ -345,7 +356,7 @@ class Checker:
         was_here = any(
             (x - was_x) ** 2 + (y - was_y) ** 2 <= reach
             for until, (was_x, was_y) in left
-            if now - until <= LATEST
+            if now - max(until, self._robots[number].resumed) <= LATEST
         )
         return was_here or self._is_by(number, key, now)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Set
 from typing import NamedTuple
 
-from teamformer.fleet.bodies.world import Lifted, Walked
+from teamformer.fleet.bodies.walking import Lifted, Walked
 from teamformer.fleet.messages import MOST_MOVES, LoadFact
 from teamformer.mission.parts.grid import Place
 from teamformer.world.continuous.events import Event as ServiceEvent

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection
 from itertools import pairwise
 
-from teamformer.fleet.bodies.world import Walked
+from teamformer.fleet.bodies.walking import Walked
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.roads import Roads

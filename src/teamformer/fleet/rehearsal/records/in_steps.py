@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from teamformer.fleet.bodies.journey import Journey
-from teamformer.fleet.bodies.world import Lifted, Walked
+from teamformer.fleet.bodies.walking import Lifted, Walked
 from teamformer.fleet.fleet_mission import place_in
 from teamformer.fleet.rehearsal.checking.trace import (
     NEEDS,
@@ -36,7 +36,12 @@ from teamformer.record.snapshots.writer import Sighting, SnapshotWriter, fleet_r
 from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
 
-STATUSES = {"ended": "completed", "infeasible": "infeasible", "blocked": "step limit"}
+STATUSES = {
+    "ended": "completed",
+    "infeasible": "infeasible",
+    "too late": "too late",
+    "blocked": "step limit",
+}
 """How a record says that a rehearsal ended."""
 
 
@@ -98,6 +103,7 @@ def tasks_of(rehearsal: Rehearsal) -> tuple[tuple[Task, ...], dict[int, int]]:
             },
             mission.in_time(order.task.duration),
             order.at if whole.time == "continuous" else math.ceil(order.at / mission.step),
+            optional=mission.may_miss_added,
         )
         for order in orders
     ]

@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import zip_longest
 
 from teamformer.fleet.bodies.journey import Journey
-from teamformer.fleet.bodies.world import Walked
+from teamformer.fleet.bodies.walking import Walked
 from teamformer.fleet.fleet_mission import place_in
 from teamformer.fleet.rehearsal.checking.trace import NEEDS, Believed, Broke, Event, Noticed, Said
 from teamformer.fleet.rehearsal.outcome import Outcome
@@ -27,6 +27,9 @@ from teamformer.world.continuous.events import Event as ServiceEvent
 from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
 
+CLOSE = "close"
+"""Stands for the kind of what lets all be missed that is not over."""
+
 KINDS = {"crash": "lost", "restart": "back"}
 """What befalls robots that records tell of; who is stuck is seen not to get on."""
 
@@ -39,8 +42,12 @@ def record_in_time(
     source = replace(rehearsal.mission.source, tasks=tasks, teams=(), arrivals=None)
     truth = _truth_of(rehearsal, source, outcome.end)
     seen = EventsSeen()
-    _TellerInTime(rehearsal, truth, number, seen).tell_all(events)
     status, end = STATUSES[outcome.status], outcome.end
+    if status == "completed":  # where it ends at home, some may be on their way there
+        end = max(end, outcome.makespan or 0.0)
+    _TellerInTime(rehearsal, truth, number, seen).tell_all(events, end)
+    if source.until is not None and status in ("completed", "too late"):  # the rest is given up
+        seen.miss_the_rest(end, truth)
     if status == "completed":
         end = max([outcome.makespan or 0.0, *seen.over.values()])
     known = truth if source.has_surprises else None
@@ -67,12 +74,15 @@ class _TellerInTime:
         self._journeys = dict(enumerate(starts))
         self._shown: set[int] = set()
 
-    def tell_all(self, events: Sequence[Event]) -> None:
-        """Tell everything, in the order of time; what comes from outside is first."""
+    def tell_all(self, events: Sequence[Event], end: float) -> None:
+        """Tell everything until the end, in the order of time; what comes from outside is first."""
         stops = [(self._number[key], robots) for key, robots in self._first.stops]
         self._seen.plan(0.0, stops)
         outside = [*self._from_outside(), *_arrivals(events)]
-        for event in sorted([*outside, *events], key=lambda event: event.at):
+        if self._mission.until is not None:
+            outside.append(ServiceEvent(self._mission.until, CLOSE))
+        told = (event for event in [*outside, *events] if event.at <= end)
+        for event in sorted(told, key=lambda event: event.at):
             self._tell(event)
 
     def _from_outside(self) -> Iterator[ServiceEvent]:
@@ -118,6 +128,9 @@ class _TellerInTime:
     def _tell_service(self, event: ServiceEvent) -> None:
         """Tell what the simulated world tells, with the numbers of its tasks."""
         task, robots, place = event.task, event.robots, event.place
+        if event.kind == CLOSE:
+            self._seen.miss_the_rest(event.at, self._mission)
+            return
         if event.kind == "arrive":
             task = self._heads_for(robots[0])
         elif event.kind not in ("appear", "cancel"):

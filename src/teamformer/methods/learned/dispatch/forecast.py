@@ -13,9 +13,9 @@ from teamformer.planning.continuous.reactive import mean_future
 from teamformer.planning.dispatch.futures import empty_calls
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
 from teamformer.planning.problem.constants import TICKS
+from teamformer.planning.problem.prices import STEP
 from teamformer.planning.problem.schedule import COST, MAKESPAN, schedule_of
 from teamformer.planning.step_times.groups import empty_groups
-from teamformer.planning.step_times.timing import STEP
 from teamformer.planning.steps.reactive import mean_future_in_steps, pose_present
 from teamformer.planning.steps.situation import Situation, situation_of
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan

@@ -6,7 +6,7 @@ import { newsIn, orderAt, robotsWith, standingOf, tasksNeeding } from "../record
 import { NOBODY } from "../record/state.js";
 import { robotStory, taskStory } from "../record/story.js";
 import { describeAt, describeChances, describeDoing, describeDuration, describeEvent, describeLoss, describeShares, describeStanding, robotName } from "../record/words.js";
-import { reasonFor } from "../record/told.js";
+import { chargeAt, reasonFor } from "../record/told.js";
 import { CHIPS_SHOWN, capabilityChips, robotChips, taskChip, taskLink } from "./chips.js";
 import { byId, element, foldedList, link, mark, oneStop, refill, swatch, taskMark, teamMark, titled } from "./dom.js";
 import { assignedTeams, lackingAt, missingOfBest, waitingFor } from "./waiting.js";
@@ -36,6 +36,7 @@ export const ACTIVITIES = {
   forms: "forming a team",
   "leads home": "on the way to where they stop",
   charges: "charging",
+  queues: "waiting for a charger",
   idle: "without assignment",
   off: "off its shift",
 };
@@ -70,6 +71,7 @@ function teamDetails(/** @type {App} */ app, /** @type {Team} */ team, robot) {
     ...(app.actionsFor(robot)),
     waitingFor(app, team.goal, team.missing, team),
     delayText(app, robot),
+    chargeText(app, robot),
     sharesText(app, robot),
     ...saidOf(FILE_KEYS.robots, mission.robots[robot]),
     ...(team.robots.length > 1 ? titled("Robots", robotChips(app, team.robots, robot)) : []),
@@ -101,6 +103,11 @@ function sharesText(/** @type {App} */ { history, player }, robot) {
   if (!player.step) return null;
   const text = `${robotName(history.mission, robot)} so far: ${describeShares(history, robot, player.step)}`;
   return element("p", { class: "muted" }, text);
+}
+
+function chargeText(/** @type {App} */ { history, player }, robot) {
+  const charge = chargeAt(history, robot, player.time);
+  return charge === null ? null : element("p", { class: "muted", id: "charge" }, `Battery: ${percent(charge)}`);
 }
 
 function delayText(/** @type {App} */ { history }, robot) {

@@ -133,6 +133,7 @@ function toldInTicks(told, tick) {
     services: whens(told.services, [2, 3]),
     phases: byRobot(told.phases),
     path: whens(told.path, [0, 1]),
+    charge: listOf(told.charge).map((own) => listOf(own).map((row) => levelInTicks(row, tick))),
   };
 }
 
@@ -144,7 +145,14 @@ function newsInTicks(told, tick) {
     services: told.services.map((row) => at(row, [2, 3])),
     phases: told.phases.map((row) => at(row, [0])),
     path: (told.path ?? []).map(([from, to, ...rest]) => [from / tick, to / tick, ...rest]),
+    charge: listOf(told.charge).map(([robot, row]) => [robot, levelInTicks(row, tick)]),
   };
+}
+
+// How full a battery is from a moment on, and by how much that changes in a tick.
+function levelInTicks(row, tick) {
+  const [begun, full, rate] = listOf(row);
+  return [begun / tick, full, rate * tick];
 }
 
 function listOf(value) {
@@ -198,6 +206,9 @@ function take(history, event) {
         absences[robot].push({ from: at, to: Infinity, place: tracks[robot].placeAt(at) });
       }
       tell(kind, { robots });
+      return;
+    case "queue":
+      tell("queues", { robots });
       return;
     case "charge":
       tell("charges", { robots });

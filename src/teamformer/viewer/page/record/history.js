@@ -36,7 +36,7 @@ function framesOfSteps(recorded) {
     events: [],
     told: readTold(record, mission),
     doneAt: mission.tasks.map(() => Infinity),
-    overAt: mission.tasks.map(({ cancelled }) => cancelled), // the step in which it is done or called off
+    overAt: mission.tasks.map(({ cancelled }) => cancelled), // the step in which it is done, called off or missed
     missed: new Map(), // why tasks are missed
     doers: mission.tasks.map(() => []), // the robots of the team that did it
     shownAt: mission.tasks.map(({ mayNeed }) => (mayNeed.length ? Infinity : 0)),
@@ -254,10 +254,15 @@ function recordCompletions(/** @type {TrialHistory} */ history, /** @type {State
     history.doers[task] = doer === null ? [] : robotsOfTeam(state, doer); // of a fleet nobody may know who did it
     history.events.push({ step, kind: "done", task, robots: history.doers[task] });
   }
+  for (const [task, why] of change.missed ?? []) {
+    history.overAt[task] = step;
+    history.missed.set(task, why);
+    history.events.push({ step, kind: "missed", task, why });
+  }
 }
 
 // The tasks that are called off in a step.
-function cancelledIn(/** @type {TrialHistory} */ { mission, doneAt }, step) {
+function cancelledIn(/** @type {TrialHistory} */ { mission, doneAt, missed }, step) {
   const all = mission.tasks.map((_, task) => task);
-  return all.filter((task) => mission.tasks[task].cancelled === step && doneAt[task] === Infinity);
+  return all.filter((task) => mission.tasks[task].cancelled === step && doneAt[task] === Infinity && !missed.has(task));
 }

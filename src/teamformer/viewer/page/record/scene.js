@@ -5,7 +5,7 @@ import { exact, missing } from "./counts.js";
 import { isLost, needsAt, sitesAt, stateShown } from "./history.js";
 import { isSamePlace } from "./plane.js";
 import { NOBODY } from "./state.js";
-import { CHARGING, FORMING, IDLE, LOST, OFF, WAITING, WALKING, runAfter, serviceAfter } from "./told.js";
+import { CHARGING, FORMING, IDLE, LOST, OFF, QUEUEING, WAITING, WALKING, runAfter, serviceAfter } from "./told.js";
 
 const NEWS = ["appears", "cancelled", "lost", "back", "found", "shown"];
 
@@ -93,6 +93,7 @@ function activityToldOf(/** @type {TrialHistory} */ history, /** @type {Team} */
   if (phase === WAITING) return "waits";
   if (phase === OFF) return "off";
   if (phase === CHARGING) return "charges";
+  if (phase === QUEUEING) return "queues";
   return phase === IDLE ? (team.justDone === NOBODY ? "idle" : "done") : "serves";
 }
 

@@ -3,17 +3,17 @@
 
 import { NOBODY } from "./state.js";
 
-export const PHASES = ["walking", "waiting", "forming", "serving", "loading", "carrying", "unloading", "idle", "lost", "off", "charging"];
-export const [WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, OFF, CHARGING] = PHASES;
+export const PHASES = ["walking", "waiting", "forming", "serving", "loading", "carrying", "unloading", "idle", "lost", "off", "charging", "queueing"];
+export const [WALKING, WAITING, FORMING, SERVING, LOADING, CARRYING, UNLOADING, IDLE, LOST, OFF, CHARGING, QUEUEING] = PHASES;
 export const AT_WORK = [SERVING, LOADING, CARRYING, UNLOADING];
 
 // What nobody has told is empty.
 export function readTold(/** @type {RecordTree} */ { told = {} }, /** @type {Mission} */ { robots, tasks }) {
   /** @type {Told} */
-  const read = { rows: [], services: tasks.map(() => []), phases: robots.map(() => []), texts: [], path: [], runs: new Map() };
-  const { services, phases, texts, path } = told ?? {};
-  const byRobot = listIn(phases).flatMap((own, robot) => listIn(own).map((row) => [robot, row]));
-  hearTold(read, { services: [...listIn(services).entries()], phases: byRobot, texts, path });
+  const read = { rows: [], services: tasks.map(() => []), phases: robots.map(() => []), texts: [], path: [], charge: robots.map(() => []), runs: new Map() };
+  const { services, phases, texts, path, charge } = told ?? {};
+  const byRobot = (rows) => listIn(rows).flatMap((own, robot) => listIn(own).map((row) => [robot, row]));
+  hearTold(read, { services: [...listIn(services).entries()], phases: byRobot(phases), texts, path, charge: byRobot(charge) });
   return read;
 }
 
@@ -23,7 +23,7 @@ function listIn(value) {
 }
 
 // What is told of one more step: services by their number, phases by robot.
-export function hearTold(/** @type {Told} */ told, /** @type {any} */ { services, phases, texts, path }) {
+export function hearTold(/** @type {Told} */ told, /** @type {any} */ { services, phases, texts, path, charge }) {
   for (const [number, row] of listIn(services)) {
     const [task, doing, from, to, began, ended] = listIn(row);
     const known = told.rows[number];
@@ -32,6 +32,7 @@ export function hearTold(/** @type {Told} */ told, /** @type {any} */ { services
     if (!known) told.services[task]?.push(told.rows[number]);
   }
   for (const [robot, row] of listIn(phases)) told.phases[robot]?.push(listIn(row));
+  for (const [robot, row] of listIn(charge)) told.charge[robot]?.push(listIn(row));
   for (const text of listIn(texts)) told.texts.push(text);
   for (const [from, to, doing, robot, task] of listIn(path).map(listIn)) told.path.push({ from, to, doing: PHASES[doing] ?? doing, robot: robot ?? NOBODY, task: task ?? NOBODY });
 }
@@ -82,6 +83,14 @@ export function runAfter(/** @type {TrialHistory} */ history, robot, step) {
   const { last, until = last } = history;
   const made = endOf(history) > until ? Math.min(step, until) : Math.min(step, last - 1);
   return runsOf(history, robot).find(({ from, to }) => from <= made && made < to);
+}
+
+// How full the battery of a robot is at a moment, 0 to 1; nothing if it has none.
+export function chargeAt(/** @type {TrialHistory} */ { told }, robot, step) {
+  const row = (told.charge[robot] ?? []).findLast(([begun]) => begun <= step);
+  if (!row) return null;
+  const [begun, full, rate] = row;
+  return Math.min(1, Math.max(0, full + rate * (step - begun)));
 }
 
 // The reasons for what a robot does after a step, as a sentence without its end: those for what it does

@@ -72,6 +72,8 @@ export function describeDoing(/** @type {TrialHistory} */ history, /** @type {Te
       return "has no assignment";
     case "charges":
       return "charges until it is full";
+    case "queues":
+      return "waits for room at a charger";
     case "off":
       return "is off its shift";
     case "forms":
@@ -214,6 +216,8 @@ function eventText(/** @type {TrialHistory} */ history, /** @type {HistoryEvent}
       return `${robotName(mission, event.robots[0])} has run dry`;
     case "charges":
       return `${robotName(mission, event.robots[0])} charges`;
+    case "queues":
+      return `${robotName(mission, event.robots[0])} waits for a charger`;
     case "full":
       return `${robotName(mission, event.robots[0])} is full`;
     case "back":

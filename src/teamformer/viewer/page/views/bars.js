@@ -4,7 +4,7 @@ import { taskColour } from "../draw/palette.js";
 import { fillAs, strokeAs, traceLine, write } from "../draw/shapes.js";
 import { describeMoment, percent } from "../record/lengths.js";
 import { NOBODY } from "../record/state.js";
-import { IDLE, LOST, OFF, WAITING } from "../record/told.js";
+import { IDLE, LOST, OFF, WAITING, chargeAt } from "../record/told.js";
 import { describeWhen, robotName, taskName } from "../record/words.js";
 import { NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
 import { isOnPath } from "./critical_path.js";
@@ -24,12 +24,13 @@ export const PHASE_COLOURS = {
   unloading: "load",
   idle: "line",
   charging: "task",
+  queueing: "wait",
   lost: "bad",
   off: "lost",
 };
 
 // How strong a phase is drawn in the colour of its task.
-export const STRENGTHS = { walking: 0.5, waiting: 0.25, forming: 0.75, serving: 1, loading: 0.85, carrying: 1, unloading: 0.85, idle: 1, lost: 0.25, off: 0.35, charging: 0.85 };
+export const STRENGTHS = { walking: 0.5, waiting: 0.25, forming: 0.75, serving: 1, loading: 0.85, carrying: 1, unloading: 0.85, idle: 1, lost: 0.25, off: 0.35, charging: 0.85, queueing: 0.6 };
 
 // What bars may be coloured by.
 export const BARS = { phase: "What they do", task: "Tasks" };
@@ -136,6 +137,8 @@ export function describeBar(/** @type {Gantt} */ gantt, robot, step) {
   const done = (gantt.deeds?.[robot] ?? []).filter((deed) => deed.step > run.from && deed.step <= run.to);
   const deeds = done.map(({ task, step: at }) => `${taskName(mission, task)} done ${describeWhen(mission.world, at)}`);
   const name = robotName(mission, robot);
+  const charge = chargeAt(history, robot, step);
+  if (charge !== null) deeds.push(`battery ${percent(charge)}`);
   if (isOnPath(history, robot, step)) deeds.push("on the critical path");
   return [`${name}: ${run.phase}${about}, ${from} to ${to}`, ...deeds].join("\n");
 }

@@ -122,7 +122,7 @@ function doingOf(/** @type {Moment} */ { scene, mission }, robot) {
   const team = teamOfRobot(scene, robot);
   if (!team) return "lost";
   const task = team.goal === NOBODY ? "" : taskName(mission, team.goal);
-  const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", leaves: "is lost next", idle: "idle", charges: "charges", off: "off its shift", waits: `waits at ${task}` };
+  const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", leaves: "is lost next", idle: "idle", charges: "charges", queues: "waits for a charger", off: "off its shift", waits: `waits at ${task}` };
   return words[team.activity] ?? `walks to ${task}`;
 }
 

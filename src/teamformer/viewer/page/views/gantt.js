@@ -3,7 +3,7 @@
 import { penOf, write } from "../draw/shapes.js";
 import { element } from "../panel/dom.js";
 import { percent } from "../record/lengths.js";
-import { CARRYING, CHARGING, IDLE, LOADING, LOST, OFF, PHASES, UNLOADING, deedsOfRobots, runsOf, stepsInPhases } from "../record/told.js";
+import { CARRYING, CHARGING, IDLE, LOADING, LOST, OFF, PHASES, QUEUEING, UNLOADING, deedsOfRobots, runsOf, stepsInPhases } from "../record/told.js";
 import { PHASE_COLOURS, STRENGTHS, describeBar, drawBarsOfRow, drawEndsOfRow } from "./bars.js";
 import { AXIS_HEIGHT, NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
 import { drawCriticalPath } from "./critical_path.js";
@@ -263,10 +263,10 @@ export class Gantt {
     const isByTask = options.bars === "task";
     const hasLoads = this.app.history.mission.tasks.some(({ to }) => to);
     const isAny = (name) => mean(name) > 0;
-    const isThere = (name) => ([OFF, CHARGING].includes(name) ? isAny(name) : hasLoads || ![LOADING, CARRYING, UNLOADING].includes(name));
+    const isThere = (name) => ([OFF, CHARGING, QUEUEING].includes(name) ? isAny(name) : hasLoads || ![LOADING, CARRYING, UNLOADING].includes(name));
     const items = PHASES.flatMap((name) => {
       if (!isThere(name)) return [];
-      const isOwn = [IDLE, LOST, OFF, CHARGING].includes(name);
+      const isOwn = [IDLE, LOST, OFF, CHARGING, QUEUEING].includes(name);
       const colour = isByTask && !isOwn ? map.theme.ink : map.theme[PHASE_COLOURS[name]];
       const dot = element("span", { class: "dot", colour });
       if (isByTask) dot.style.opacity = STRENGTHS[name];

@@ -1,0 +1,38 @@
+"""Why tasks were left out of a mission that is over at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from teamformer.mission.checks.optional import is_in_time
+from teamformer.mission.checks.windows import opening_step, release_of
+from teamformer.mission.model import Mission
+from teamformer.mission.parts.capabilities import covers, total
+
+
+def why_left_out(truth: Mission, task: int, comes: Iterable[tuple[float, int]]) -> str:
+    """Return why nobody has begun a task, in a word of `WHY_MISSED`.
+
+    `comes` says when each robot can be there that goes there at once, from the start: the time or
+    the step, and its number. A task is too far if not even those who are there first could end it
+    in time.
+    """
+    wanted, at = truth.tasks[task], _earliest_start(truth, task, comes)
+    if at is None:
+        return "nobody able"
+    begins = opening_step(wanted) + 1 if truth.time == "steps" else release_of(wanted)
+    if not is_in_time(max(at, begins) + wanted.duration + wanted.unload, truth.until):
+        return "too far"
+    if truth.cost is not None and wanted.optional:
+        return "not worth it"
+    return "nobody free"
+
+
+def _earliest_start(truth: Mission, task: int, comes: Iterable[tuple[float, int]]) -> float | None:
+    """Return when enough robots can be at a task, or None."""
+    there: list[int] = []
+    for at, number in sorted(comes):
+        there.append(number)
+        if covers(total(truth.robots[robot].can for robot in there), truth.tasks[task].needs):
+            return at
+    return None

@@ -1,0 +1,147 @@
+"""Fleets whose robots work in shifts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from fleets import plan_of, walked
+from teamformer.fleet.bodies.body import Command
+from teamformer.fleet.bodies.walking import Lifted
+from teamformer.fleet.bodies.world import FleetWorld
+from teamformer.fleet.fleet_mission import FleetMission
+from teamformer.fleet.in_shifts import can_still_do, who_can
+from teamformer.fleet.rehearsal.checking.checker import Checker
+from teamformer.fleet.rehearsal.checking.trace import Trace, Worked
+from teamformer.fleet.rehearsal.faults import Crash, Faults
+from teamformer.fleet.rehearsal.outcome import Outcome
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
+from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
+from teamformer.mission.checks.rules import rules_of_fleets
+from teamformer.mission.model import Mission, Robot, Task
+from teamformer.mission.parts.grid import Grid
+from teamformer.record.record import Record
+from teamformer.record.referee import judge as judge_record
+
+Shifts = tuple[tuple[float, float], ...]
+
+
+def at_work(tasks: list[Task], *shifts: Shifts, **keys: object) -> FleetMission:
+    """Return robots with `a` at the left end of a corridor, each with its shifts."""
+    who = tuple(
+        Robot(f"r{n}", (0, 0), {"a": 1}, shifts=own, **keys)  # type: ignore[arg-type]
+        for n, own in enumerate(shifts)
+    )
+    mission = Mission("m", Grid(40, 1), ("a",), who, tuple(tasks), time="continuous")
+    assert list(rules_of_fleets(mission)) == []
+    return FleetMission(mission)
+
+
+def errand(name: str, x: int, **keys: object) -> Task:
+    return Task(name, (x, 0), {"a": 1}, **keys)  # type: ignore[arg-type]
+
+
+def recorded(fleet: FleetMission, faults: Faults = Faults()) -> tuple[Outcome, Record]:  # noqa: B008
+    """Return how a rehearsal that keeps every promise ended, and its record, which is right."""
+    trace = Trace()
+    rehearsal, outcome, violations = play(fleet, plan_of(fleet), faults, trace)
+    assert violations == []
+    record = record_of(rehearsal, outcome, trace.events, faults.seed)
+    assert judge_record(record).findings == ()
+    return outcome, record
+
+
+def begun(record: Record) -> list[float]:
+    return [event.at for event in record.events if event.kind == "serve"]
+
+
+def test_a_walk_pauses_between_shifts() -> None:
+    """Five cells of ten are walked when the shift ends at 5; it goes on at 20."""
+    world = FleetWorld(at_work([errand("t", 10)], ((0.0, 5.0), (20.0, 60.0))))
+    world.command(0, Command(1, (10, 0), 0))
+    for now, x in ((4.9, 4), (5.0, 5), (19.9, 5), (20.9, 5), (21.0, 6), (25.0, 10)):
+        world.advance(now)
+        assert world.place(0) == (x, 0)
+
+
+def test_who_would_not_be_there_before_its_last_shift_ends_stays() -> None:
+    world = FleetWorld(at_work([errand("t", 4)], ((0.0, 5.0),)))
+    world.command(0, Command(1, (6, 0), 0))
+    world.advance(30.0)
+    assert world.place(0) == (0, 0)
+
+
+def test_nobody_begins_what_does_not_fit_into_its_shift() -> None:
+    """There at 6, it takes 5: not until 10, so it begins with the next shift, at 20."""
+    outcome, record = recorded(at_work([errand("t", 6, duration=5)], ((0.0, 10.0), (20.0, 60.0))))
+    assert outcome.status == "ended"
+    assert begun(record) == [pytest.approx(20.0, abs=1.1)]
+
+
+def test_a_team_begins_in_a_shift_of_all() -> None:
+    """The first works until 12 and from 30 on, the other one from 10 on: 4 fit from 30 on."""
+    task = replace(errand("t", 3, duration=4), needs={"a": 2})
+    fleet = at_work([task], ((0.0, 12.0), (30.0, 60.0)), ((10.0, 60.0),))
+    assert who_can(fleet, fleet.tasks[0], {0: (0, 0), 1: (0, 0)}, 0.0) == (0, 1)
+    outcome, record = recorded(fleet)
+    assert outcome.status == "ended"
+    assert begun(record) == [pytest.approx(30.0, abs=1.6)]
+
+
+def test_a_service_that_takes_longer_breaks_off_when_the_shift_ends() -> None:
+    """It is believed to take 8 and takes more than 10: begun at 0 it ends in the shift from 20."""
+    fleet = at_work([errand("t", 0, lasts=(1.0, 15.0))], ((0.0, 10.0), (20.0, 60.0)))
+    seed = next(seed for seed in range(99) if fleet.truth(seed).tasks[0].duration > 12)
+    outcome, record = recorded(fleet, Faults(seed=seed))
+    assert outcome.status == "ended"
+    assert [round(at) for at in begun(record)] == [0, 20]
+    assert [event.at for event in record.events if event.kind == "broken"] == [10.0]
+
+
+def test_a_load_is_set_down_when_the_shift_of_who_carries_it_ends() -> None:
+    world = FleetWorld(at_work([errand("t", 0, to=(30, 0))], ((0.0, 10.0), (20.0, 60.0))))
+    world.command(0, Command(1, (0, 0), 0, 0, True))
+    world.advance(15.0)
+    lifts = [move for move in world.moves if isinstance(move, Lifted)]
+    assert lifts == [Lifted(0.0, 0, (0,), (0.0, 0.0)), Lifted(10.0, 0, (), (10, 0))]
+
+
+def test_what_no_shift_is_left_for_is_infeasible_and_another_robot_takes_over() -> None:
+    """The first is away until its last shift is over: the other does it, from 40 on."""
+    task, gone = errand("t", 5, duration=5), Faults(crashes=(Crash(0, 1.0, 30.0),))
+    outcome, record = recorded(at_work([task], ((0.0, 25.0),), ((40.0, 80.0),)), gone)
+    assert outcome.status == "ended"
+    assert begun(record) == [pytest.approx(45.0, abs=1.5)]
+    fleet = at_work([task], ((0.0, 25.0),))
+    assert not can_still_do(fleet, fleet.tasks[0], {0: (0, 0)}, 16.0)
+    assert can_still_do(fleet, fleet.tasks[0], {0: (0, 0)}, 15.0)
+    outcome, _ = recorded(fleet, gone)
+    assert (outcome.status, outcome.blocked_tasks) == ("infeasible", ("t",))
+
+
+def test_shifts_come_again() -> None:
+    fleet = at_work([errand("t", 6, duration=5)], ((0.0, 8.0),), every=20.0)
+    _, record = recorded(fleet)
+    assert begun(record) == [pytest.approx(20.0, abs=1.1)]
+
+
+def test_to_serve_outside_ones_shift_is_found() -> None:
+    fleet = at_work([errand("t", 0, duration=3)], ((0.0, 10.0), (20.0, 60.0)))
+    tasks = {task.key: task for task in fleet.tasks}
+    for at, is_found in ((5.0, False), (9.0, True), (15.0, True), (20.0, False)):
+        trace = [walked(0.0, 0, ((0, 0),), 0.0, 1.0), Worked(at, 0, 0, 0)]
+        assert (
+            "its shift has no time" in "".join(Checker(fleet, tasks).check(trace, ()))
+        ) == is_found
+
+
+def test_every_promise_is_kept_in_shifts_under_schedules_of_faults() -> None:
+    pair = replace(errand("both", 9, duration=3), needs={"a": 2})
+    tasks = [errand("one", 3, duration=2), pair, errand("load", 5, to=(12, 0), unload=1)]
+    shifts = ((0.0, 15.0), (25.0, 200.0)), ((5.0, 30.0), (40.0, 300.0)), ((0.0, 500.0),)
+    stage = set_stage(at_work(tasks, *shifts))
+    assert stage.undisturbed.status == "ended"
+    for number in range(10):
+        verdict = judge(stage, 3, number)
+        assert verdict.is_good, (number, verdict)

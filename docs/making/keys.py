@@ -18,6 +18,7 @@ from teamformer.mission.keys.mission_keys import COST_KEYS, MISSION_KEYS
 from teamformer.mission.keys.robot_keys import ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
+from teamformer.mission.keys.zone_keys import ZONE_KEYS
 from teamformer.world.continuous.events import KINDS
 
 ROOT = Path(__file__).parents[2]
@@ -52,6 +53,7 @@ def tables() -> dict[str, list[str]]:
         "robots": [*head, *rows(ROBOT_KEYS)],
         "tasks": [*head, *rows(TASK_KEYS)],
         "batteries": [*head, *rows(BATTERY_KEYS, "battery."), *rows(CHARGER_KEYS, "chargers.")],
+        "zones": [*head, *rows(ZONE_KEYS)],
         "planes": [*head, *rows(PLANE_KEYS, "world.")],
         "events": ["| kind | its fields | says |", "|---|---|---|", *kinds_of_events()],
         "cost": ["| key | what it measures |", "|---|---|", *cost],

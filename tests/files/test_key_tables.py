@@ -17,9 +17,11 @@ from teamformer.mission.keys.mission_keys import ARRIVALS_KEYS, MISSION_KEYS
 from teamformer.mission.keys.robot_keys import BREAKS_KEYS, DELAYS_KEYS, ROBOT_KEYS
 from teamformer.mission.keys.task_keys import TASK_KEYS
 from teamformer.mission.keys.world_keys import PLANE_KEYS
+from teamformer.mission.keys.zone_keys import ZONE_KEYS
 from teamformer.mission.model import Arrivals, Breakdown, Delays, Mission, Robot, Task
 from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.plane import Plane
+from teamformer.mission.parts.zones import Zone
 
 TABLES: dict[type[Any], tuple[tuple[Key, ...], dict[str, str]]] = {
     Robot: (ROBOT_KEYS, robot_keys.NOT_ALIKE),
@@ -30,6 +32,7 @@ TABLES: dict[type[Any], tuple[tuple[Key, ...], dict[str, str]]] = {
     Breakdown: (BREAKS_KEYS, {}),
     Charger: (CHARGER_KEYS, {}),
     Delays: (DELAYS_KEYS, {}),
+    Zone: (ZONE_KEYS, {"name": "it stands before the keys"}),
     Plane: (PLANE_KEYS, dict.fromkeys(("plane", "width", "height"), "plane has both sides")),
 }
 

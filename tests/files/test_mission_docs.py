@@ -55,6 +55,8 @@ def test_the_examples_are_read(tmp_path: Path) -> None:
     [lifts] = examples_of(PARTS / "charging.md", tmp_path)
     assert lifts.robots[1].battery == Battery(60, 20, 0.5, 0.2)
     assert lifts.chargers == (Charger((20, 20), 2),)
+    [dock] = examples_of(PARTS / "zones.md", tmp_path)
+    assert [zone.tasks_in(dock.tasks) for zone in dock.zones] == [[0, 1], [2]]
     [storm] = examples_of(PARTS / "unknown.md", tmp_path)
     assert storm.tasks[0].lasts == (2, 9)
     assert storm.tasks[1].may_need == {"weld": 0.4, "power": 0.2}

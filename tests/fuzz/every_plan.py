@@ -1,4 +1,4 @@
-"""Every plan of small missions with optional tasks, shifts or batteries, beside those of methods.
+"""Every plan of small missions with optional tasks, shifts, batteries or zones, and of methods.
 
 `PYTHONPATH=tests python tests/fuzz/every_plan.py 30 1` draws so many missions of each kind, and
 gives `central` so many seconds for each; `plan` takes what it takes.
@@ -26,6 +26,7 @@ from teamformer.base.errors import MissionError
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import ALWAYS, fits_all
+from teamformer.mission.parts.zones import Zone
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
 from teamformer.planning.problem.batteries import charged_totals, totals_of
@@ -37,6 +38,9 @@ ROBOTS, TASKS = 4, 6
 
 ROTAS = (((0.0, 60.0), (75.0, 150.0)), ((30.0, 110.0),), ((0.0, 100.0),), ())
 EVERY = 160.0
+
+IN_ZONES = 0.8
+"""Of the tasks."""
 
 NEAR = 1e-5
 """Times are told in whole ticks, of which there are a million and more in all."""
@@ -59,6 +63,20 @@ def draw_in_shifts(number: int, tasks: int = TASKS) -> Mission:
     while True:
         try:
             return _drawn(draws, f"shifts {number}", tasks)
+        except MissionError:
+            continue
+
+
+def draw_in_zones(number: int, tasks: int = TASKS) -> Mission:
+    """Draw a mission that can be done, most of whose tasks are in a zone with little room."""
+    draws = random.Random(number)
+    while True:
+        try:
+            mission = _drawn(draws, f"zones {number}", tasks)
+            names = tuple(task.name for task in mission.tasks if draws.random() < IN_ZONES)
+            zones = (Zone("dock", tasks=names, room=draws.choice([1, 1, 2])),)
+            robots = tuple(replace(robot, shifts=(), every=0.0) for robot in mission.robots)
+            return replace(mission, robots=robots, zones=zones)
         except MissionError:
             continue
 
@@ -93,8 +111,8 @@ def _drawn(draws: random.Random, name: str, tasks: int) -> Mission:
     )
 
 
-def best_in_shifts(mission: Mission) -> float:
-    """Return the least makespan of all plans of a mission on a plane whose robots have shifts."""
+def best_on_a_plane(mission: Mission) -> float:
+    """Return the least makespan of all plans of a mission on a plane, with shifts and zones."""
     robots, tasks = mission.robots, mission.tasks
     number_of = {task.name: number for number, task in enumerate(tasks)}
     before = [[number_of[name] for name in task.after] for task in tasks]
@@ -115,7 +133,8 @@ def best_in_shifts(mission: Mission) -> float:
 
     crews = [least_crews(able_crews(mission, task)) for task in range(len(tasks))]
     durations = [task.duration for task in tasks]
-    return _least(crews, before, durations, len(robots), start, home)
+    zones = [(zone.tasks_in(tasks), zone.room) for zone in mission.zones]
+    return _least(crews, before, durations, len(robots), start, home, zones)
 
 
 def _at(mission: Mission, robot: int, place: int) -> tuple[float, float]:
@@ -197,10 +216,20 @@ def _least(
     robots: int,
     start: Start,
     home: Callable[[int, int, float], float],
+    zones: Sequence[tuple[Sequence[int], int]] = (),
 ) -> float:
-    """Return the least makespan."""
+    """Return the least makespan; `zones` has the tasks of each, and how many go on at once."""
     best, stand = math.inf, Stand([NOBODY] * robots, [0.0] * robots)
     made, ends = dict[int, tuple[int, ...]](), dict[int, float]()
+
+    def has_room(task: int) -> float:
+        """Return from when on a task has room that begins after all others that are made."""
+        moments = [0.0]
+        for inside, room in zones:
+            busy = sorted((ends[one] for one in inside if one in ends), reverse=True)
+            if task in inside and len(busy) >= room:
+                moments.append(busy[room - 1])
+        return max(moments)
 
     def go_on(last: float) -> None:
         nonlocal best
@@ -211,7 +240,7 @@ def _least(
         for task, able in enumerate(crews):
             if task in made or any(one not in made for one in before[task]):
                 continue
-            earliest = max((ends[one] for one in before[task]), default=0.0)
+            earliest = max([has_room(task), *(ends[one] for one in before[task])])
             for crew in able:
                 begin = start(task, crew, stand, earliest)
                 end = begin + durations[task]
@@ -250,7 +279,7 @@ def best_worth(mission: Mission) -> tuple[float, float]:
         return 0.0, best_charged(pose_mission(mission).problem, worth_by(mission, "plan", 0)[1])
     if mission.until is not None:
         return every_optional_plan.best_plan(mission)
-    return 0.0, best_in_shifts(mission)
+    return 0.0, best_on_a_plane(mission)
 
 
 def draw_charged(keys: str) -> Callable[[int], Mission]:
@@ -261,6 +290,7 @@ def draw_charged(keys: str) -> Callable[[int], Mission]:
 DRAWN: dict[str, Callable[[int], Mission]] = {
     "optional": lambda number: every_optional_plan.draw_mission(number, TASKS, share=0.2),
     "shifts": draw_in_shifts,
+    "zones": draw_in_zones,
     "charging": lambda number: replace(charged_mission(number, ROBOTS, TASKS), forming=0.0),
     "charging, windows": draw_charged("windows"),
     "charging, shifts": draw_charged("shifts"),

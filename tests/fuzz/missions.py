@@ -186,15 +186,48 @@ def continuous_missions(
     if _needs_a_robot_twice(tree):
         for task in tree["tasks"]:
             task.pop("starts", None)
+    if now_and_then(draw, 3):
+        _write_zones(draw, tree, world)
     return _write_details(draw, tree)
+
+
+def _write_zones(draw: st.DrawFn, tree: Tree, world: Drawn) -> None:
+    """Say in which zones tasks are: by name, by place, or in an area; loads are in none."""
+    named = [task["name"] for task in tree["tasks"] if "name" in task and "to" not in task]
+    is_road, is_loaded = "roads" in world.tree, any("to" in task for task in tree["tasks"])
+    zones: Tree = {}
+    if named:
+        zones["by name"] = {"tasks": named[: 1 + pick(draw, range(len(named)))]}
+    if not is_loaded:
+        at = pick(draw, tree["tasks"])["at"]
+        zones["by place"] = {"places": [at]}
+        if not is_road:
+            zones["an area"] = {"area": [at, [at[0] + 3 * world.unit, at[1]]]}
+    for zone in zones.values():
+        if now_and_then(draw, 2):
+            zone["room"] = pick(draw, (1, 2, 1000))
+    if zones:
+        tree["zones"] = zones
+    if _has_narrow_zones(tree):
+        for zone in zones.values():
+            zone["room"] = len(tree["tasks"])
+
+
+def _has_narrow_zones(tree: Tree) -> bool:
+    """Say whether linked tasks go on at once in a zone that has no room for them."""
+    return _is_refused(tree, "by their links")
 
 
 def _needs_a_robot_twice(tree: Tree) -> bool:
     """Say whether linked tasks, which different robots do, need one robot at once."""
+    return _is_refused(tree, "done by different robots")
+
+
+def _is_refused(tree: Tree, because: str) -> bool:
     try:
         mission_from_tree({"teamformer": 1} | tree)
     except MissionError as error:
-        return any("done by different robots" in it.message for it in error.problems)
+        return any(because in it.message for it in error.problems)
     return False
 
 

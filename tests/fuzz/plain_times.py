@@ -129,8 +129,13 @@ def _takes(mission: Mission, task: int, crew: Sequence[int], ways: Ways) -> floa
     return wanted.duration + max(carried, default=0.0) + wanted.unload
 
 
-def times_of(mission: Mission, routes: Routes, ways: Ways) -> Times | None:
-    """Return the times of a plan; None if robots wait for one another for ever."""
+def times_of(
+    mission: Mission, routes: Routes, ways: Ways, order: Sequence[int] = ()
+) -> Times | None:
+    """Return the times of a plan; None if robots wait for one another for ever.
+
+    Tasks enter zones in the order that is given.
+    """
     tasks, robots = mission.tasks, mission.robots
     number_of = {task.name: number for number, task in enumerate(tasks)}
     crews = [[r for r, route in enumerate(routes) if k in route] for k in range(len(tasks))]
@@ -160,10 +165,26 @@ def times_of(mission: Mission, routes: Routes, ways: Ways) -> Times | None:
             crew_of_k = [robot for robot, _, _ in legs]
             if forming:
                 there = fitting(crew_of_k, there, forming) + forming
-            begun[k] = fitting(crew_of_k, max(begun[k], there), takes[k])
+            begun[k] = max(begun[k], there, _has_room(mission, order, k, begun, takes))
+            begun[k] = fitting(crew_of_k, begun[k], takes[k])
         if begun == before:
             return _told(mission, routes, ways, begun, takes)
     return None
+
+
+def _has_room(
+    mission: Mission, order: Sequence[int], task: int, begun: list[float], takes: list[float]
+) -> float:
+    """Return from when on a task may enter its zones behind those that are before it there."""
+    moments = [0.0]
+    for zone in mission.zones:
+        inside = zone.tasks_in(mission.tasks)
+        if task not in inside or zone.room >= len(inside):
+            continue
+        ahead = [one for one in order[: order.index(task)] if one in inside]
+        ends = sorted(begun[one] + takes[one] for one in ahead)
+        moments += [begun[one] for one in ahead] + ends[: max(0, len(ends) - zone.room + 1)]
+    return max(moments)
 
 
 def _told(
@@ -215,7 +236,7 @@ def all_plans(mission: Mission, ways: Ways) -> Iterator[Times]:
             continue
         for order in orders:
             routes = [[k for k in order if r in crews[k]] for r in robots]
-            times = times_of(mission, routes, ways)
+            times = times_of(mission, routes, ways, order)
             if times is not None and times.makespan < math.inf:
                 yield times
 

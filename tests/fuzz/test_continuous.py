@@ -64,7 +64,7 @@ def planned(mission: Mission, method: str) -> MissionPlan | None:
 def plainly_timed(mission: Mission, made: MissionPlan) -> Times:
     """Return the times of a plan's routes by a second evaluator."""
     routes = [[stop.task for stop in route.stops] for route in made.routes]
-    times = times_of(mission, routes, Ways(mission))
+    times = times_of(mission, routes, Ways(mission), made.order)
     assert times is not None, "robots wait for one another for ever"
     return times
 

@@ -1,4 +1,4 @@
-"""Plans with optional tasks, shifts or batteries, beside every plan of small missions."""
+"""Plans with optional tasks, shifts, batteries or zones, beside every plan of small missions."""
 
 from __future__ import annotations
 

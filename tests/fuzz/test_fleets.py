@@ -23,12 +23,12 @@ from teamformer.record.referee import judge as judge_record
 from watching import fuzzed, noted
 
 NO_FLEETS = {"robots": ("battery",), "tasks": ("starts",)}
-"""Keys of robots and tasks that fleets refuse; others are a mission's `chargers`."""
+"""Keys of robots and tasks that fleets refuse; others are a mission's `chargers` and `zones`."""
 
 
 def for_fleets(tree: Any) -> Any:
     """Return a mission in continuous time without what fleets refuse."""
-    tree = {key: value for key, value in tree.items() if key != "chargers"}
+    tree = {key: value for key, value in tree.items() if key not in ("chargers", "zones")}
     for part, keys in NO_FLEETS.items():
         tree[part] = [{k: v for k, v in it.items() if k not in keys} for it in tree[part]]
     return tree

@@ -12,6 +12,7 @@ import teamformer as tf
 from browsers import Opener
 from charging_missions import charged_mission
 from hand_logs import RECORD
+from teamformer.files.drawn.named_settings import world_of
 from teamformer.record.events.standing import StandingAt
 from teamformer.record.files.writing import record_to_tree
 from teamformer.record.telling.whole import told_of
@@ -62,6 +63,16 @@ def test_chargers_stand_where_robots_charge(scripts: Any) -> None:
     placed = [tuple(scale * along for along in charger.at) for charger in mission.chargers]
     assert len(placed) >= 1
     assert [tuple(at) for at in shown] == [pytest.approx(at) for at in placed]
+
+
+def test_zones_have_their_tasks_and_room(scripts: Any) -> None:
+    mission = world_of("zones", 3)
+    tree = record_to_tree(tf.run(mission).record)
+    shown = scripts.evaluate("(tree) => frames(tree).mission.zones", tree)
+    assert len(shown) == len(mission.zones) > 0
+    for zone, it in zip(mission.zones, shown, strict=True):
+        assert (it["name"], it["room"]) == (zone.name, zone.room)
+        assert it["tasks"] == zone.tasks_in(mission.tasks)
 
 
 def test_how_full_batteries_are_is_read_between_the_moments_that_are_told(scripts: Any) -> None:

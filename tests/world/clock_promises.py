@@ -49,6 +49,7 @@ def check_promises(mission: Mission, truth: Mission, events: Sequence[Event]) ->
     _check_causes(truth, events)
     _check_walks(truth, events)
     _check_services(truth, events)
+    _check_zones(mission, events)
     if events[-1].kind == "over" and events[-1].status == "completed":
         assert path_length(events) <= events[-1].at + NEAR
 
@@ -169,6 +170,18 @@ def _check_services(truth: Mission, events: Sequence[Event]) -> None:
     if events[-1].status == "completed":
         missed = set(range(len(truth.tasks))) - over.keys()
         assert all(truth.tasks[task].optional for task in missed), "what must be done is done"
+
+
+def _check_zones(mission: Mission, events: Sequence[Event]) -> None:
+    """Check that no more services go on at once in a zone than there is room for."""
+    for zone in mission.zones:
+        inside, under_way = set(zone.tasks_in(mission.tasks)), set[int]()
+        for event in events:
+            if event.kind == "serve" and event.task in inside:
+                under_way.add(event.task)
+            elif event.kind in ("done", "broken"):
+                under_way.discard(event.task)
+            assert len(under_way) <= zone.room, f"{zone.name} has no room for {event}"
 
 
 def _is_same(one: Place, other: Place) -> bool:

@@ -54,9 +54,9 @@ def bench(
     """Measure methods on the settings of a suite.
 
     Suites: missions, large, uncertain, learned, others, fleet, robotarium; in continuous time
-    roads, clock, shifts, optional, charging; of the paper fig3 fig4a fig4b fig5a fig5b fig6 fig9
-    table1 (together `paper`), scale, methods, authors, taught. `speed` times the simulator, `size`
-    large missions.
+    roads, clock, shifts, optional, charging, zones; of the paper fig3 fig4a fig4b fig5a fig5b fig6
+    fig9 table1 (together `paper`), scale, methods, authors, taught. `speed` times the simulator,
+    `size` large missions.
 
     The same command goes on after an interruption, or adds trials.
     """

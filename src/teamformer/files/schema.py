@@ -94,6 +94,11 @@ def schema_of(kind: kinds.Kind) -> Schema:
             return {"type": "array", "items": NAME, "minItems": 1}
         case kinds.TeamLists():
             return {"type": "array", "items": schema_of(kinds.RobotNames())}
+        case kinds.Places():
+            return {"type": "array", "items": schema_of(kinds.Place()), "minItems": 1}
+        case kinds.NamedParts():
+            part = object_of(kind.keys)
+            return {"type": "object", "additionalProperties": part, "minProperties": 1}
         case kinds.Place():
             return {"anyOf": [_pair(FINITE), NAME]}
         case kinds.OneOf():

@@ -21,6 +21,7 @@ from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.regions import flood
 from teamformer.mission.parts.roads import AIR, GROUND, Roads
 from teamformer.mission.parts.shifts import Rota, Shift
+from teamformer.mission.parts.zones import Zone
 
 MOST_WALKING = 10**6
 MOST_FORMING = 10**7
@@ -273,6 +274,7 @@ class Mission:
     arrivals: Arrivals | None = None
     until: float | None = None
     chargers: tuple[Charger, ...] = ()
+    zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
         problems = list(find_problems(self))

@@ -93,7 +93,9 @@ def _plan_of(rows: list[Row], mission: Mission) -> Plan:
             taken = set[int]().union(*(robots[other] for other in linked[number]))
             coalition |= _able(mission, number, taken)
     stops = [(robot_of[robot], task_of[task]) for robot, task, _ in rows]
-    order = order_of_starts(stops, dict(enumerate(start)), tasks_before(mission.tasks))
+    starts, before = dict(enumerate(start)), tasks_before(mission.tasks)
+    instant = {k for k, task in enumerate(mission.tasks) if not task.duration and task.to is None}
+    order = order_of_starts(stops, starts, before, instant)
     return Plan(tuple(order), tuple(tuple(sorted(robots[task])) for task in order))
 
 

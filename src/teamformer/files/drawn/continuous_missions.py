@@ -1,9 +1,10 @@
-"""Families of missions in continuous time: `roads`, `clock`, `shifts`, `optional`, `charging`.
+"""Families of missions in continuous time: `roads`, `clock`, `shifts`, `optional`, `charging`,
+`zones`.
 
 All have order; those of `roads`, on the lanes of sites, and of `clock` have windows and loads, too.
 Those of `clock` are on a plane and have linked starts, forming, ways home, tasks that appear and a
 cost. Robots of `shifts` work in shifts with breaks. Most tasks of `optional` may be left out.
-Robots of `charging` have batteries.
+Robots of `charging` have batteries. Those of `zones` find little room in some places.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import GROUND
 from teamformer.mission.parts.shifts import Shift
+from teamformer.mission.parts.zones import Zone
 
 ROUNDED = 0.05
 """By so much a time with one place after the point may be too short."""
@@ -76,6 +78,10 @@ WAITING_SPENDS, WITH_BATTERY = (0.0, 0.0, 0.05), 0.8
 
 CHARGERS, CHARGER_ROOM = (3, 6), (1, 1, 2)
 """How many there are, ends included, and the room of one."""
+
+
+ZONE_ROOM = (1, 1, 2, 3)
+"""The room of an area."""
 
 
 @dataclass(frozen=True)
@@ -218,6 +224,37 @@ def draw_charging(rng: np.random.Generator, name: str) -> Mission:
     return _first_sound(draw)
 
 
+def draw_zones(rng: np.random.Generator, name: str) -> Mission:
+    """Return a mission with an area in which few services go on at once, and some such tasks."""
+
+    def draw() -> Mission:
+        starts = [_spot(rng) for _ in range(2)]
+        robots = _draw_robots(rng, starts)
+        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+        tasks = _with_windows(rng, _in_order(rng, tasks))
+        drawn = rng.permutation(len(tasks))[: len(tasks) // 4].tolist()
+        zones = (
+            Zone("yard", area=_area(rng), room=int(rng.choice(ZONE_ROOM))),
+            Zone("tool", tasks=tuple(tasks[k].name for k in sorted(drawn))),
+        )
+        more: dict[str, Any] = {
+            "forming": float(rng.integers(0, 5)),
+            "ends": "home" if rng.random() < 0.5 else None,
+            "zones": zones[: 1 + (rng.random() < 0.5)],
+        }
+        return _mission(name, Plane(WIDTH, HEIGHT), robots, tasks, **more)
+
+    return _first_sound(draw)
+
+
+def _area(rng: np.random.Generator) -> tuple[Place, Place]:
+    """Return two corners of an area a third to two thirds as wide and as high as the plane."""
+    sides = [round(side * float(rng.uniform(1 / 3, 2 / 3)), 1) for side in (WIDTH, HEIGHT)]
+    x, y = (round(float(rng.uniform(0, whole - side)), 1)
+            for whole, side in zip((WIDTH, HEIGHT), sides, strict=True))  # fmt: skip
+    return (x, y), (round(x + sides[0], 1), round(y + sides[1], 1))
+
+
 def _with_battery(rng: np.random.Generator, robot: Robot) -> Robot:
     if rng.random() >= WITH_BATTERY:
         return robot
@@ -238,6 +275,7 @@ CONTINUOUS_FAMILIES = {
     "shifts": ContinuousFamily(draw_in_shifts),
     "optional": ContinuousFamily(draw_optional),
     "charging": ContinuousFamily(draw_charging),
+    "zones": ContinuousFamily(draw_zones),
 }
 
 

@@ -9,8 +9,8 @@
 missions that people have. `real-half` and `real-double` have half and twice the robots and tasks;
 in `real-sense5` robots sense 5 cells, in `real-senseall` everybody. `real-lost` loses one robot
 that can be spared, in `real-arrivals` a fifth of the tasks appears later.
-`roads`, `clock`, `shifts`, `optional` and `charging` are families in continuous time; they have
-`-lost`, `-arrivals` and `-cancelled`.
+`roads`, `clock`, `shifts`, `optional`, `charging` and `zones` are families in continuous time; they
+have `-lost`, `-arrivals` and `-cancelled`.
 `-durations`, `-needs` (with a probability of 50%; `-needs10`, `-needs30`, `-needs70`), `-places`,
 `-delays`, `-calls`, `-breakdowns`, `-mixed` (some of these) and `-all` leave open what their name
 says, in any setting: `4N20T-C4-needs`, `real-mixed`.

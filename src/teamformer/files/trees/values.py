@@ -16,9 +16,10 @@ from teamformer.mission.keys.key import Key
 from teamformer.mission.model import Arrivals, Breakdown, Delays, World
 from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.zones import Zone
 
 MADE: Mapping[str, Callable[..., Any]] = {
-    made.__name__: made for made in (Arrivals, Battery, Breakdown, Charger, Delays)
+    made.__name__: made for made in (Arrivals, Battery, Breakdown, Charger, Delays, Zone)
 }
 """What parts become, by name."""
 
@@ -219,6 +220,16 @@ def _(kind: kinds.Place, reader: Reader, where: Where, value: Any, given: Given)
 
 
 @read.register
+def _(
+    kind: kinds.Places, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[Any, ...]:
+    if value == []:
+        reader.refuse(where, f"{name_of(where)} is an empty list; name a place, or drop it")
+    places = enumerate(reader.sequence(where, value))
+    return tuple(read_at(reader, (*where, entry), place, given.world) for entry, place in places)
+
+
+@read.register
 def _(kind: kinds.OneOf, reader: Reader, where: Where, value: Any, given: Given) -> str:
     return reader.word(value)
 
@@ -263,3 +274,20 @@ def _(
         reader.refuse(where, f"{name_of(where)} is an empty list; write one, or drop it")
     parts = enumerate(reader.sequence(where, value))
     return tuple(read(one, reader, (*where, number), part, given) for number, part in parts)
+
+
+@read.register
+def _(
+    kind: kinds.NamedParts, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[Any, ...]:
+    if not isinstance(value, dict) or not value:
+        message = f"{name_of(where)} is {describe(value)}; write {{name: {{...}}}}, or drop it"
+        reader.refuse(where, message)
+        return ()
+    return tuple(
+        MADE[kind.makes](
+            name=reader.text((*where, name), name),
+            **read_part(reader, (*where, name), part, kind.keys, given),
+        )
+        for name, part in value.items()
+    )

@@ -16,8 +16,10 @@ from teamformer.mission.keys.kinds import (
     KeyedPart,
     KeyedParts,
     Kind,
+    NamedParts,
     Number,
     Place,
+    Places,
     Shifts,
     StartLinks,
 )
@@ -73,6 +75,10 @@ def to_tree(kind: Kind, value: Any, world: World) -> Any:
             return {name: list(gap) for name, gap in value.items()}
         case KeyedParts() if kind.makes:
             return [part_to_tree(kind.keys, vars(part), world) for part in value]
+        case Places():
+            return [at_to_tree(place, world) for place in value]
+        case NamedParts():
+            return {part.name: part_to_tree(kind.keys, vars(part), world) for part in value}
         case KeyedPart(makes=""):
             return dict(value)
         case KeyedPart():

@@ -13,6 +13,7 @@ from teamformer.mission.checks.loads import find_load_problems
 from teamformer.mission.checks.rules import counted_from, find_rule_problems
 from teamformer.mission.checks.shift_checks import find_shift_problems
 from teamformer.mission.checks.surprise_checks import find_surprise_problems
+from teamformer.mission.checks.zone_checks import find_zone_problems
 from teamformer.mission.keys.kinds import LARGEST_NUMBER, LATEST_RETURN
 from teamformer.mission.keys.robot_keys import FASTEST, SLOWEST
 from teamformer.mission.parts.capabilities import (
@@ -65,6 +66,7 @@ def find_problems(mission: Mission) -> Iterator[Problem]:
     yield from find_rule_problems(mission)
     yield from find_surprise_problems(mission)
     yield from find_shift_problems(mission)
+    yield from find_zone_problems(mission)
 
 
 def _problems_of_world(world: World) -> Iterator[Problem]:
@@ -145,6 +147,11 @@ def _problems_of_places(mission: Mission) -> Iterator[Problem]:
     for number, charger in enumerate(mission.chargers):
         if fault := _fault_of_place(world, charger.at):
             yield Problem(("chargers", number, "at"), f"charger {number + 1} is at {fault}")
+    for zone in mission.zones:
+        for entry, place in enumerate(zone.places):
+            if fault := _fault_of_place(world, place):
+                message = f"zone '{zone.name}' has a place at {fault}"
+                yield Problem(("zones", zone.name, "places", entry), message)
 
 
 def _fault_of_place(world: World, place: Place, may_be_blocked: bool = False) -> str:

@@ -142,6 +142,15 @@ def _problems_of_robots(mission: Mission, apart: Sequence[int]) -> Iterator[Prob
 
 def _is_contradictory(tasks: Sequence[Task]) -> bool:
     """Say whether no starts keep all gaps: the longest ways between starts go round in a gain."""
+    longest = longest_gaps(tasks)
+    return any(longest[task.name, task.name] > 0 for task in tasks)
+
+
+def longest_gaps(tasks: Sequence[Task]) -> dict[tuple[str, str], float]:
+    """Return how long after each of some linked tasks another one starts at least, by names.
+
+    That follows from all their gaps; less than 0 for how long before at most, -inf if nothing does.
+    """
     longest = {(one.name, two.name): -math.inf for one in tasks for two in tasks}
     for task in tasks:
         for name, (least, most) in task.starts.items():
@@ -152,7 +161,7 @@ def _is_contradictory(tasks: Sequence[Task]) -> bool:
             for two in tasks:
                 detour = longest[one.name, by.name] + longest[by.name, two.name]
                 longest[one.name, two.name] = max(longest[one.name, two.name], detour)
-    return any(longest[task.name, task.name] > 0 for task in tasks)
+    return longest
 
 
 def _problems_of_waiting(mission: Mission, groups: Sequence[Sequence[int]]) -> Iterator[Problem]:

@@ -12,6 +12,7 @@ from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
 from teamformer.mission.checks.optional import find_optional_problems, has_optional
 from teamformer.mission.checks.windows import find_endless_play
+from teamformer.mission.checks.zone_checks import zones_not_served
 from teamformer.mission.keys.key import (
     BEFOREHAND,
     CONTINUOUS,
@@ -101,6 +102,8 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
     """Return why a mission cannot be run, be it in steps or in continuous time."""
     if mission.time == "steps":
         yield from rules_not_played(mission)
+    else:
+        yield from zones_not_served(mission)
 
 
 def rules_not_advised(mission: Mission) -> Iterator[Problem]:

@@ -122,6 +122,11 @@ class Place:
 
 
 @dataclass(frozen=True)
+class Places:
+    """A list of at least one place."""
+
+
+@dataclass(frozen=True)
 class OneOf:
     """One of a few words."""
 
@@ -162,6 +167,17 @@ class KeyedParts:
 
     keys: tuple[Key, ...]
     makes: str = ""
+
+
+@dataclass(frozen=True)
+class NamedParts:
+    """A mapping from names to mappings, all with the same keys.
+
+    `makes` is the class of the model that each becomes, with its name.
+    """
+
+    keys: tuple[Key, ...]
+    makes: str
 
 
 @dataclass(frozen=True)
@@ -217,11 +233,13 @@ Kind = (
     | RobotNames
     | TeamLists
     | Place
+    | Places
     | OneOf
     | Truth
     | Moves
     | KeyedPart
     | KeyedParts
+    | NamedParts
     | Either
     | Sides
     | Rows

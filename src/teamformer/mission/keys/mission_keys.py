@@ -10,6 +10,7 @@ from teamformer.mission.keys.kinds import (
     Forms,
     KeyedPart,
     KeyedParts,
+    NamedParts,
     Names,
     Number,
     OneOf,
@@ -27,6 +28,7 @@ from teamformer.mission.keys.task_keys import (
     TASK_KEYS,
 )
 from teamformer.mission.keys.world_keys import FORMS
+from teamformer.mission.keys.zone_keys import ZONE_KEYS
 
 VERSION = 1
 
@@ -204,5 +206,16 @@ MISSION_KEYS = (
         without="none",
         example=[{"at": [1, 1]}],
         since=NEW,
+    ),
+    Key(
+        "zones",
+        NamedParts(ZONE_KEYS, makes="Zone"),
+        "`{dock: {area: [[2, 3], [6, 8]], room: 2}}`: where only so many services go on at once "
+        "([zones](mission/zones.md))",
+        default=(),
+        without="none",
+        example={"dock": {"area": [[2, 3], [6, 8]], "room": 2}},
+        since=NEW,
+        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "the mission has zones"),
     ),
 )

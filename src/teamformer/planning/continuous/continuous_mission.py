@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from teamformer.base.errors import TeamformerError
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.checks.optional import is_in_time
@@ -26,7 +28,9 @@ from teamformer.planning.problem.coalition_plan import (
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.links import have_weights
 from teamformer.planning.problem.misses import can_miss
+from teamformer.planning.problem.permits import deal_permits, of_robots, without_permits
 from teamformer.planning.problem.routes import MissionPlan
+from teamformer.planning.problem.schedule import schedule_of
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,7 @@ class ContinuousMission:
 
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         """
-        timed = self.time(self.in_time(solution.plan))
+        timed = self.time(self.in_turn(solution.plan))
         bound = self.now + max(0.0, (solution.bound - self.rounding) / self.scale)
         if timed.missed:
             bound = self.now
@@ -71,13 +75,19 @@ class ContinuousMission:
         left_out = sorted(set(range(len(self.tasks))).difference(plan.order))
         made.order[:] = [*plan.order, *left_out]
         is_kept = with_spares or self.problem.spares > 0
+        counts, needs = of_robots(self.problem)
         for task, coalition in zip(plan.order, plan.coalitions, strict=True):
-            needs = self.problem.needs[task]
-            kept = without_spares(self.problem.counts, needs, coalition)
+            kept = without_spares(counts, needs[task], coalition)
             robots = coalition if is_kept else kept
             made.size[task] = len(robots)
             made.coalition[task, : len(robots)] = robots
+        deal_permits(self.problem, made, self._ends_in_ticks(made))
         return made
+
+    def _ends_in_ticks(self, plan: CoalitionPlan) -> dict[int, float]:
+        """Return when the tasks of a plan end, counted from the present."""
+        stops = (stop for route in self.time(plan).routes for stop in route.stops)
+        return {stop.task: (stop.end - self.now) * self.scale for stop in stops}
 
     def rank_of(self, plan: MissionPlan) -> tuple[float, float, float]:
         """Return what plans are compared by: what must be done and is missed, what else is, worth.
@@ -115,7 +125,18 @@ class ContinuousMission:
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times by the mission's rules, in the numbers of the problem."""
-        return self.clock.time(plan)
+        return self.clock.time(without_permits(self.problem, plan))
+
+    def in_turn(self, plan: CoalitionPlan) -> CoalitionPlan:
+        """Return a plan of robots only, whose tasks are in the order in which they begin.
+
+        In that order they enter zones. Optional tasks that would be missed are not in it.
+        """
+        if self.clock.rooms and not have_weights(self.problem.links):  # else it is so already
+            starts = schedule_of(self.problem, plan).start[plan.order]
+            order = plan.order[np.argsort(starts, kind="stable")]
+            plan = plan._replace(order=order)
+        return self.in_time(without_permits(self.problem, plan))
 
     def in_time(self, plan: CoalitionPlan) -> CoalitionPlan:
         """Return a plan without optional tasks that would be missed, be it by a rounding."""
@@ -131,7 +152,7 @@ class ContinuousMission:
 
         Tasks that are left out are not in it, nor those that end at no time as shifts are over.
         """
-        found = self.in_time(found)
+        found = self.in_turn(found)
         routes = self.time(found).routes
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
         has_shifts = len(self.clock.rotas) > 0

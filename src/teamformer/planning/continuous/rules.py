@@ -88,9 +88,9 @@ def warm_up(mission: Mission | None = None) -> None:
 
 
 def _has_extras(mission: Mission) -> bool:
-    """Say whether plans of a mission have to do with batteries, shifts or missed tasks."""
+    """Say whether plans of a mission have to do with batteries, shifts, zones or missed tasks."""
     bound = (robot for robot in mission.robots if robot.battery or robot.shifts)
-    return mission.until is not None or any(bound)
+    return mission.until is not None or bool(mission.zones) or any(bound)
 
 
 @cache

@@ -98,7 +98,8 @@ def first_plan(problem: CoalitionProblem, draws: Random | None = None) -> Coalit
 
 def leg_of(problem: CoalitionProblem) -> int:
     """Return the ticks that a task takes a robot, with the way there."""
-    return int(problem.duration.mean() + np.median(problem.ways))
+    paces = 1 + problem.pace[: problem.bodies].max()
+    return int(problem.duration.mean() + np.median(problem.ways[:paces]))
 
 
 @entry

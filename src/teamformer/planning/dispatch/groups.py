@@ -55,7 +55,7 @@ def may_begin(problem: CoalitionProblem, schedule: Schedule, task: int) -> bool:
 @kernel
 def is_taken(problem: CoalitionProblem, schedule: Schedule, task: int, robot: int) -> bool:
     """Say whether a robot does a task whose start is linked with that of another one."""
-    if not are_linked(problem):
+    if not are_linked(problem) or robot >= problem.bodies:
         return False
     links, tasks = problem.links, len(schedule.rank)
     for other in links.members[links.group[task]]:

@@ -75,7 +75,8 @@ class ArcProblem(NamedTuple):
     links: Links  # as in the coalition problem
     batteries: Batteries  # as there
     rotas: Rotas  # the same
-    extras: tuple[int, ...]  # empty if nobody has a battery or shifts and no task can be missed
+    bodies: Ints  # (1,) how many kinds of robots have a body; those behind them are permits
+    extras: tuple[int, ...]  # empty without batteries, shifts, zones and tasks that can be missed
 
 
 def near_of(problem: CoalitionProblem) -> int:
@@ -132,7 +133,7 @@ def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcP
         useful=useful,
         covers=covers,
         listed=listed,
-        near=near_tasks(problem.ways[0], near_of(problem) if steps is None else steps.near),
+        near=near_tasks(problem, near_of(problem) if steps is None else steps.near),
         before=problem.before,
         after=problem.after,
         forming=problem.forming,
@@ -145,15 +146,15 @@ def pose_arcs(problem: CoalitionProblem, steps: StepRules | None = None) -> ArcP
         links=problem.links,
         batteries=problem.batteries,
         rotas=problem.rotas,
+        bodies=np.array([len(set(problem.kind[: problem.bodies].tolist()))]),
         extras=(1,) * has_extras(problem),
     )
 
 
 def has_extras(problem: CoalitionProblem) -> bool:
-    """Say whether anybody has a battery or works in shifts, or tasks can be missed."""
-    return (
-        are_charged(problem.batteries) or len(problem.rotas.every) > 0 or can_miss(problem.misses)
-    )
+    """Say whether somebody has a battery or shifts, there are zones, or tasks can be missed."""
+    is_bound = are_charged(problem.batteries) or len(problem.rotas.every) > 0
+    return is_bound or can_miss(problem.misses) or problem.bodies < len(problem.counts)
 
 
 @kernel
@@ -164,6 +165,12 @@ def may_have_extras(problem: ArcProblem) -> bool:
     is asked only for the others is left out.
     """
     return len(problem.extras) > 0
+
+
+@kernel
+def is_permit(problem: ArcProblem, kind: int) -> bool:
+    """Say whether a kind of robots has no body: it is room in a zone."""
+    return may_have_extras(problem) and kind >= problem.bodies[0]
 
 
 @kernel
@@ -232,13 +239,20 @@ def most_seats(problem: CoalitionProblem) -> int:
     return int(min(len(problem.counts), problem.needs.sum(axis=1).max(initial=1) + problem.spares))
 
 
-def near_tasks(ways: Ints, count: int) -> Int32s:
-    """Return the `count` tasks nearest to each, nearest first; ways are (places, tasks)."""
-    tasks = ways.shape[1]
-    count = min(count, tasks - 1)
+def near_tasks(problem: CoalitionProblem, count: int) -> Int32s:
+    """Return the tasks nearest to each, nearest first: `count`, and all that share a zone with it.
+
+    A permit comes from another task of its zone, wherever that is. All have as many near tasks.
+    """
+    ways, tasks = problem.ways[0], len(problem.needs)
+    permits = problem.counts[problem.bodies :].any(axis=0)  # (caps,)
+    inside = problem.needs[:, permits] > 0  # (tasks, zones)
+    share_zones = (inside.astype(np.int64) @ inside.T.astype(np.int64)) > 0
+    count = min(count + int(share_zones.sum(axis=1).max(initial=0)), tasks - 1)
     near = np.zeros((tasks, count), np.int32)
     for task in range(tasks):
         there = ways[task] + ways[:tasks, task]  # there and back: ways may differ by direction
+        there[share_zones[task]] = -1
         there[task] = np.iinfo(np.int64).max
         near[task] = np.argsort(there, kind="stable")[:count]
     return near

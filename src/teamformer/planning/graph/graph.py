@@ -25,6 +25,7 @@ from teamformer.planning.graph.arc_problem import (
     Records,
     StepRules,
     different_needs,
+    is_permit,
     least_durations,
     may_miss,
     most_seats,
@@ -166,17 +167,21 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
         return LEFT_OUT
     if is_in_steps(graph):
         return start_in_steps(problem, graph, task, first_seat)
-    there, comes_apart = 0, False
-    first_site = problem.site[graph.seats[graph.seats[first_seat].prev].node]
+    there, room, comes_apart, first_site = 0, 0, False, NOBODY
     for seat in range(first_seat, first_seat + node.taken):
-        tail = graph.seats[seat].prev
-        comes, _, _ = arrive(problem, graph, graph.seats[seat].kind, tail, task)
+        tail, kind = graph.seats[seat].prev, graph.seats[seat].kind
+        place = graph.seats[tail].node
+        if is_permit(problem, kind):
+            room = max(room, graph.nodes[place].end)
+            continue
+        comes, _, _ = arrive(problem, graph, kind, tail, task)
         there = max(there, comes)
-        comes_apart |= problem.site[graph.seats[tail].node] != first_site
+        first_site = problem.site[place] if first_site == NOBODY else first_site
+        comes_apart |= problem.site[place] != first_site
     if comes_apart and problem.forming[0] > 0:
         there = fitted(problem, graph, task, first_seat, there, problem.forming[0])
         there += problem.forming[0]
-    start = max(node.release, there)
+    start = max(node.release, there, room)
     if node.has_links:
         for other in problem.before[task]:
             if other == NOBODY:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.graph.arc_problem import ArcProblem, may_miss, takes_with
+from teamformer.planning.graph.arc_problem import ArcProblem, is_permit, may_miss, takes_with
 from teamformer.planning.graph.graph import LAST, Graph
 from teamformer.planning.graph.judging import KEY, KIND, TAKEN, ArcChange, connect, record
 from teamformer.planning.graph.ledger import Ledger, lead, way_out
@@ -185,6 +185,8 @@ def are_apart(problem: ArcProblem, graph: Graph, members: Array) -> bool:
         if task == NOBODY:
             break
         for first in range(nodes[task].first, nodes[task].first + nodes[task].taken):
+            if is_permit(problem, seats[first].kind):
+                continue
             other = seats[seats[first].next].node
             seat = seats[first].next
             while other < len(problem.links.group) and nodes[other].key <= latest:
@@ -199,6 +201,8 @@ def are_apart(problem: ArcProblem, graph: Graph, members: Array) -> bool:
 def has_links_apart(problem: ArcProblem, graph: Graph, room: CandidateRoom, seat: int) -> bool:
     """Say whether the robot that leaves a seat does no two tasks on all its way that are linked."""
     nodes, seats, tasks = graph.nodes, graph.seats, len(problem.links.group)
+    if is_permit(problem, seats[seat].kind):
+        return True
     while seats[seat].node < tasks:
         seat = seats[seat].prev
     room.number[STAMP] += 1

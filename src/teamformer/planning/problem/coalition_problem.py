@@ -62,6 +62,7 @@ class CoalitionProblem(NamedTuple):
     misses: Misses  # what is missed if the mission is over before a task is done
     rotas: Rotas  # when the robots of each kind work; empty where all always do
     batteries: Batteries  # of no kinds where nobody has one
+    bodies: int  # how many robots there are; those behind them are permits of zones
 
 
 def pose_problem(
@@ -84,13 +85,15 @@ def pose_problem(
     links: Links | None = None,
     misses: Misses | None = None,
     rotas: Rotas | None = None,
+    permits: int = 0,
 ) -> CoalitionProblem:
     """Return a problem with its lists worked out; `home` is (robots, places) here.
 
     `precedence` holds pairs of tasks, the earlier one first; they must not go in a circle. Without
     `site` no two places lie at the same position; without `slower` all carry loads equally fast.
     Robots with different numbers in `apart` (robots,) are of different kinds; `rotas` has the
-    shifts of each robot. Without `ready` all robots can leave at once.
+    shifts of each robot. Without `ready` all robots can leave at once. The last `permits` of the
+    robots have no body: coalitions need them, and nobody forms with them.
     """
     ways, home = np.asarray(ways, np.int64), np.asarray(home, np.int64)
     counts, needs = np.asarray(counts, np.int32), np.asarray(needs, np.int32)
@@ -126,6 +129,7 @@ def pose_problem(
         misses=no_misses() if misses is None else misses,
         rotas=no_rotas() if rotas is None else of_kinds(rotas, first),
         batteries=no_batteries(),
+        bodies=len(counts) - permits,
     )
 
 

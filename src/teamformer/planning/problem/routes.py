@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -51,7 +51,9 @@ class MissionPlan:
         """Return the tasks in the order in which they begin; see `order_of_starts`."""
         stops = [(route.robot, stop) for route in self.routes for stop in route.stops]
         begins = {stop.task: stop.start for _, stop in stops}
-        return tuple(order_of_starts([(robot, stop.task) for robot, stop in stops], begins))
+        instant = {stop.task for _, stop in stops if stop.end == stop.start}
+        rows = [(robot, stop.task) for robot, stop in stops]
+        return tuple(order_of_starts(rows, begins, instant=instant))
 
     @property
     def coalitions(self) -> tuple[tuple[int, ...], ...]:
@@ -67,13 +69,15 @@ def order_of_starts(
     stops: Sequence[tuple[int, int]],
     start: Mapping[int, float],
     before: Mapping[int, Sequence[int]] | None = None,
+    instant: Collection[int] = (),
 ) -> list[int]:
     """Return tasks in the order of their starts; what starts at one moment is as in the routes.
 
     `stops` has each robot's tasks, as pairs of robot and task, in the order of its route. Routes
-    that contradict one another, or the tasks that come `before` each, do not count.
+    that contradict one another, or the tasks that come `before` each, do not count. Those that are
+    `instant` take no time: they come before others that start then, as they leave zones at once.
     """
-    order = sorted(start, key=lambda task: (start[task], task))
+    order = sorted(start, key=lambda task: (start[task], task not in instant, task))
     before = before or {}
     as_routes = {task: list(before.get(task, ())) for task in order}
     for (robot, task), (other_robot, next_one) in pairwise(stops):

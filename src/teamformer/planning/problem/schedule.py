@@ -69,22 +69,25 @@ def time_one(problem: CoalitionProblem, schedule: Schedule, position: int) -> No
     """Time the task at a position of the order."""
     task, last, end = schedule.plan.order[position], schedule.last, schedule.end
     start, there, comes_apart = released(problem, end, task), 0, False
-    slower = 0
+    slower, room, first = 0, 0, NOBODY
     copy_row(last, position, position + 1)
     for seat in range(schedule.plan.size[task]):
         robot = schedule.plan.coalition[task, seat]
         place = last[position, robot]
+        last[position + 1, robot] = task
+        if robot >= problem.bodies:
+            room = max(room, end[place])
+            continue
         there = max(there, arrival(problem, schedule, robot, task, position))
-        first = last[position, schedule.plan.coalition[task, 0]]
+        first = place if first == NOBODY else first
         comes_apart |= problem.site[place] != problem.site[first]
         slower = max(slower, problem.slower[problem.pace[robot], task])
-        last[position + 1, robot] = task
     crew, size = schedule.plan.coalition[task], schedule.plan.size[task]
     takes = problem.duration[task] + slower
     if comes_apart and problem.forming[0] > 0:
         there = fits_all(problem.rotas, problem.kind, crew, size, there, problem.forming[0])
         there += problem.forming[0]
-    start = fits_all(problem.rotas, problem.kind, crew, size, max(start, there), takes)
+    start = fits_all(problem.rotas, problem.kind, crew, size, max(start, there, room), takes)
     if size == 0:
         start = LEFT_OUT
     schedule.rank[task] = position

@@ -30,7 +30,8 @@ class Stretch:
     """A part of a critical path: what is done from one moment to another, by whom, for which task.
 
     Times are in steps made, in continuous time in the mission's unit. `robot` and `task` are
-    numbers, or NOBODY where there is none.
+    numbers, or NOBODY where there is none. `zone` is the number of one for whose room the task had
+    to wait until this began.
     """
 
     begin: float
@@ -38,6 +39,7 @@ class Stretch:
     doing: str  # one of DOINGS
     robot: int = NOBODY
     task: int = NOBODY
+    zone: int = NOBODY
 
 
 def in_order(backwards: Iterable[Stretch]) -> tuple[Stretch, ...]:
@@ -51,7 +53,7 @@ def in_order(backwards: Iterable[Stretch]) -> tuple[Stretch, ...]:
             continue
         last = path[-1] if path else None
         if last is not None and _is_same(last, found) and last.begin == found.end:
-            path[-1] = Stretch(found.begin, last.end, found.doing, found.robot, found.task)
+            path[-1] = replace(found, end=last.end)
         else:
             path.append(found)
     return tuple(reversed(path))
@@ -90,6 +92,7 @@ def path_rows(mission: Mission, path: Sequence[Stretch]) -> list[dict[str, Any]]
             "doing": stretch.doing,
             "robot": None if stretch.robot == NOBODY else mission.robots[stretch.robot].name,
             "task": None if stretch.task == NOBODY else mission.tasks[stretch.task].name,
+            **({} if stretch.zone == NOBODY else {"room in": mission.zones[stretch.zone].name}),
         }
         for stretch in path
     ]

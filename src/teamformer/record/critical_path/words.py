@@ -81,7 +81,15 @@ def _line(mission: Mission, part: Sequence[Stretch]) -> str:
     task, said = part[0].task, []
     for robot, stretches in groupby(part, key=lambda s: s.robot):
         who = "" if robot == NOBODY else f"{mission.robots[robot].name} "
-        deeds = ", ".join(f"{VERBS[s.doing]} {s.end - s.begin:g}" for s in stretches)
+        deeds = ", ".join(_deed(mission, stretch) for stretch in stretches)
         said.append(f"{who}{deeds}")
     about = "" if task == NOBODY else f"{mission.tasks[task].name}: "
     return f"  {part[0].begin:g}-{part[-1].end:g}: {about}{', then '.join(said)}"
+
+
+def _deed(mission: Mission, stretch: Stretch) -> str:
+    """Return what is done in a stretch for how long; before that, which zone had no room."""
+    deed = f"{VERBS[stretch.doing]} {stretch.end - stretch.begin:g}"
+    if stretch.zone == NOBODY:
+        return deed
+    return f"has waited for room in {mission.zones[stretch.zone].name}, {deed}"

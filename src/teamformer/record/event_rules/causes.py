@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from teamformer.mission.coordination import IDLE, TAKEN_OVER
+from teamformer.mission.parts.zones import lets_in
 from teamformer.record.event_rules.charging import begun_by, freed
 from teamformer.record.event_rules.names import need
 from teamformer.record.event_rules.standing import Standing
@@ -82,9 +83,18 @@ def _cause_of(now: Standing, event: Event) -> int:
         since += [now.over_by[other] for other in now.before.get(event.task, ())
                   if other in now.over_by]  # fmt: skip
         since += now.opened.get(event.task, ())
+        since += lets_in(now.rooms, _moment(now), now.under_way, event.task)
     if event.kind in ("walk", "arrive", "form", "serve"):
         since.append(now.planned)
     return _latest(now, since, event)
+
+
+def _moment(now: Standing) -> list[tuple[int, str, int]]:
+    """Return the events of this moment: the number, the kind and the task of each."""
+    first = now.count
+    while first > 0 and now.events[first - 1].at == now.now:
+        first -= 1
+    return [(n, now.events[n].kind, now.events[n].task) for n in range(first, now.count)]
 
 
 def _ends_walk(now: Standing, event: Event) -> bool:

@@ -86,12 +86,11 @@ def _blocked(now: Standing) -> list[str]:
         if not now.robots[number].is_lost or robot.is_due(now.now)
     ]
     have = totals_there(now.truth.world, left)
-    is_idle = not now.works and not any(it.is_walking and not it.is_lost for it in now.robots)
     return [
         task.name
         for number, task in enumerate(now.truth.tasks)
         if number not in now.over and number not in now.works
-        if is_idle or not covers(have(now.place_of(number)), task.needs)
+        if now.is_quiet or not covers(have(now.place_of(number)), task.needs)
     ]
 
 

@@ -35,9 +35,8 @@ def _is_given_up(now: Standing, task: int) -> bool:
     left = [number for number in range(len(now.truth.tasks)) if number not in now.over]
     is_optional = all(now.truth.tasks[number].optional for number in left)
     is_known = now.appeared.issuperset(left)
-    is_quiet = not now.works and not any(it.is_walking and not it.is_lost for it in now.robots)
     is_due = any(
         it.is_lost and now.truth.robots[number].is_due(now.now)
         for number, it in enumerate(now.robots)
     )
-    return is_optional and is_known and is_quiet and not is_due
+    return is_optional and is_known and now.is_quiet and not is_due

@@ -97,7 +97,8 @@ def _settle_tasks(now: Standing) -> None:
             if is_late or not now.fits(team, now.mission.forming):
                 continue
             raise BrokenRuleError(f"the team of {now.names.task(task)} is there and does not form")
-        if now.is_released(task) and (is_late or now.fits(team, takes)):
+        may_begin = now.is_released(task) and now.enters(task)
+        if may_begin and (is_late or now.fits(team, takes)):
             what = "cannot end in time, and is not missed"
             can = "can begin, for all are there, and does not"
             raise BrokenRuleError(f"{now.names.task(task)} {what if is_late else can}")

@@ -14,6 +14,7 @@ from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import possible_places, sight_of
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import fits_now, rotas_of
+from teamformer.mission.parts.zones import may_enter, rooms_of
 from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.record.event_rules.lengths import Lengths, is_near
 from teamformer.record.event_rules.names import BrokenRuleError, InWords, need
@@ -100,6 +101,7 @@ class Standing:
         self.coalitions: dict[int, tuple[int, ...]] = {}
         self.order: list[int] = []
         self.linked = _linked(self.mission)
+        self.rooms = rooms_of(self.mission)
         self.events, self.count = self.record.events, 0  # how many of them have been taken in
         self.names = InWords(self.truth)
         self.to_come = what_is_to_come(self.truth)
@@ -178,6 +180,21 @@ class Standing:
         """Say whether a task may begin, but for links of its start."""
         is_time = release_of(self.truth.tasks[task]) <= self.now
         return is_time and all(other in self.over for other in self.before.get(task, ()))
+
+    def enters(self, task: int) -> bool:
+        """Say whether a task may begin by the zones that it is in."""
+        waiting = [other for other in self.order if self.is_open(other) and self.team_of(other)]
+        return may_enter(self.rooms, waiting, self.under_way, task)
+
+    @property
+    def under_way(self) -> set[int]:
+        """Return the tasks that have begun and are not over."""
+        return {task for task, work in self.works.items() if work.part != FORMS}
+
+    @property
+    def is_quiet(self) -> bool:
+        """Say whether nobody is at work, forms or is on the way."""
+        return not self.works and not any(it.is_walking and not it.is_lost for it in self.robots)
 
     def fits(self, robots: Sequence[int], takes: float) -> bool:
         """Say whether something that begins now fits into a shift of each of some robots."""

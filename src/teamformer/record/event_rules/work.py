@@ -57,6 +57,8 @@ def serve(now: Standing, event: Event) -> None:
     need(task not in now.maybe, f"nobody knows where {name} is")
     need(not has_to_form(now, event.robots), f"the team of {name} has not formed")
     need(not is_too_late(now, task, event.robots), f"{name} cannot end by {now.mission.until}")
+    may_enter = now.enters(task) or now.is_quiet  # else nobody would ever go on
+    need(may_enter, f"{name} begins before its turn in a zone, or without room there")
     takes = now.believed_time(task, event.robots)
     need(now.fits(event.robots, takes), f"{name} does not fit into the shifts of its team")
     expect(event, now.now + takes)

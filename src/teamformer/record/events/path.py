@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from teamformer.mission.parts.zones import ZoneRoom, rooms_of
 from teamformer.record.critical_path.stretches import (
     CLOSED,
     LINKED,
@@ -59,6 +60,7 @@ def path_along_causes(record: Record) -> tuple[Stretch, ...]:
 def _stretches(record: Record, events: Sequence[Event]) -> Iterator[Stretch]:
     """Yield the stretches, the last one first."""
     now, follows, seen = events[-1], NOBODY, set[int]()
+    rooms = rooms_of(record.mission)
     number = len(events) - 1
     waits: Event | None = None  # with which a robot began to wait for one that charges
     while (before := _before(events, number)) != NOBODY and before not in seen:
@@ -76,10 +78,21 @@ def _stretches(record: Record, events: Sequence[Event]) -> Iterator[Stretch]:
             waits = waits if waits.at < cause.at else None
         else:
             about = cause.task if cause.kind in LASTS or doing == OFF else now.task
-            yield Stretch(cause.at, now.at, doing, robot, about)
+            zone = _zone_waited_for(rooms, events, cause)
+            yield Stretch(cause.at, now.at, doing, robot, about, zone)
         follows = robot if cause.at != now.at else follows
         now = cause
     yield Stretch(0, now.at, BEFORE.get(now.kind, NEWS), task=now.task)
+
+
+def _zone_waited_for(rooms: Sequence[ZoneRoom], events: Sequence[Event], event: Event) -> int:
+    """Return the zone whose room let a service begin; NOBODY if it was something else."""
+    if event.kind != "serve" or event.cause == NOBODY:
+        return NOBODY
+    other = events[event.cause]
+    is_own = other.task in (event.task, NOBODY) or bool(set(other.robots) & set(event.robots))
+    shared = (room.zone for room in rooms if room.tasks >= {other.task, event.task})
+    return NOBODY if is_own else next(shared, NOBODY)
 
 
 def _before(events: Sequence[Event], number: int) -> int:

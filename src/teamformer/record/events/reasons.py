@@ -10,6 +10,7 @@ from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.shifts import fits_all
+from teamformer.mission.parts.zones import rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.record.events.runs import Runs
 from teamformer.record.phases import (
@@ -48,7 +49,7 @@ class Explainer:
 
     def __init__(self, mission: Mission, runs: Runs) -> None:
         self._mission, self._runs = mission, runs
-        self._before = tasks_before(mission.tasks)
+        self._before, self._rooms = tasks_before(mission.tasks), rooms_of(mission)
         self._now = 0.0
         self._news: list[str] = []  # of this moment
         self._plan: PlanMade | None = None
@@ -71,7 +72,8 @@ class Explainer:
         """Return the robots that may do something else since an event, or for another reason."""
         if event.plan is not None:
             return range(len(self._mission.robots))
-        if event.kind not in ("arrive", "done", "cancel", "missed", "opens", "know"):
+        kinds = {"arrive", "done", "cancel", "missed", "opens", "know"}
+        if event.kind not in (kinds | {"serve", "broken"} if self._rooms else kinds):
             return sorted(self._runs.changed)
         waits = (n for n in range(len(self._mission.robots)) if self._run(n)[0] == WAITING)
         return sorted({*self._runs.changed, *waits})
@@ -134,9 +136,30 @@ class Explainer:
         off = [r for r in self._coalitions.get(task, ()) if self._run(r)[0] == OFF]
         if off and not late:
             return f"{self._names(off)} {'are' if len(off) > 1 else 'is'} off"
+        if not late and (held := self._held_in_a_zone(task)):
+            return held
         if not late and self._does_not_fit(task):
             return "the task does not fit into what is left of the shifts of its robots"
         return f"{self._names(late)} is to come" if late else "the task is to begin later"
+
+    def _held_in_a_zone(self, task: int) -> str:
+        """Return in which zone a task waits for what; nothing if in none."""
+        names, under_way = [it.name for it in self._mission.tasks], self._runs.under_way
+        begun = self._runs.over | under_way
+        waiting = [row.task for row in (self._plan.tasks if self._plan else ()) if row.robots]
+        waiting = [other for other in waiting if other not in begun]
+        for room in self._rooms:
+            if task not in room.tasks or room.has_turn(waiting, under_way, task):
+                continue
+            zone = self._mission.zones[room.zone].name
+            inside = sorted(room.tasks & under_way)
+            if len(inside) >= room.room:
+                goes_on = listed([names[other] for other in inside])
+                verb = "go" if len(inside) > 1 else "goes"
+                return f"it waits for room in {zone}, where {goes_on} {verb} on"
+            first = next(other for other in waiting if other in room.tasks)
+            return f"the plan has {names[first]} enter {zone} before it"
+        return ""
 
     def _does_not_fit(self, task: int) -> bool:
         """Say whether a task is too long for what is left of the shifts of its robots."""

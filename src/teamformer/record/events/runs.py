@@ -61,6 +61,11 @@ class Runs:
         self._open: dict[int, int] = {}  # task -> its row that goes on
         self.over: set[int] = set()  # tasks
 
+    @property
+    def under_way(self) -> set[int]:
+        """Return the tasks of which some part goes on."""
+        return set(self._open)
+
     def now(self, robot: int) -> Run:
         """Return what a robot does; outside its shifts it is off, whatever it goes on with."""
         run = self._now[robot]

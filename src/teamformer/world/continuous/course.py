@@ -13,6 +13,7 @@ from teamformer.base.kernels.clock import working_seconds
 from teamformer.mission.arrivals import with_arrivals
 from teamformer.mission.coordination import IDLE, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.mission.model import Mission
+from teamformer.mission.parts.zones import rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.continuous.another_truth import under
 from teamformer.world.continuous.events import PlanMade, PlannedTask
@@ -65,6 +66,7 @@ class Course(TaskStarts):
         twin.world = under(self.world, twin.mission, truth)
         twin.follower = self.follower.fork(twin.mission)
         twin.before, twin._after = tasks_before(twin.mission.tasks), followers(twin.mission)
+        twin.rooms = rooms_of(twin.mission)
         return twin
 
     @property

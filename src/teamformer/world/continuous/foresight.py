@@ -51,8 +51,9 @@ def foresee(
 
     forming, rotas = known.mission.forming, rotas_of(robots)
     rules = StartRules(
-        way, site, takes, known.free_at, waits.release, waits.before, waits.gaps, forming, rotas
-    )
+        way, site, takes, known.free_at, waits.release, waits.before, waits.gaps, forming, rotas,
+        waits.rooms,
+    )  # fmt: skip
     if not has_batteries(robots):
         return time_tasks(rules, order, robots_of)
 

@@ -9,6 +9,7 @@ from teamformer.mission.coordination import Known
 from teamformer.mission.model import Mission, Robot, Task, as_believed
 from teamformer.mission.parts.capabilities import Counts, covers, total
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.zones import zones_by_name
 from teamformer.mission.truth import expected_needs
 from teamformer.world.continuous.body import FORMING
 from teamformer.world.continuous.world import PhysicalWorld
@@ -51,7 +52,8 @@ def believed(world: PhysicalWorld, needs: Mapping[int, Counts]) -> Mission:
         for number, task in enumerate(mission.tasks)
     )
     robots = tuple(_believed_robot(robot) for robot in mission.robots)
-    return as_believed(mission, arrivals=None, tasks=tasks, robots=robots)
+    zones = zones_by_name(mission)
+    return as_believed(mission, arrivals=None, tasks=tasks, robots=robots, zones=zones)
 
 
 def _believed_task(task: Task, place: Place, needs: Counts | None, over: set[str]) -> Task:

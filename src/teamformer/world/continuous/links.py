@@ -10,6 +10,7 @@ import copy
 from collections.abc import Iterable, Mapping
 
 from teamformer.mission.model import Mission
+from teamformer.mission.parts.zones import rooms_of, that_share_zones
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.continuous.body import SAME
 from teamformer.world.continuous.world import PhysicalWorld
@@ -122,6 +123,8 @@ def followers(mission: Mission) -> dict[int, set[int]]:
     for task, others in tasks_before(mission.tasks).items():
         for other in others:
             after.setdefault(other, set()).add(task)
+    for task, inside in that_share_zones(rooms_of(mission)):
+        after.setdefault(task, set()).update(inside - {task})
     number_of = {task.name: number for number, task in enumerate(mission.tasks)}
     for number, wanted in enumerate(mission.tasks):
         for name in wanted.starts:

@@ -85,6 +85,11 @@ class MovingWorld(ABC):
         """Say whether somebody is on the way, forms or is at work."""
         return bool(self.works) or any(b.is_walking and not b.is_lost for b in self.bodies)
 
+    @property
+    def under_way(self) -> set[int]:
+        """Return the tasks that have begun and are not over."""
+        return {task for task, work in self.works.items() if work.is_service}
+
     def take_happened(self) -> Happened:
         """Return what has happened since this was last asked."""
         happened, self.happened = self.happened, Happened()

@@ -1,16 +1,17 @@
 """Who may begin what in continuous time, by the plan in force.
 
 A task begins when its whole coalition stands there with nothing else to do first, has formed, and
-release, precedence and links allow it.
+release, precedence, links and the room of its zones allow it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
+from teamformer.mission.parts.zones import lets_in, may_enter, rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.continuous.following import PlanFollower
 from teamformer.world.continuous.hopeless import misses
@@ -28,6 +29,7 @@ class TaskStarts:
         self.follower = PlanFollower(mission)
         self.links = GapKeeper(mission)
         self.before = tasks_before(mission.tasks)
+        self.rooms = rooms_of(mission)
 
     def let_begin(self, tasks: Iterable[int]) -> list[int]:
         """Let those of some tasks form or begin that may; return those that have begun."""
@@ -35,9 +37,28 @@ class TaskStarts:
         complete = [task for task in complete if not misses(self.world, task, self.team(task))]
         ready = [task for task in complete if not self._forms(task) and self.is_released(task)]
         began = self.links.free(self.world, ready)
-        for task in began:
+        while set(began) != set(entered := self._entering(began)):
+            began = self.links.free(self.world, entered)
+        for task in entered:
             self.serve(task)
-        return began
+        return entered
+
+    def _entering(self, tasks: list[int]) -> list[int]:
+        """Return those of some tasks that may begin by their zones, in the order of the plan."""
+        if not self.rooms:
+            return tasks
+        waiting = [task for task in self.follower.order if self._is_awaited(task)]
+        under_way, entered = self.world.under_way, list[int]()
+        for task in sorted(tasks, key=waiting.index):
+            if may_enter(self.rooms, waiting, [*under_way, *entered], task):
+                entered.append(task)
+                waiting.remove(task)
+        return entered
+
+    def _is_awaited(self, task: int) -> bool:
+        """Say whether a task is to begin that has robots left."""
+        is_over = task in self.world.over or task in self.world.under_way
+        return not is_over and bool(self.team(task))
 
     def team(self, task: int) -> tuple[int, ...]:
         """Return the robots of a task's coalition that are not lost."""
@@ -84,7 +105,7 @@ class TaskStarts:
         world, team = self.world, self.team(task)
         causes = [world.bodies[robot].since for robot in team]
         causes += [world.over[other] for other in self.before.get(task, ())]
-        causes += [*self._opened(task), self.plan_now()]
+        causes += [*self._opened(task), *self._let_in(task), self.plan_now()]
         is_held = is_held and task in self.links.linked
         if is_held and world.events[max(causes)].at < world.now:
             cause = self.links.cause(world, task, self.follower.robots_of)
@@ -94,11 +115,20 @@ class TaskStarts:
 
     def _opened(self, task: int) -> Iterable[int]:
         """Return the events of this moment that let a task begin or be known."""
+        for number, kind, other in self._moment():
+            if other == task and kind in ("opens", "appear"):
+                yield number
+
+    def _let_in(self, task: int) -> Iterable[int]:
+        """Return the events of this moment that let a task into its zones."""
+        return lets_in(self.rooms, [*self._moment()], self.world.under_way, task)
+
+    def _moment(self) -> Iterator[tuple[int, str, int]]:
+        """Yield the events of this moment: the number, the kind and the task of each."""
         events = self.world.events
         number = len(events) - 1
         while number >= 0 and events[number].at == self.world.now:
-            if events[number].task == task and events[number].kind in ("opens", "appear"):
-                yield number
+            yield number, events[number].kind, events[number].task
             number -= 1
 
     def plan_now(self) -> int:

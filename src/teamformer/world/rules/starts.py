@@ -28,6 +28,17 @@ class Gap(NamedTuple):
     most: float
 
 
+class RoomLeft(NamedTuple):
+    """Of some tasks so many go on at once, and they begin in their order.
+
+    Others are `taken` until so and so: by what is under way there and none of these tasks.
+    """
+
+    tasks: frozenset[int]
+    room: int
+    taken: tuple[float, ...] = ()
+
+
 @dataclass(frozen=True)
 class StartRules:
     """What decides when tasks start. `way`, `site` and `takes` are asked about these tasks only.
@@ -46,6 +57,7 @@ class StartRules:
     gaps: Sequence[Gap] = ()
     forming: float = 0.0  # what a coalition takes whose robots do not come from one site
     rotas: Sequence[Rota] = ()  # by robot: when it works; empty where all always do
+    rooms: Sequence[RoomLeft] = ()
 
     def arrival(self, robot: int, left: float, way: float) -> float:
         """Return when a robot is there that sets out at a time and walks so long."""
@@ -100,10 +112,13 @@ def time_tasks(
     gaps: dict[int, list[Gap]] = {}
     for gap in rules.gaps:
         gaps.setdefault(gap.task, []).append(gap)
+    ahead = _ahead_in_rooms(rules.rooms, order)
     for _ in range(len(order) + 1 if gaps else 1):
         was = dict(timed.start)
         for task in order:
-            timed.start[task] = max(timed.start[task], _ready(rules, timed, task, came[task]))
+            enters = max((_enters(timed, *one) for one in ahead.get(task, ())), default=0.0)
+            ready = _ready(rules, timed, task, came[task], enters)
+            timed.start[task] = max(timed.start[task], ready)
             for _, other, least, most in gaps.get(task, ()):
                 timed.start[task] = max(timed.start[task], timed.start[other] + least)
                 timed.start[other] = max(timed.start[other], timed.start[task] - most)
@@ -117,13 +132,38 @@ def time_tasks(
     return timed
 
 
-def _ready(rules: StartRules, timed: Timed, task: int, came: Sequence[tuple[int, int]]) -> float:
-    """Return when a task can start, but for its links."""
+def _ahead_in_rooms(
+    rooms: Sequence[RoomLeft], order: Sequence[int]
+) -> dict[int, list[tuple[RoomLeft, list[int]]]]:
+    """Return the rooms that each task takes, with the tasks that begin there before it."""
+    ahead: dict[int, list[tuple[RoomLeft, list[int]]]] = {}
+    for room in rooms:
+        inside = [task for task in order if task in room.tasks]
+        for place, task in enumerate(inside):
+            ahead.setdefault(task, []).append((room, inside[:place]))
+    return ahead
+
+
+def _enters(timed: Timed, room: RoomLeft, ahead: Sequence[int]) -> float:
+    """Return when a task can start by a room that these tasks enter before it."""
+    ends = sorted([*room.taken, *map(timed.end, ahead)], reverse=True)
+    begun = max((timed.start[other] for other in ahead), default=0.0)
+    return max(begun, ends[room.room - 1]) if len(ends) >= room.room else begun
+
+
+def _ready(
+    rules: StartRules,
+    timed: Timed,
+    task: int,
+    came: Sequence[tuple[int, int]],
+    enters: float,
+) -> float:
+    """Return when a task can start, but for its links; not before it `enters` its zones."""
     arrive = [_visit(rules, timed, task, *one).arrive for one in came]
     ready, robots = max(rules.release[task], *arrive), [robot for robot, _ in came]
     if rules.forming and len({rules.site(*one) for one in came}) > 1:
         ready = max(ready, rules.fitted(robots, max(arrive), rules.forming) + rules.forming)
-    ready = max([ready, *(timed.end(other) for other in rules.before.get(task, ()))])
+    ready = max([ready, enters, *(timed.end(other) for other in rules.before.get(task, ()))])
     return rules.fitted(robots, ready, timed.takes[task])
 
 

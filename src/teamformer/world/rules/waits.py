@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.coordination import Known
+from teamformer.mission.parts.zones import rooms_of
 from teamformer.mission.precedence import tasks_before
-from teamformer.world.rules.starts import Gap
+from teamformer.world.rules.starts import Gap, RoomLeft
 
 
 class Waits(NamedTuple):
@@ -19,6 +20,7 @@ class Waits(NamedTuple):
     latest: dict[int, float]  # by when they are to start that are linked with tasks that have begun
     before: dict[int, list[int]]  # those of the tasks that must have ended before each, if any
     gaps: list[Gap]  # between the starts of two of them
+    rooms: list[RoomLeft]  # of zones that some of them are in
 
 
 def waits_at(known: Known, chosen: Sequence[int]) -> Waits:
@@ -26,7 +28,7 @@ def waits_at(known: Known, chosen: Sequence[int]) -> Waits:
     tasks, begun, ends = known.mission.tasks, known.started, dict(known.under_way)
     number_of = {task.name: number for number, task in enumerate(tasks)}
     among = set(chosen)
-    waits = Waits(dict.fromkeys(chosen, 0.0), dict.fromkeys(chosen, math.inf), {}, [])
+    waits = Waits(dict.fromkeys(chosen, 0.0), dict.fromkeys(chosen, math.inf), {}, [], [])
     for task in chosen:
         wanted = tasks[task]
         after = (ends.get(number_of[name], 0.0) for name in wanted.after)
@@ -43,6 +45,10 @@ def waits_at(known: Known, chosen: Sequence[int]) -> Waits:
     for task, others in tasks_before(tasks).items():
         if task in among and (left := [other for other in others if other in among]):
             waits.before[task] = left
+    for room in rooms_of(known.mission):
+        if inside := room.tasks & among:
+            taken = tuple(ends[task] for task in sorted(room.tasks & ends.keys()))
+            waits.rooms.append(RoomLeft(inside, room.room, taken))
     return waits
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from teamformer.mission.checks.costs import judged_by
 from teamformer.mission.checks.windows import latest_end
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.shifts import ALWAYS
 from teamformer.planning.continuous.posing.batteries import (
     ChargedClock,
     batteries_of,
@@ -25,39 +27,35 @@ from teamformer.planning.problem.coalition_problem import (
 )
 from teamformer.planning.problem.links import PART_OF, Link, Links, link_tasks
 from teamformer.planning.problem.misses import Misses, misses_of
+from teamformer.planning.problem.permits import Permits, block, permits_of
 from teamformer.planning.problem.rotas import rotas_in_ticks
 
 
 def problem_of(rest: Remaining, ticks: Ticks, charging: ChargedClock | None) -> CoalitionProblem:
     """Return the problem, in ticks that are counted from the present."""
     mission, now, scale = rest.mission, rest.known.now, ticks.scale
+    permits = permits_of(rest.rooms, len(rest.tasks), now)
     rotas = [robot.rota for robot in rest.own_robots]
     different = list(dict.fromkeys(rotas))
+    apart = kinds_apart(rest.known, rest.robots, [different.index(rota) for rota in rotas])
     starts = zip(rest.own_tasks, np.add(rest.latest, rest.takes).tolist(), strict=True)
     due = [min(latest_end(task.between), latest) for task, latest in starts]
     problem = pose_problem(
-        ways=ticks.of(rest.ways),
-        home=ticks.of(rest.home),
-        pace=rest.pace,
-        origin=rest.origin,
-        counts=rest.counts,
-        needs=rest.needs,
+        **_with_permits(rest, ticks, permits),
         duration=ticks.of(rest.takes),
-        slower=np.maximum(0, ticks.of(rest.carry) - ticks.of(rest.carried)),
         release=ticks.of([begin - now for begin in rest.release]),
         due=[NEVER if math.isinf(end) else round((end - now) * scale) for end in due],
         precedence=[(k, task) for task, others in rest.before.items() for k in others],
         forming=round(mission.forming * scale),
         spares=SPARES if _may_spare_pay(rest) else 0,
-        site=rest.site,
-        ready=ticks.of(rest.ready),
-        apart=kinds_apart(rest.known, rest.robots, [different.index(rota) for rota in rotas]),
+        apart=[*apart, *[-1] * permits.number],
         rotas=rotas_in_ticks(
-            [rota.counted_from(now) for rota in rotas],
+            [rota.counted_from(now) for rota in [*rotas, *[ALWAYS] * permits.number]],
             lambda when: round(when * scale),
             round(ticks.never * scale),
             rounding_of(len(rest.tasks)),
         ),
+        permits=permits.number,
     )
     if charging is not None:
         batteries = batteries_of(charging, problem, rest.places, now, ticks.of)
@@ -67,6 +65,29 @@ def problem_of(rest: Remaining, ticks: Ticks, charging: ChargedClock | None) -> 
     if judged_by(mission) is not None or rest.gaps:
         problem = problem._replace(links=_links(rest, scale))
     return problem
+
+
+def _with_permits(rest: Remaining, ticks: Ticks, permits: Permits) -> dict[str, Any]:
+    """Return what a problem has by robots and places: permits are behind robots.
+
+    They have a pace and depots of their own, and no ways.
+    """
+    slower = np.maximum(0, ticks.of(rest.carry) - ticks.of(rest.carried))
+    free, depot_of = np.unique(permits.free, return_inverse=True)
+    new, more, paces = permits.number, len(free), len(rest.ways)
+    one = min(1, new)
+    last = 1 + int(rest.site.max())
+    return {
+        "ways": np.pad(ticks.of(rest.ways), ((0, one), (0, more), (0, 0))),
+        "home": np.pad(ticks.of(rest.home), ((0, new), (0, more))),
+        "slower": np.pad(slower, ((0, one), (0, 0))),
+        "pace": [*rest.pace, *[paces] * new],
+        "origin": [*rest.origin, *(len(rest.places) + depot_of).tolist()],
+        "counts": block(rest.counts, permits.counts),
+        "needs": np.hstack([rest.needs, permits.needs]),
+        "site": [*rest.site, *range(last, last + more)],
+        "ready": [*ticks.of(rest.ready), *ticks.of(free - rest.known.now)],
+    }
 
 
 def _may_spare_pay(rest: Remaining) -> bool:

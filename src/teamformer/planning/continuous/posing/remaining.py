@@ -16,7 +16,7 @@ from teamformer.planning.continuous.posing.tables import longest_of, ways_by_pac
 from teamformer.planning.problem.relaxed_problem import count_table, least_carried
 from teamformer.planning.problem.rotas import longest_pauses
 from teamformer.planning.problem.ways import ends_of
-from teamformer.world.rules.starts import Gap
+from teamformer.world.rules.starts import Gap, RoomLeft
 from teamformer.world.rules.waits import Waits, waits_at
 
 
@@ -47,6 +47,7 @@ class Remaining:
     latest: Sequence[float]  # (tasks,) by when each is to start because of one that has begun
     before: Mapping[int, Sequence[int]]
     gaps: Sequence[Gap]
+    rooms: Sequence[RoomLeft]
 
     @property
     def mission(self) -> Mission:
@@ -93,7 +94,8 @@ def remaining_at(known: Known, numbers: Sequence[int], chosen: Sequence[int]) ->
     counts, needs = by_ability(mission, numbers, chosen, counts, needs)
     carried = np.array([least_carried(counts, carry[pace, k], needs[k]) for k in range(len(tasks))])
     waits = waits_at(known, chosen)
-    before, gaps = _renumbered(waits, {task: number for number, task in enumerate(chosen)})
+    number_of = {task: number for number, task in enumerate(chosen)}
+    before, gaps = _renumbered(waits, number_of)
     return Remaining(
         known=known,
         robots=tuple(numbers),
@@ -116,6 +118,10 @@ def remaining_at(known: Known, numbers: Sequence[int], chosen: Sequence[int]) ->
         latest=[waits.latest[task] for task in chosen],
         before=before,
         gaps=gaps,
+        rooms=[
+            room._replace(tasks=frozenset(number_of[task] for task in room.tasks))
+            for room in waits.rooms
+        ],
     )
 
 

@@ -17,7 +17,7 @@ from teamformer.planning.continuous.posing.remaining import Remaining
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
 from teamformer.world.rules.charging.times import ChargedTimes
-from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, time_tasks
+from teamformer.world.rules.starts import FIRST, Gap, RoomLeft, StartRules, Timed, time_tasks
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,7 @@ class TaskClock:
     rotas: Sequence[Rota]  # (robots,) when each works; empty where all always do
     cost: Mapping[str, float] | None
     charging: ChargedClock | None = None  # if robots have batteries
+    rooms: Sequence[RoomLeft] = ()
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times; one in which robots wait for one another has no end."""
@@ -58,6 +59,7 @@ class TaskClock:
             gaps=[gap for gap in self.gaps if gap.task in done and gap.other in done],
             forming=self.forming,
             rotas=self.rotas,
+            rooms=self.rooms,
         )
         if self.charging is not None:
             charged = self.charging.time(rules, order, robots_of)
@@ -142,4 +144,5 @@ def clock_of(rest: Remaining, charging: ChargedClock | None) -> TaskClock:
         rotas=rotas_of(rest.own_robots),
         cost=rest.mission.cost,
         charging=charging,
+        rooms=rest.rooms,
     )

@@ -1,6 +1,7 @@
-// The ground: grid lines, obstacles, chargers and the numbers along two sides.
+// The ground: grid lines, obstacles, zones, chargers and the numbers along two sides.
 
 import { drawDisc, fillAs, penOf, strokeAs, traceLine, write } from "./shapes.js";
+import { drawZones } from "./zones.js";
 
 export function drawWorld(/** @type {View} */ view) {
   const { ctx, camera, theme, mission } = view;
@@ -19,6 +20,7 @@ export function drawWorld(/** @type {View} */ view) {
   ctx.lineWidth = 1;
   ctx.strokeRect(camera.left - 0.5, camera.top - 0.5, width + 1, height + 1);
   if (!world.roads) drawNumbers(view);
+  drawZones(view);
   for (const { at } of mission.chargers) drawCharger(view, at);
 }
 

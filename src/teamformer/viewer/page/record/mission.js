@@ -30,6 +30,7 @@ export function readMission(/** @type {MissionTree} */ tree, truth, foresight = 
     })),
     tasks,
     chargers: tree.chargers ?? [],
+    zones: readZones(tree.zones ?? {}, tasks),
     tasksAt: Map.groupBy(tasks.keys(), (task) => cellKey(...tasks[task].at.map(Math.round))),
     doTasksMove: tasks.some(({ within, to }) => within || to), // in what is believed, or carried
     sensingRadius: readRadius(tree.sensing_radius),
@@ -38,6 +39,16 @@ export function readMission(/** @type {MissionTree} */ tree, truth, foresight = 
   for (const task of tasks) task.first = firstPlace(mission.world, task);
   shareSites(tasks);
   return mission;
+}
+
+// Each with the numbers of its tasks: those in its area, at its places, or named.
+function readZones(said, /** @type {Task[]} */ tasks) {
+  const isIn = ([[left, low], [right, high]], [x, y]) => left <= x && x <= right && low <= y && y <= high;
+  const isAt = (places, at) => places.some(([x, y]) => x === at[0] && y === at[1]);
+  return Object.entries(said).map(([name, { area, places = [], tasks: names = [], room = 1 }]) => {
+    const has = (task) => names.includes(task.name) || isAt(places, task.at) || (area && isIn(area, task.at));
+    return { name, area: area ?? null, room, tasks: [...tasks.keys()].filter((number) => has(tasks[number])) };
+  });
 }
 
 // `appears` is when a task becomes known and `opens` when its window does, in steps made.

@@ -40,6 +40,7 @@ export function missionInSquares(/** @type {MissionTree} */ mission, square) {
     ...mission,
     robots: mission.robots.map(placed),
     chargers: mission.chargers?.map(placed),
+    zones: zonesPlaced(mission.zones, (at) => at.map((along) => along / square)),
     tasks: mission.tasks.map((task) => ({
       ...placed(task),
       within: (task.within ?? 0) / square,
@@ -47,6 +48,12 @@ export function missionInSquares(/** @type {MissionTree} */ mission, square) {
     })),
     sensing_radius: Math.max(radius, mission.world.arrival_radius ?? 0) / square,
   };
+}
+
+// Zones with other places.
+export function zonesPlaced(/** @type {Record<string, any> | undefined} */ zones, place) {
+  const placed = (zone) => ({ ...zone, area: zone.area?.map(place), places: zone.places?.map(place) });
+  return Object.fromEntries(Object.entries(zones ?? {}).map(([name, zone]) => [name, placed(zone)]));
 }
 
 // Metres a square: the plane's unit, or more where it is large.

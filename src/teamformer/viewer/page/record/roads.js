@@ -1,5 +1,7 @@
 // Roads as the page draws them: the record says where their places lie, in squares, and where a road is.
 
+import { zonesPlaced } from "./plane.js";
+
 // The mission and its truth with places for names, and what a map of roads needs.
 export function laidOut(/** @type {MissionTree} */ mission, truth, told) {
   const map = layoutOf(told?.map) ?? inACircle(namesIn(mission.world.roads));
@@ -9,7 +11,7 @@ export function laidOut(/** @type {MissionTree} */ mission, truth, told) {
   const placed = (thing) => ({ ...thing, at: at(thing.at), ...(thing.to ? { to: at(thing.to) } : {}) });
   const real = truth && { ...truth, arrivals: truth.arrivals?.map(placed) };
   const [robots, tasks, chargers] = [mission.robots, mission.tasks, mission.chargers].map((things) => things?.map(placed));
-  const shown = { ...mission, robots, tasks, chargers };
+  const shown = { ...mission, robots, tasks, chargers, zones: zonesPlaced(mission.zones, at) };
   return { mission: shown, truth: real, map };
 }
 

@@ -6,9 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
-from test_imports_of_others import CHAO
 
 from home_care import HHCRSP
+from orienteering import CHAO
 from teamformer.base.errors import TeamformerError
 from teamformer.bench.others.instances import read_instances
 from teamformer.bench.others.one_robot_worlds import draw_world

@@ -29,6 +29,7 @@ def test_every_example_is_read(path: Path) -> None:
 @pytest.mark.parametrize("policy", [JoinAll(), Heuristic()], ids=["join-all", "heuristic"])
 def test_every_example_can_be_done_and_takes_teamwork(policy: Policy) -> None:
     missions = [read_mission(path) for path in sorted(EXAMPLES.glob("*.yaml"))]
+    missions = [mission for mission in missions if mission.time == "steps"]
     for mission, tally in zip(missions, run_trials(missions, policy), strict=True):
         assert tally.status == "completed", mission.name
         assert tally.joins > 0

@@ -15,6 +15,7 @@ import yaml
 
 import teamformer as tf
 from home_care import HHCRSP
+from orienteering import CHAO
 from teamformer.base.errors import TeamformerError
 from teamformer.files.imports import import_missions
 from teamformer.mission.parts.roads import Roads
@@ -163,10 +164,6 @@ def test_hhcrsp_files_that_are_broken(
         import_missions("hhcrsp", write(tmp_path / "care.json", tree))
     assert told in str(caught.value)
     assert caught.value.hint
-
-
-CHAO = "n 5\nm 2\ntmax 10\n1 1 0\n4 1 7\n1 5 5\n9 9 20\n4 1 0\n"
-"""From (1, 1) to (4, 1): t1 is at the end, t2 4 + 5 away from both, t3 too far off."""
 
 
 def test_team_orienteering(tmp_path: Path) -> None:

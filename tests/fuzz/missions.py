@@ -202,7 +202,8 @@ def _write_zones(draw: st.DrawFn, tree: Tree, world: Drawn) -> None:
         at = pick(draw, tree["tasks"])["at"]
         zones["by place"] = {"places": [at]}
         if not is_road:
-            zones["an area"] = {"area": [at, [at[0] + 3 * world.unit, at[1]]]}
+            reach = 3 if isinstance(at[0], int) else 3 * world.unit
+            zones["an area"] = {"area": [at, [at[0] + reach, at[1]]]}
     for zone in zones.values():
         if now_and_then(draw, 2):
             zone["room"] = pick(draw, (1, 2, 1000))

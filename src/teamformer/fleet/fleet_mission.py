@@ -159,7 +159,8 @@ class FleetMission:
     def in_time(self, seconds: float) -> float:
         """Return seconds in the mission's unit: in steps whole ones."""
         units = seconds / self.step
-        return round(units) if self.source.time == "steps" else units
+        is_whole = self.source.time == "steps" and math.isfinite(units)
+        return round(units) if is_whole else units
 
     def step_time(self, *robots: int) -> float:
         """Return for how long robots on their way stand in one place: in a cell, on a grid.

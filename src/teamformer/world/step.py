@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
+from teamformer.world.ending import judge_status
 from teamformer.world.phases.assignment import allocate_tasks
 from teamformer.world.phases.beliefs import expect_needs, show_needs
 from teamformer.world.phases.carrying import place_loads
@@ -13,7 +14,6 @@ from teamformer.world.phases.completion import (
     cancel_tasks,
     complete_tasks,
     drop_assignments,
-    judge_status,
     miss_tasks,
     release_tasks,
 )

@@ -16,7 +16,13 @@ from teamformer.mission.model import Mission
 from teamformer.planning.continuous.posing.batteries import charged_clock
 from teamformer.planning.continuous.posing.problem import problem_of
 from teamformer.planning.continuous.posing.remaining import remaining_at
-from teamformer.planning.continuous.posing.ticks import rounding_in, rounding_of, ticks_of
+from teamformer.planning.continuous.posing.ticks import (
+    WHOLE,
+    grain_of,
+    rounding_in,
+    rounding_of,
+    ticks_of,
+)
 from teamformer.planning.continuous.posing.times import TaskClock, clock_of
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.problem.coalition_plan import (
@@ -47,7 +53,13 @@ class ContinuousMission:
     clock: TaskClock  # its times as they are
     scale: float
     rounding: int
+    grain: int  # the ticks of which all times are multiples
     problem: CoalitionProblem
+
+    def as_bound(self, ticks: float) -> float:
+        """Return a bound in ticks in the mission's unit: no plan is over before that has passed."""
+        whole = math.ceil((ticks - self.rounding) / self.grain - WHOLE) * self.grain
+        return max(0.0, whole / self.scale)
 
     def tell(self, solution: Solution) -> MissionPlan:
         """Return a solution in the mission's unit; its times are worked out from the true ways.
@@ -55,7 +67,7 @@ class ContinuousMission:
         In ticks every way and duration is rounded, by half a tick at most; the bound allows for it.
         """
         timed = self.time(self.in_turn(solution.plan))
-        bound = self.now + max(0.0, (solution.bound - self.rounding) / self.scale)
+        bound = self.now + self.as_bound(solution.bound)
         if timed.missed:
             bound = self.now
         return replace(
@@ -198,6 +210,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         clock=clock_of(rest, charging),
         scale=ticks.scale,
         rounding=rounding_in(rest, ticks.scale),
+        grain=grain_of(rest, ticks.scale),
         problem=problem_of(rest, ticks, charging),
     )
 

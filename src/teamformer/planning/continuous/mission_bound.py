@@ -29,7 +29,7 @@ def bound_in_time(truth: Mission) -> float:
     if len(posed.tasks) < MANY_TASKS:
         bound = raise_by_routes(problem, relaxation, bound, COARSE)
         bound = refuter_of(problem, relaxation).raised(bound)
-    return max(0.0, bound - posed.rounding) / posed.scale
+    return posed.as_bound(bound)
 
 
 def _what_has_to_be_done(truth: Mission) -> Known:

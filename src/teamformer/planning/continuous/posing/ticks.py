@@ -46,11 +46,29 @@ def rounding_of(tasks: int) -> int:
 
 def rounding_in(rest: Remaining, scale: float) -> int:
     """Return by how many ticks times of a problem are off: by none if all are whole ticks."""
-    release = np.subtract(rest.release, rest.known.now)
-    times = (rest.ways, rest.home, rest.carry, rest.takes, rest.ready, release)
-    parts = (*times, rest.mission.forming)
+    parts = (*_times(rest), rest.mission.forming)
     is_exact = all(_are_whole(np.multiply(part, scale)) for part in parts)
     return 0 if is_exact and not rotas_of(rest.own_robots) else rounding_of(len(rest.tasks))
+
+
+def grain_of(rest: Remaining, scale: float) -> int:
+    """Return of how many ticks all times of a problem are multiples; 1 if some are rounded.
+
+    So is the end of every plan, if nobody charges.
+    """
+    if rounding_in(rest, scale) or rest.mission.charging is not None:
+        return 1
+    starts = [length for gap in rest.gaps for length in (gap.least, gap.most)]
+    rooms = [until - rest.known.now for room in rest.rooms for until in room.taken]
+    times = (*_times(rest), rest.mission.forming, starts, rooms)
+    ticks = np.concatenate([np.ravel(np.multiply(part, scale)) for part in times])
+    return max(1, int(np.gcd.reduce(np.rint(ticks[np.isfinite(ticks)]).astype(np.int64))))
+
+
+def _times(rest: Remaining) -> tuple[npt.ArrayLike, ...]:
+    """Return the lengths of time of which plans are made up."""
+    release = np.subtract(rest.release, rest.known.now)
+    return rest.ways, rest.home, rest.carry, rest.takes, rest.ready, release
 
 
 def _are_whole(ticks: Floats) -> bool:

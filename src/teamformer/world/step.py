@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
-from teamformer.world.ending import judge_status
 from teamformer.world.phases.assignment import allocate_tasks
 from teamformer.world.phases.beliefs import expect_needs, show_needs
 from teamformer.world.phases.carrying import place_loads
@@ -17,6 +16,7 @@ from teamformer.world.phases.completion import (
     miss_tasks,
     release_tasks,
 )
+from teamformer.world.phases.ending import judge_status
 from teamformer.world.phases.finding import find_tasks
 from teamformer.world.phases.formation import form_joins, read_decisions, split_teams
 from teamformer.world.phases.losses import lose_robots, return_robots

@@ -16,10 +16,10 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import Counts, covers, describe, exact, total
 from teamformer.mission.parts.reach import can_reach
 from teamformer.mission.precedence import keep_precedence, tasks_before
-from teamformer.world.ending import give_up_worlds
 from teamformer.world.guidance.following import follow_plans
 from teamformer.world.guidance.known import known_of
 from teamformer.world.guidance.parts import Parts
+from teamformer.world.phases.ending import give_up_worlds
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.state.arrays import APPEARED, FOUND, RUNNING, START, Worlds
 

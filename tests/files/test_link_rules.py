@@ -13,8 +13,7 @@ import pytest
 from teamformer.base.errors import MissionError
 from teamformer.files.mission_files import read_mission, write_mission
 from teamformer.mission.checks.costs import cost_of
-from teamformer.mission.checks.different_robots import can_be_apart
-from teamformer.mission.checks.links import groups_of
+from teamformer.mission.checks.links import can_be_apart, groups_of
 from teamformer.mission.checks.rules import rules_not_played
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.capabilities import covers, total

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from small_worlds import make, robot, task
 from teamformer.fleet.agent.agent import Agent
@@ -15,14 +16,36 @@ from teamformer.fleet.messages import OPERATOR, Message, Notice, Post
 from teamformer.fleet.observer.watch import Watch
 from teamformer.fleet.observer.watch_in_time import WatchInTime
 from teamformer.fleet.planner import CoordinatedPlanner
+from teamformer.fleet.rehearsal.checking.trace import Trace
 from teamformer.fleet.rehearsal.faults import Faults
+from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
+from teamformer.fleet.rehearsal.rehearse import play
+from teamformer.mission.model import Task
 from teamformer.mission.parts.grid import Place
+from teamformer.record.record import Record
+from teamformer.record.referee import judge
 from teamformer.world.continuous.events import Passed
 
 PLANNER = CoordinatedPlanner()
 
 UNDISTURBED = Faults()
+
+
+def errand(name: str, x: int, **keys: Any) -> Task:
+    """Return a task that needs one `a`, at a place of a corridor."""
+    return Task(name, (x, 0), {"a": 1}, **keys)
+
+
+def recorded(fleet: FleetMission, faults: Faults = UNDISTURBED) -> tuple[Outcome, Record]:
+    """Return how a rehearsal that keeps every promise ended, and its record, which is right."""
+    trace = Trace()
+    rehearsal, outcome, violations = play(fleet, plan_of(fleet), faults, trace)
+    assert violations == []
+    record = record_of(rehearsal, outcome, trace.events, faults.seed)
+    assert judge(record).findings == ()
+    return outcome, record
 
 
 def pair() -> FleetMission:

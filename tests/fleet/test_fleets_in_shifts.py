@@ -3,53 +3,36 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
-from fleets import plan_of, walked
+from fleets import errand, recorded, walked
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.walking import Lifted
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.in_shifts import can_still_do, who_can
 from teamformer.fleet.rehearsal.checking.checker import Checker
-from teamformer.fleet.rehearsal.checking.trace import Trace, Worked
+from teamformer.fleet.rehearsal.checking.trace import Worked
 from teamformer.fleet.rehearsal.faults import Crash, Faults
-from teamformer.fleet.rehearsal.outcome import Outcome
-from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
-from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
+from teamformer.fleet.rehearsal.rehearse import judge, set_stage
 from teamformer.mission.checks.rules import rules_of_fleets
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.record.record import Record
-from teamformer.record.referee import judge as judge_record
 
 Shifts = tuple[tuple[float, float], ...]
 
 
-def at_work(tasks: list[Task], *shifts: Shifts, **keys: object) -> FleetMission:
+def at_work(tasks: list[Task], *shifts: Shifts, **keys: Any) -> FleetMission:
     """Return robots with `a` at the left end of a corridor, each with its shifts."""
     who = tuple(
-        Robot(f"r{n}", (0, 0), {"a": 1}, shifts=own, **keys)  # type: ignore[arg-type]
-        for n, own in enumerate(shifts)
+        Robot(f"r{n}", (0, 0), {"a": 1}, shifts=own, **keys) for n, own in enumerate(shifts)
     )
     mission = Mission("m", Grid(40, 1), ("a",), who, tuple(tasks), time="continuous")
     assert list(rules_of_fleets(mission)) == []
     return FleetMission(mission)
-
-
-def errand(name: str, x: int, **keys: object) -> Task:
-    return Task(name, (x, 0), {"a": 1}, **keys)  # type: ignore[arg-type]
-
-
-def recorded(fleet: FleetMission, faults: Faults = Faults()) -> tuple[Outcome, Record]:  # noqa: B008
-    """Return how a rehearsal that keeps every promise ended, and its record, which is right."""
-    trace = Trace()
-    rehearsal, outcome, violations = play(fleet, plan_of(fleet), faults, trace)
-    assert violations == []
-    record = record_of(rehearsal, outcome, trace.events, faults.seed)
-    assert judge_record(record).findings == ()
-    return outcome, record
 
 
 def begun(record: Record) -> list[float]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fleets import Watched, plan_of, walked
+from fleets import Watched, errand, plan_of, recorded, walked
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.walking import Lifted
@@ -15,11 +15,9 @@ from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import SERVE, TaskFact
 from teamformer.fleet.rehearsal.checking.checker import Checker
-from teamformer.fleet.rehearsal.checking.trace import Trace, Worked
+from teamformer.fleet.rehearsal.checking.trace import Worked
 from teamformer.fleet.rehearsal.faults import Crash, Faults, Order
-from teamformer.fleet.rehearsal.outcome import Outcome
-from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
-from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
+from teamformer.fleet.rehearsal.rehearse import judge, set_stage
 from teamformer.mission.checks.rules import rules_of_fleets
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
@@ -35,20 +33,6 @@ def afternoon(tasks: list[Task], robots: int = 1, until: float = 20.0) -> FleetM
     mission = Mission("m", Grid(40, 1), ("a",), who, tuple(tasks), time="continuous", until=until)
     assert list(rules_of_fleets(mission)) == []
     return FleetMission(mission)
-
-
-def errand(name: str, x: int, **keys: object) -> Task:
-    return Task(name, (x, 0), {"a": 1}, **keys)  # type: ignore[arg-type]
-
-
-def recorded(fleet: FleetMission, faults: Faults = Faults()) -> tuple[Outcome, Record]:  # noqa: B008
-    """Return how a rehearsal that keeps every promise ended, and its record, which is right."""
-    trace = Trace()
-    rehearsal, outcome, violations = play(fleet, plan_of(fleet), faults, trace)
-    assert violations == []
-    record = record_of(rehearsal, outcome, trace.events, faults.seed)
-    assert judge_record(record).findings == ()
-    return outcome, record
 
 
 def missed(record: Record) -> dict[str, tuple[float, str]]:

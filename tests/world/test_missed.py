@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -21,6 +21,7 @@ from teamformer.methods.coordinators.crews import Crews
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.methods.scripted.heuristic import Heuristic
 from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
@@ -109,15 +110,13 @@ def played(mission: Mission, player: Player) -> Record:
     return record
 
 
+@dataclass(frozen=True)
 class InTurn(SharedPlan):
     """Plans all tasks but one, in their order, for the only robot."""
 
-    def __init__(self, left_out: str = "") -> None:
-        object.__setattr__(self, "left_out", left_out)
+    left_out: str = ""
 
-    def update(self, known, plan):  # type: ignore[no-untyped-def]
-        from teamformer.mission.coordination import Plan
-
+    def update(self, known: Known, plan: Plan | None) -> Plan:
         tasks = known.mission.tasks
         order = tuple(k for k in known.possible_tasks if tasks[k].name != self.left_out)
         return Plan(order, ((0,),) * len(order))
@@ -139,17 +138,17 @@ def test_what_must_be_done_and_is_not_fails_the_mission() -> None:
     record = played(corridor(may, must), InTurn())
     assert (record.end.status, record.end.makespan) == ("too late", None)
     assert missed_tasks(record) == {1: (10, "too late")}
-    other = played(corridor(may, must), InTurn("may"))
+    other = played(corridor(may, must), InTurn(left_out="may"))
     assert other.end.status == "too late"  # who stands at a task that it can do does it
 
 
 def test_what_the_plan_leaves_out_is_given_up_when_all_else_is_done() -> None:
     near, far = Task("near", (2, 0), {"a": 1}), Task("far", (5, 0), {"a": 1}, optional=True)
-    record = played(corridor(near, far), InTurn("far"))
+    record = played(corridor(near, far), InTurn(left_out="far"))
     assert (record.end.status, record.end.makespan) == ("completed", 2)
     assert missed_tasks(record) == {1: (2, "nobody free")}
     cost = {"makespan": 1.0, "missed": 3.0}
-    priced = played(corridor(near, far, cost=cost), InTurn("far"))
+    priced = played(corridor(near, far, cost=cost), InTurn(left_out="far"))
     assert missed_tasks(priced) == {1: (2, "not worth it")}
     assert cost_of_record(priced) == pytest.approx((2 + 3) / 4)
     assert played(corridor(near, far), JoinAll()).end.makespan == 5
@@ -158,7 +157,7 @@ def test_what_the_plan_leaves_out_is_given_up_when_all_else_is_done() -> None:
 def test_a_task_that_was_to_be_called_off_later_is_missed() -> None:
     near = Task("near", (2, 0), {"a": 1})
     far = Task("far", (5, 0), {"a": 1}, optional=True, cancelled=8)
-    record = played(corridor(near, far), InTurn("far"))
+    record = played(corridor(near, far), InTurn(left_out="far"))
     assert (record.end.status, record.end.missed) == ("completed", ("far",))
 
 
@@ -206,6 +205,6 @@ def test_the_referee_finds_what_is_missed_too_early_or_not_at_all() -> None:
     steps[2] = replace(steps[2], missed=((1, "nobody free"),))
     found = judge(replace(record, steps=tuple(steps))).findings
     assert "task far is missed" in found[0].message
-    given_up = played(corridor(near, far), InTurn("far"))
+    given_up = played(corridor(near, far), InTurn(left_out="far"))
     bare = replace(given_up, steps=(given_up.steps[0], replace(given_up.steps[1], missed=())))
     assert judge(bare).findings

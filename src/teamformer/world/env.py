@@ -27,7 +27,7 @@ from teamformer.world.rules.constants import NOBODY
 from teamformer.world.state.arrays import RUNNING, STATUS_NAMES, Worlds
 from teamformer.world.state.packing import pack_worlds
 from teamformer.world.step import finish_worlds, form_worlds, step_worlds
-from teamformer.world.view import NEXT_TASKS, View, fill_views, lay_out_rows, make_view
+from teamformer.world.view import View, fill_views, lay_out_rows, room_for_views
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class TeamFormation:
         reward = reward or Reward()
         self._weights = (reward.done, reward.step, reward.fit)
         count, robots, caps = self.worlds.has.shape
-        self._room = _room_for_views(self.worlds, self.missions)
+        self._room = room_for_views(self.worlds, self.missions)
         self._shown = self._room  # as many rows of it as the latest view had
         self._first_row = np.zeros(count + 1, dtype=np.int64)
         self._first_member = np.zeros(count + 1, dtype=np.int64)
@@ -351,23 +351,6 @@ class TeamFormation:
             work(0, len(self.missions))
         else:
             list(self._pool.map(work, *zip(*self._chunks, strict=True)))
-
-
-def _room_for_views(worlds: Worlds, missions: Sequence[Mission]) -> View:
-    """Return room for the views of all teams of a batch."""
-    count, robots, caps = worlds.has.shape
-    tasks = worlds.needs.shape[1]
-    if any(mission.arrivals for mission in missions):  # nobody knows how many
-        tasks = max(tasks, NEXT_TASKS)
-    return make_view(
-        worlds=count,
-        robots=robots,
-        tasks=tasks,
-        caps=caps,
-        hides_needs=worlds.may_need.shape[1] > 0,
-        hides_places=worlds.spots.shape[1] > 0,
-        has_loads=bool(worlds.rules["has_loads"].any()),
-    )
 
 
 def _for_each(

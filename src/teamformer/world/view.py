@@ -24,6 +24,9 @@ from teamformer.world.state.spatial_index import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from teamformer.mission.model import Mission
     from teamformer.world.state.arrays import World, Worlds
 
 NEAREST_TEAMS = 16
@@ -325,4 +328,21 @@ def make_view(
         first_member=np.zeros(teams + 1, dtype=np.int32),
         member=np.zeros(teams, dtype=np.int32),
         member_counts=np.zeros((teams, caps), dtype=np.int32),
+    )
+
+
+def room_for_views(worlds: Worlds, missions: Sequence[Mission]) -> View:
+    """Return room for the views of all teams of a batch."""
+    count, robots, caps = worlds.has.shape
+    tasks = worlds.needs.shape[1]
+    if any(mission.arrivals for mission in missions):  # nobody knows how many
+        tasks = max(tasks, NEXT_TASKS)
+    return make_view(
+        worlds=count,
+        robots=robots,
+        tasks=tasks,
+        caps=caps,
+        hides_needs=worlds.may_need.shape[1] > 0,
+        hides_places=worlds.spots.shape[1] > 0,
+        has_loads=bool(worlds.rules["has_loads"].any()),
     )

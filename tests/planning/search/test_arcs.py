@@ -183,7 +183,8 @@ from random_coalitions import drawn_plan
 from test_arcs import assert_consistent, lasting
 from teamformer.planning.graph.arc_problem import most_seats
 from teamformer.planning.graph.graph import COST
-from teamformer.planning.graph.judging import propagate, undo
+from teamformer.planning.graph.changes import (undo)
+from teamformer.planning.graph.judging import (propagate)
 from teamformer.planning.graph.ledger import accept_change, begin_change, sum_up_change
 from teamformer.planning.operators.draws import draw_task
 from teamformer.planning.operators.moved import take_back

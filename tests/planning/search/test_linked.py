@@ -264,7 +264,7 @@ def test_linked_tasks_are_not_done_by_one_robot() -> None:
 UNDOING = """
 import numpy as np
 from test_linked import assert_consistent, random_linked
-from teamformer.planning.graph.judging import undo
+from teamformer.planning.graph.changes import (undo)
 from teamformer.planning.graph.ledger import (
     accept_change, begin_change, sum_up_change, time_change
 )

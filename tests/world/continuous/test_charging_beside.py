@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
@@ -39,8 +40,8 @@ def told(course: Course) -> list[tuple[float, str]]:
     return [(event.at, event.kind) for event in course.world.events if event.kind not in left_out]
 
 
-def with_robot(**changes: object) -> Mission:
-    return replace(LANE, robots=(replace(LANE.robots[0], **changes),))  # type: ignore[arg-type]
+def with_robot(**changes: Any) -> Mission:
+    return replace(LANE, robots=(replace(LANE.robots[0], **changes),))
 
 
 def test_a_robot_spends_nothing_outside_its_shifts() -> None:

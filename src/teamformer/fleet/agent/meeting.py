@@ -71,7 +71,7 @@ class Meeting:
 
 
 def base_of(mission: FleetMission, robot: int) -> Place:
-    """Return where the first of those robots starts to whom a robot can get, and back."""
+    """Return the start of the first robot to which another robot can get, and from it back."""
     at, others = mission.source.robots[robot].at, mission.source.robots
     if not isinstance(mission.source.world, Roads):
         return others[mission.regions.index(mission.regions[robot])].at

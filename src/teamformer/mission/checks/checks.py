@@ -8,13 +8,14 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
+from teamformer.mission.checks.absence_checks import find_absence_problems
 from teamformer.mission.checks.batteries import find_battery_problems
 from teamformer.mission.checks.loads import find_load_problems
-from teamformer.mission.checks.rules import counted_from, find_rule_problems
+from teamformer.mission.checks.rules import find_rule_problems, is_whole, problems_of_steps
 from teamformer.mission.checks.shift_checks import find_shift_problems
 from teamformer.mission.checks.surprise_checks import find_surprise_problems
 from teamformer.mission.checks.zone_checks import find_zone_problems
-from teamformer.mission.keys.kinds import LARGEST_NUMBER, LATEST_RETURN
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.keys.robot_keys import FASTEST, SLOWEST
 from teamformer.mission.parts.capabilities import (
     ONE,
@@ -118,7 +119,7 @@ def _problems_of_rules(mission: Mission) -> Iterator[Problem]:
     if mission.forming_steps not in (0, 1):
         yield Problem(("forming_steps",), f"forming_steps is {mission.forming_steps}; use 0 or 1")
     limit, where = mission.step_limit, ("step_limit",)
-    yield from _problems_of_steps(limit, 0, where, "step_limit is", "use 1 or more")
+    yield from problems_of_steps(limit, 0, where, "step_limit is", "use 1 or more")
 
 
 def _problems_of_places(mission: Mission) -> Iterator[Problem]:
@@ -187,56 +188,7 @@ def _problems_of_robots(mission: Mission) -> Iterator[Problem]:
                 (*where, "speed"),
                 f"robot '{robot.name}' has speed {robot.speed:g}; use {SLOWEST} to {FASTEST}",
             )
-        yield from _problems_of_absences(robot, where, mission.time == "continuous")
-
-
-def _problems_of_absences(
-    robot: Robot, where: tuple[str | int, ...], is_continuous: bool
-) -> Iterator[Problem]:
-    if is_continuous:
-        yield from _problems_of_times_away(robot, where)
-        return
-    what, before = f"robot '{robot.name}' is", None
-    for number, away in enumerate(robot.absences):
-        place: tuple[str | int, ...] = (number,) if len(robot.absences) > 1 else ()
-        lost, back = (*where, "lost", *place), (*where, "back", *place)
-        if before is None:
-            least, advice, again = 1.0, "the first step is 1", ""
-        elif before.back is None:
-            message = f"{what} lost at step {away.lost}, but was lost in step {before.lost}"
-            yield Problem(
-                lost, f"{message}; write under back when it returns, or drop one of the two"
-            )
-            return
-        else:
-            least, advice = before.back + 1, "it must be lost later"
-            again = f"back at step {before.back} and "
-        yield from _problems_of_steps(away.lost, least, lost, f"{what} {again}lost at step", advice)
-        if away.back is not None:
-            steps = f"{what} lost at step {away.lost} and back at step"
-            advice = "it must be back later"
-            least = away.lost + 1
-            yield from _problems_of_steps(away.back, least, back, steps, advice, LATEST_RETURN)
-        before = away
-
-
-def _problems_of_times_away(robot: Robot, where: tuple[str | int, ...]) -> Iterator[Problem]:
-    """Return what is wrong with when a robot is lost and back in continuous time."""
-    since: float | None = 0.0
-    for number, away in enumerate(robot.absences):
-        place: tuple[str | int, ...] = (number,) if len(robot.absences) > 1 else ()
-        what = f"robot '{robot.name}' is lost at {away.lost:g}"
-        if since is None:
-            message = f"{what}, but has not come back before; say under back when it has"
-            yield Problem((*where, "lost", *place), message)
-            return
-        if not since < away.lost <= LARGEST_NUMBER:  # NaN too
-            message = f"{what}; use a time after {since:g}, up to 1e9"
-            yield Problem((*where, "lost", *place), message)
-        if away.back is not None and not away.lost < away.back <= LATEST_RETURN:
-            message = f"{what} and back at {away.back:g}; it must be back later"
-            yield Problem((*where, "back", *place), message)
-        since = away.back
+        yield from find_absence_problems(robot, where, mission.time)
 
 
 def _problems_of_totals(mission: Mission) -> Iterator[Problem]:
@@ -274,27 +226,6 @@ def _problems_of_counts(
             yield Problem((*where, name), f"{what} '{name}' {count} times; {advice}")
 
 
-def _problems_of_steps(
-    steps: float,
-    least: float,
-    where: tuple[str | int, ...],
-    what: str,
-    advice: str,
-    most: int = LARGEST_NUMBER,
-) -> Iterator[Problem]:
-    """Return what is wrong with a number of steps; `advice` is for one below the least."""
-    if not steps >= least:  # NaN too
-        yield Problem(where, f"{what} {steps}; {advice}")
-    elif not is_whole(steps) or steps > most:
-        start = counted_from(where) if steps > most else ""
-        yield Problem(where, f"{what} {steps}; use a whole number up to {most:,}{start}")
-
-
-def is_whole(number: float) -> bool:
-    """Say whether a number is finite and has no fraction."""
-    return number - number == 0 and number == int(number)
-
-
 def _problems_of_teams(mission: Mission) -> Iterator[Problem]:
     seen: set[int] = set()
     for number, team in enumerate(mission.teams):
@@ -327,11 +258,11 @@ def _problems_of_tasks(mission: Mission, places_are_good: bool) -> Iterator[Prob
         for key in ("duration", "unload", "appears") if mission.time == "steps" else ():
             steps = getattr(task, key)
             said = f"{what} has {key}"
-            yield from _problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")
+            yield from problems_of_steps(steps, 0, (*where, key), said, "use 0 or more")
         if task.cancelled is not None and mission.time == "steps":
             said = f"{what} is cancelled in step"
             at = (*where, "cancelled")
-            yield from _problems_of_steps(task.cancelled, 1, at, said, "use 1 or more")
+            yield from problems_of_steps(task.cancelled, 1, at, said, "use 1 or more")
         if places_are_good:
             yield from find_load_problems(mission, number)
         known = {name: n for name, n in task.needs.items() if name in mission.capabilities}

@@ -50,6 +50,27 @@ def is_time(value: float) -> bool:
     return 0 <= value <= LARGEST_NUMBER
 
 
+def problems_of_steps(
+    steps: float,
+    least: float,
+    where: tuple[str | int, ...],
+    what: str,
+    advice: str,
+    most: int = LARGEST_NUMBER,
+) -> Iterator[Problem]:
+    """Return what is wrong with a number of steps; `advice` is for one below the least."""
+    if not steps >= least:  # NaN too
+        yield Problem(where, f"{what} {steps}; {advice}")
+    elif not is_whole(steps) or steps > most:
+        start = counted_from(where) if steps > most else ""
+        yield Problem(where, f"{what} {steps}; use a whole number up to {most:,}{start}")
+
+
+def is_whole(number: float) -> bool:
+    """Say whether a number is finite and has no fraction."""
+    return number - number == 0 and number == int(number)
+
+
 def find_rule_problems(mission: Mission) -> Iterator[Problem]:
     """Return what is wrong with a mission's time, end, precedence and time windows."""
     if mission.time not in TIMES:

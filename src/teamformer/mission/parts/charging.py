@@ -35,7 +35,7 @@ class Battery:
     waiting: float = 0.0
 
     def in_longer_units(self, times: float) -> Battery:
-        """Return it for a robot that takes so many times longer for each way, and gets as far."""
+        """Return the battery of a robot that is slower by a factor and still gets as far."""
         lasts, serving, waiting = (
             times * spent for spent in (self.lasts, self.serving, self.waiting)
         )

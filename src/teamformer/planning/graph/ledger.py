@@ -19,6 +19,24 @@ from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, may_miss
 from teamformer.planning.graph.arriving import arrive_home
+from teamformer.planning.graph.changes import (
+    AIMED,
+    BACK,
+    DURATION,
+    END,
+    HOMES,
+    KEY,
+    LOGGED,
+    WAITS,
+    ArcChange,
+    begin_trial,
+    connect,
+    empty_trial,
+    follow,
+    record,
+    undo,
+    wait,
+)
 from teamformer.planning.graph.charging import is_charged
 from teamformer.planning.graph.graph import (
     AIM,
@@ -30,29 +48,13 @@ from teamformer.planning.graph.graph import (
     time_anew,
 )
 from teamformer.planning.graph.judging import (
-    AIMED,
-    BACK,
-    DURATION,
-    END,
-    HOMES,
-    KEY,
-    LOGGED,
-    WAITS,
-    ArcChange,
     accept,
-    begin_trial,
-    connect,
-    empty_trial,
     fit_duration,
-    follow,
     follow_on,
     go_round,
     propagate,
-    record,
     spend,
     sum_up_trial,
-    undo,
-    wait,
 )
 from teamformer.planning.graph.worth import is_missed, late_by, missed, missed_leads
 from teamformer.planning.problem.coalition_problem import NOBODY

@@ -6,8 +6,8 @@ from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, takes_with
 from teamformer.planning.graph.arriving import arrive
+from teamformer.planning.graph.changes import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
-from teamformer.planning.graph.judging import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.ledger import Ledger
 from teamformer.planning.graph.worth import is_left_out, late_by
 from teamformer.planning.problem.coalition_problem import NOBODY

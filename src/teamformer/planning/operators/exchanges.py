@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem
+from teamformer.planning.graph.changes import KIND, ArcChange, record
 from teamformer.planning.graph.graph import Graph
-from teamformer.planning.graph.judging import KIND, ArcChange, record
 from teamformer.planning.graph.ledger import Ledger, lead, way_out
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_permit, may_miss, takes_with
+from teamformer.planning.graph.changes import KEY, KIND, TAKEN, ArcChange, connect, record
 from teamformer.planning.graph.graph import LAST, Graph
-from teamformer.planning.graph.judging import KEY, KIND, TAKEN, ArcChange, connect, record
 from teamformer.planning.graph.ledger import Ledger, lead, way_out
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.candidates import PICKS, STAMP, CandidateRoom, choose, gather

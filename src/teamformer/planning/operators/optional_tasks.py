@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed
+from teamformer.planning.graph.changes import COMES_BY, LEAVES_BY, ArcChange, connect, wait
 from teamformer.planning.graph.graph import Graph
-from teamformer.planning.graph.judging import COMES_BY, LEAVES_BY, ArcChange, connect, wait
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.operators.group_moves import move_group, take_out

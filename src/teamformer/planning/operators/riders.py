@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import is_weighed
+from teamformer.planning.graph.changes import connect, follow
 from teamformer.planning.graph.graph import is_in_steps
-from teamformer.planning.graph.judging import connect, follow
 from teamformer.planning.graph.ledger import travel_of
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
@@ -24,8 +24,8 @@ from teamformer.world.rules.chance import draw_below
 if TYPE_CHECKING:
     from teamformer.base.array_types import Array
     from teamformer.planning.graph.arc_problem import ArcProblem
+    from teamformer.planning.graph.changes import ArcChange
     from teamformer.planning.graph.graph import Graph
-    from teamformer.planning.graph.judging import ArcChange
     from teamformer.planning.graph.ledger import Ledger
     from teamformer.planning.operators.moved import Moved
     from teamformer.planning.operators.room import Room

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.graph.judging import connect
+from teamformer.planning.graph.changes import connect
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near, keeps_order
 from teamformer.planning.operators.moved import remember
@@ -16,8 +16,8 @@ from teamformer.world.rules.chance import draw_below
 if TYPE_CHECKING:
     from teamformer.base.array_types import Array
     from teamformer.planning.graph.arc_problem import ArcProblem
+    from teamformer.planning.graph.changes import ArcChange
     from teamformer.planning.graph.graph import Graph
-    from teamformer.planning.graph.judging import ArcChange
     from teamformer.planning.graph.ledger import Ledger
     from teamformer.planning.operators.room import Room
 

@@ -7,13 +7,8 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem
+from teamformer.planning.graph.changes import COMES_BY, LEAVES_BY, ArcChange, connect
 from teamformer.planning.graph.graph import Graph, leave
-from teamformer.planning.graph.judging import (
-    COMES_BY,
-    LEAVES_BY,
-    ArcChange,
-    connect,
-)
 from teamformer.planning.operators.coalition_choice import THIS_ONE
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.problem.coalition_problem import NOBODY

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
+from teamformer.planning.graph.changes import COMES_BY, ArcChange, connect
 from teamformer.planning.graph.graph import MAKESPAN, Graph
-from teamformer.planning.graph.judging import COMES_BY, ArcChange, connect
 from teamformer.planning.operators.bundles import draw_group, pick_group
 from teamformer.planning.operators.coalition_choice import (
     COMES,

@@ -110,6 +110,15 @@ def totals_of(
     return cost + judged, cost + float(weight[HOME]) * home + leads
 
 
+def _battery(batteries: Batteries, kind: int) -> Battery | None:
+    """Return the battery of a kind of robots as the plain rule has it; None if it has none."""
+    lasts = int(batteries.lasts[kind])
+    if lasts == ENDLESS:
+        return None
+    fills, waiting = batteries.fills[kind], float(batteries.waiting[kind])
+    return Battery(lasts, float(fills) * lasts, serving=1.0, waiting=waiting)
+
+
 def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTimes:
     """Return the times of a plan in ticks if robots charge."""
     batteries, tasks, places = problem.batteries, len(problem.needs), problem.ways.shape[1]
@@ -135,14 +144,6 @@ def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTime
     def site(robot: int, before: int) -> int:
         return int(problem.site[problem.origin[robot] if before == FIRST else before])
 
-    def battery(robot: int) -> Battery | None:
-        kind = problem.kind[robot]
-        lasts = int(batteries.lasts[kind])
-        if lasts == ENDLESS:
-            return None
-        fills, waiting = batteries.fills[kind], float(batteries.waiting[kind])
-        return Battery(lasts, float(fills) * lasts, serving=1.0, waiting=waiting)
-
     def takes(task: int, robots: Sequence[int]) -> float:
         slower = problem.slower[problem.pace[list(robots)], task].max(initial=0)
         return int(problem.duration[task] + slower)
@@ -152,7 +153,7 @@ def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTime
         for task, row in enumerate(problem.before.tolist())
         if row[0] != NOBODY
     }
-    own = [battery(robot) for robot in robots]
+    own = [_battery(batteries, problem.kind[robot]) for robot in robots]
     chargers = [places + charger for charger in range(len(batteries.room))]
     free = [int(problem.ready[place - tasks]) for place in problem.origin]
     rules = StartRules(

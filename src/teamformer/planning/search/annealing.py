@@ -11,8 +11,8 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.graph.arc_problem import SLACK, ArcProblem, is_weighed, may_miss
+from teamformer.planning.graph.changes import CHAINED, ArcChange, undo
 from teamformer.planning.graph.graph import COST, LEADS, MAKESPAN, Graph, counted_makespan
-from teamformer.planning.graph.judging import CHAINED, ArcChange, undo
 from teamformer.planning.graph.ledger import (
     BEST,
     NOW,

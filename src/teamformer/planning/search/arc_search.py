@@ -47,8 +47,8 @@ QUENCHED_IF_CHARGED = 500
 """The same where robots have batteries."""
 
 HOTTER_IF_CHARGED = 2
-"""An annealing begins so many times hotter then: where robots charge hangs on all that came before,
-so more of a plan changes with a moved task."""
+"""If robots charge, annealings begin hotter by this factor. A moved task changes where they charge
+later, so it changes more of a plan."""
 
 WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task then, and so many at most: about a second."""

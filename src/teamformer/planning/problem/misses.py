@@ -42,11 +42,6 @@ def can_miss(misses: Misses) -> bool:
     return len(misses.until) > 0
 
 
-def end_of_all(misses: Misses) -> int:
-    """Return the tick by which tasks must have ended not to be missed, or NEVER."""
-    return int(misses.until[0]) if can_miss(misses) else NEVER
-
-
 def misses_of(
     mission: Mission, tasks: Sequence[Task], until: int, most: int, leg: int, cost: float
 ) -> Misses:

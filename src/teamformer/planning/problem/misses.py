@@ -10,7 +10,6 @@ import numpy as np
 
 from teamformer.base.array_types import Ints
 from teamformer.mission.model import Mission, Task
-from teamformer.planning.problem.constants import NEVER
 
 LEFT_OUT = 2**56
 """When a task that is left out starts in a search: after all others, and before NEVER."""

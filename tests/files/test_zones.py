@@ -17,7 +17,6 @@ from teamformer.files.mission_files import (
 )
 from teamformer.mission.checks.rules import rules_not_played, rules_not_run, rules_of_fleets
 from teamformer.mission.model import Mission, Robot, Task
-from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.zones import Zone, ZoneRoom, may_enter, rooms_of
@@ -134,15 +133,11 @@ def test_a_task_enters_in_its_turn_and_where_there_is_room() -> None:
 
 def test_what_does_not_go_with_zones_is_refused() -> None:
     first, *others = MISSION.tasks
-    battery, charger = Battery(60, 20), Charger((0, 0))
-    charged = replace(MISSION.robots[0], battery=battery)
-    with_battery = replace(MISSION, robots=(charged,), chargers=(charger,))
     by_name = replace(MISSION, zones=(Zone("gate", tasks=("z",)),))
     hidden = replace(first, within=2.0)
     loaded, far = replace(first, to=(8, 8)), replace(first, at=(7, 7), to=(8, 8))
     rest = "which does not go with zone '{}' yet; drop one of the two"
     cases = [
-        (with_battery, "robot 'p' has a battery, ", "dock"),
         (replace(MISSION, tasks=(loaded, *others)), "task 'x' has a load, ", "dock"),
         (replace(MISSION, tasks=(hidden, *others)), "", ""),
         (replace(by_name, tasks=(far, *others)), "", ""),

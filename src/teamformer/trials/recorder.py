@@ -18,6 +18,7 @@ from teamformer.record.decisions import rows_of
 from teamformer.record.record import Ending, Record, SharedPlanMade, Step, TaskAt, TeamAt, Wants
 from teamformer.record.why_missed import why_missed
 from teamformer.world.env import Tally, TeamFormation
+from teamformer.world.phases.energy import dry_robots
 from teamformer.world.rules.constants import NOBODY
 
 Groups = dict[int, tuple[int, ...]]
@@ -248,7 +249,8 @@ class Recorder:
         """Name the tasks that the robots left and those due back can never do."""
         mission, made = self._truth, self._before.tally.steps
         left = {robot for robots in self._before.groups.values() for robot in robots}
-        left |= {r for r, robot in enumerate(mission.robots) if robot.is_due(made)}
+        due = {r for r, robot in enumerate(mission.robots) if robot.is_due(made)}
+        left |= due - dry_robots(self._env.worlds.robots[0])
         at_work = (mission.robots[r] for r in left if mission.robots[r].rota.over > made)
         have = totals_by_region(mission.world, at_work)
         over = {*self._env.ends(), *self._env.missed()}

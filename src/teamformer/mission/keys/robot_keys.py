@@ -8,7 +8,6 @@ from teamformer.mission.keys.key import (
     FLEETS,
     FLEETS_IN_STEPS,
     ROBOTARIUM,
-    STEPS,
     Key,
     Unknown,
 )
@@ -148,7 +147,7 @@ ROBOT_KEYS = (
         default=None,
         without="it never has to charge",
         since=NEW,
-        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "has a battery"),
+        unknown=Unknown((FLEETS, ROBOTARIUM), "has a battery"),
     ),
     Key(
         "count",

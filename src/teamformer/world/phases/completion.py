@@ -15,6 +15,7 @@ from teamformer.world.phases.carrying import (
     note_place,
 )
 from teamformer.world.phases.delays import is_in_shift
+from teamformer.world.phases.energy import has_enough
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.state.arrays import (
     APPEARED,
@@ -37,11 +38,14 @@ def complete_tasks(world: World, step: int) -> None:
         if world.tasks[task].server != NOBODY:
             _serve(world, world.tasks[task].server, task, step)
     for team in range(world.rules.robots):
-        if world.teams[team].size == 0 or (world.rules.has_loads and _is_loaded(world, team, step)):
+        if world.teams[team].size == 0 or world.teams[team].charger != NOBODY:
+            continue
+        if world.rules.has_loads and _is_loaded(world, team, step):
             continue
         for i in range(find_tasks_here(world, team)):
             task = world.here[i]
             is_free = _is_free(world, task, step) and not world.tasks[task].is_load
+            is_free = is_free and (task == world.teams[team].task or has_enough(world, team, task))
             if is_free and can_do_alone(world, team, task) and _fits(world, team, task, step):
                 _begin(world, team, task, step)
     if world.count.done > done_before:

@@ -24,6 +24,7 @@ from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.parts.places import busiest_part
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.reach import totals_by_region
+from teamformer.mission.parts.zones import Zone
 from teamformer.world.env import Decision
 from teamformer.world.view import View
 
@@ -148,6 +149,16 @@ def with_optional(mission: Mission, rng: np.random.Generator) -> Mission:
     until = max(math.ceil(least), math.ceil(min(ends.values()))) + int(rng.integers(12))
     cost = {"makespan": 1.0, "missed": 20.0} if optional and rng.random() < 0.3 else None
     return replace(mission, tasks=tasks, until=until, cost=cost)
+
+
+def with_zones(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission with one or two zones, with room for one or two services each."""
+    zones = []
+    for name in ("dock", "gate")[: int(rng.integers(1, 3))]:
+        tasks = tuple(task.name for task in mission.tasks if rng.random() < 0.7)
+        if tasks:
+            zones.append(Zone(name, tasks=tasks, room=int(rng.choice([1, 1, 2]))))
+    return replace(mission, zones=tuple(zones))
 
 
 def _absences(robot: int, lost: int | None, back: int | None) -> tuple[Absence, ...]:

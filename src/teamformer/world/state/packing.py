@@ -14,6 +14,7 @@ from teamformer.mission.model import Mission, Task, World
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import DECIMALS, Plane
+from teamformer.mission.parts.zones import all_rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.mission.truth import expected_needs
 from teamformer.world.rules.chance import first_state
@@ -30,6 +31,7 @@ from teamformer.world.state.arrays import (
     START,
     TASK,
     TEAM,
+    ZONE,
     Worlds,
 )
 
@@ -59,6 +61,7 @@ def pack_worlds(
         worlds.rules["is_coordinated"][w] = is_coordinated[w]
         _pack_robots(worlds, w, truth)
         _pack_tasks(worlds, w, mission, truth, foresight)
+        _pack_zones(worlds, w, mission)
         if isinstance(mission.world, Grid) and mission.world.rows:
             places = [believed_place(mission.world, task) for task in mission.tasks]
             _pack_map(worlds, w, mission.world, places)
@@ -78,6 +81,7 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
     precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
     times = max(len(robot.absences) for truth in truths for robot in truth.robots)
     shifts = max(len(robot.shifts) for s in missions for robot in s.robots)
+    zones = max(len(mission.zones) for mission in missions)
     hides_needs = any(task.may_need for s in missions for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
     hides_places = any(task.within for s in missions for task in s.tasks)
@@ -111,6 +115,8 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
         room=np.zeros((count, caps), dtype=np.int32),
         here=np.zeros((count, tasks), dtype=np.int32),
         shifts=np.full((count, robots, shifts, 2), NEVER, dtype=np.int32),
+        zones=np.zeros((count, zones), dtype=ZONE),
+        inside=np.zeros((count, zones, tasks), dtype=np.bool_),
     )
     worlds.robots["team"] = NOBODY
     worlds.robots["lost"] = worlds.robots["back"] = worlds.robots["over"] = NEVER
@@ -266,6 +272,13 @@ def _pack_tasks(worlds: Worlds, w: int, mission: Mission, truth: Mission, foresi
     order = np.flatnonzero(is_shared_out)
     worlds.order[w, : len(order)] = order
     worlds.count["open"][w] = worlds.count["arrived"][w] = len(order)
+
+
+def _pack_zones(worlds: Worlds, w: int, mission: Mission) -> None:
+    for zone, tasks, room in all_rooms_of(mission):
+        worlds.zones["room"][w, zone] = room
+        worlds.inside[w, zone, sorted(tasks)] = True
+    worlds.tasks["is_in_zone"][w] = worlds.inside[w].any(axis=0)
 
 
 def _pack_places(worlds: Worlds, w: int, k: int, task: Task, world: World, at: Place) -> None:

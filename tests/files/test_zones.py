@@ -146,11 +146,15 @@ def test_what_does_not_go_with_zones_is_refused() -> None:
     for mission, told, zone in cases:
         messages = [problem.message for problem in rules_not_run(mission)]
         assert messages == ([told + rest.format(zone)] if told else [])
+        if "load" in told:
+            in_steps = [
+                problem.message for problem in rules_not_played(replace(mission, time="steps"))
+            ]
+            assert in_steps == messages
 
 
-def test_steps_and_fleets_refuse_zones() -> None:
-    [problem] = rules_not_played(replace(MISSION, time="steps"))
-    assert problem.message == "the mission has zones; write time: continuous"
+def test_fleets_refuse_zones_and_steps_do_not() -> None:
+    assert [*rules_not_played(replace(MISSION, time="steps"))] == []
     [problem] = rules_of_fleets(MISSION)
     assert problem.message.startswith(
         "the mission has zones, which fleets of processes do not know; "

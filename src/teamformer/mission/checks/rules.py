@@ -106,6 +106,7 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}; {remedy}")
     for problem in find_endless_play(mission):
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
+    yield from zones_not_served(mission)
 
 
 def _problems_of_until(mission: Mission) -> Iterator[Problem]:

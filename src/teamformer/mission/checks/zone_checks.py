@@ -111,7 +111,7 @@ def _shortest(task: Task) -> float:
 
 
 def zones_not_served(mission: Mission) -> Iterator[Problem]:
-    """Return what a mission in continuous time has that zones do not go with yet."""
+    """Return what a mission has that zones do not go with yet."""
     if not mission.zones:
         return
     name = mission.zones[0].name

@@ -68,5 +68,5 @@ def test_who_waits_says_for_which_room_and_the_path_whose_it_was() -> None:
 def test_a_zone_with_room_for_two_is_full_with_two() -> None:
     """r2 waits from step 2 until r0 has done its task, in step 4."""
     record = run_trial(dock(2), InTurn((0, 1, 2))).record
-    assert waits(record, 2) == [(2, "it waits for room in dock, where t0 and t1 go on")]
+    assert waits(record, 2) == [(2, "it waits for room in dock, where t0, t1 go on")]
     assert record.end.makespan == 7

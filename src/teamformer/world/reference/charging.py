@@ -45,6 +45,8 @@ def charge(world: PlainWorld, walks: Joins) -> None:
             if team.charger is not None:
                 walks.pop(slot, None)
     _queue(world)
+    world.happened.charged = set(world.charging)
+    world.happened.queued = world.queued.keys() - world.charging
     for robot in sorted(world.charging):
         battery = world.with_battery[robot]
         world.left[robot] += battery.lasts / battery.fills if battery.fills else battery.lasts

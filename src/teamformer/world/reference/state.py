@@ -77,6 +77,8 @@ class Happenings:
     missed: list[int] = field(default_factory=list)  # tasks that are not done any more
     known: list[int] = field(default_factory=list)  # tasks that appeared
     opened: list[int] = field(default_factory=list)  # tasks that may begin from now on
+    charged: set[int] = field(default_factory=set)  # robots that charged
+    queued: set[int] = field(default_factory=set)  # robots that waited for room at a charger
     is_elsewhere: bool = False  # a task was found elsewhere than it was believed to be
     any_broken_off: bool = False
     any_overdue: bool = False

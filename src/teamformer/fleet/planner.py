@@ -15,6 +15,7 @@ from teamformer.mission.coordination import UNFORESEEN, Coordinator, Known, Plan
 from teamformer.mission.model import Mission, Task, as_believed
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.zones import Zone
 
 Stop = tuple[int, tuple[int, ...]]
 """A task and its coalition."""
@@ -194,11 +195,26 @@ def _change(
         if task.key >= len(whole.tasks)
     ]
     if whole.time == "continuous":  # as it may be that nobody could have planned beforehand
-        return as_believed(whole, tasks=tuple(tasks))
+        zones = _zones_by_name(mission, tasks[len(whole.tasks) :])
+        return as_believed(whole, tasks=tuple(tasks), zones=zones)
     try:
         return replace(whole, tasks=tuple(tasks))
     except MissionError:  # as of a service that takes longer than can be counted
         return None
+
+
+def _zones_by_name(mission: FleetMission, added: Sequence[Task]) -> tuple[Zone, ...]:
+    """Return zones with their tasks by name, so that they hold them wherever loads are brought."""
+    own = mission.source.tasks
+    held = [
+        (zone, [own[k] for k in zone.tasks_in(own)] + [t for t in added if zone.has_place(t.at)])
+        for zone in mission.source.zones
+    ]
+    return tuple(
+        Zone(zone.name, tasks=tuple(task.name for task in inside), room=zone.room)
+        for zone, inside in held
+        if inside
+    )
 
 
 def _named(caps: Sequence[str], needs: Sequence[float]) -> dict[str, float]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.fleet.agent.ears import Ears
+from teamformer.fleet.agent.entering import ZoneGate
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.loads import note_load, note_place
 from teamformer.fleet.agent.meeting import Meeting
@@ -47,9 +48,6 @@ if TYPE_CHECKING:
 LOOK = 1.0
 """Seconds between two looks at who is lost and whether this robot gets on."""
 
-NAMESAKES = 3
-"""Messages of another process in this robot's name from which on the younger one gives up."""
-
 
 class Agent:
     """One robot's mind, to be ticked when something is heard or sensed and when it is `due`."""
@@ -73,18 +71,17 @@ class Agent:
         self.membership = Membership(self.knowledge, mission.timers, life, now)
         self.keeper = PlanKeeper(self.knowledge, plan, planner)
         self.service = Service(self.knowledge, self.membership)
+        self.gate = ZoneGate(self.knowledge, self.membership, self.keeper)
         self.meeting = Meeting(self.knowledge, self.membership)
         self.leading = None if policy is None else self._lead_by(policy, now)
         self.voice = Voice(self, now, nonce)
         self.command = Command()
         self.due = now
-        self.is_refused = False  # an older process has this robot's name
         self._born = now - kept.age
         self._look_at = now
         self._place = (self.knowledge.words[me].x, self.knowledge.words[me].y)
         self._wanted: Place | None = None  # where it last wanted to go and was not
         self._leaves_when = float("inf")  # the promise that it waits out before it leaves
-        self._namesakes = 0
         self._mates_changes = 0  # grows when somebody says something new about the task at hand
         self._report = Report(*self._place)
         self._lets_go = False  # it has told its body to, which may report that late
@@ -151,6 +148,11 @@ class Agent:
         return self.membership.life, self.knowledge.changes
 
     @property
+    def is_refused(self) -> bool:
+        """Say whether an older process has this robot's name."""
+        return self.voice.is_refused
+
+    @property
     def is_over(self) -> bool:
         """Say whether every task that this robot knows is over, and none is still to appear."""
         return len(self.knowledge.over) == len(self.knowledge.tasks)
@@ -161,7 +163,7 @@ class Agent:
             return
         if sender == self.me:
             if type(body) is Beat:
-                self._meet_namesake(body, now)
+                self.voice.meet_namesake(body, now)
         elif type(body) is Beat:
             self._hear_beat(body, sender, now, notices)
         elif type(body) is PlanNote:
@@ -199,6 +201,7 @@ class Agent:
                 old = membership.hear(word, now)
                 if old is None:
                     continue
+                self._mates_changes += self.gate.hear(word, now)
                 if old.is_fit and not word.is_fit:
                     self.voice.hurry()  # it may only not have heard anybody
                 if goal != NOBODY and goal in (word.goal, old.goal):
@@ -213,12 +216,6 @@ class Agent:
         has_older_plan = beat.plan < self.keeper.plan.version
         differs = beat.digest != self.knowledge.digest
         self.voice.tell(sender, has_older_plan, differs, now, notices)
-
-    def _meet_namesake(self, beat: Beat, now: float) -> None:
-        """Give way to another process that speaks for this robot, if that one is older."""
-        if beat.nonce != self.voice.nonce and beat.uptime > self.voice.uptime(now):
-            self._namesakes += 1
-            self.is_refused = self._namesakes >= NAMESAKES
 
     def _sense(self, report: Report, now: float, notices: list[Notice]) -> None:
         self._place = (report.x, report.y)
@@ -304,6 +301,7 @@ class Agent:
         may_begin = self.mission.may_begin(service.goal, self.knowledge.over, self.age(now))
         begins = self.knowledge.begins(service.team_here(now), service.goal)
         may_begin = may_begin and begins <= self.knowledge.age
+        may_begin = may_begin and self.gate.lets_in(service.goal, now)
         service.stand_by(now, is_there, report.is_busy, may_begin, chosen)
 
     def _leads(self, place: Place | None) -> bool:

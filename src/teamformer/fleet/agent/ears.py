@@ -1,4 +1,7 @@
-"""Whom a robot listens to: in a small fleet everybody, in a large one neighbours and partners."""
+"""Whom a robot listens to: in a small fleet everybody, in a large one neighbours and partners.
+
+Where there are zones all have to agree on who enters, so there everybody listens to everybody.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,8 @@ class Ears:
     """The robots that one robot, `me`, listens to: those `watched`."""
 
     def __init__(self, mission: FleetMission, me: int) -> None:
-        self._is_small, self._me = mission.robots <= HEARS_ALL, me
+        self._is_small = mission.robots <= HEARS_ALL or bool(mission.source.zones)
+        self._me = me
         self._neighbours = neighbours(me, mission.robots)
         others = frozenset(range(mission.robots)) - {me}
         self.watched = others if self._is_small else self._neighbours

@@ -57,6 +57,9 @@ class Terms(Struct, frozen=True, array_like=True, gc=False):
     """What a robot also says of itself where there are zones or batteries."""
 
     plan: Whole = 0  # the digest of the plan that it follows
+    charge: Annotated[float, Meta(ge=0, le=1)] = 1.0  # of a full battery
+    charger: Number = NOBODY  # that it goes to, or is at
+    since: Annotated[float, Meta(ge=0, le=LONGEST)] = LONGEST  # the mission's age when it was there
 
 
 class Word(Struct, frozen=True, array_like=True, gc=False):

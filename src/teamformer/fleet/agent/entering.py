@@ -17,6 +17,13 @@ from teamformer.fleet.messages import SERVE, Word
 
 LONG_AGO = float("-inf")
 
+FRESH = 5.0
+"""Seconds for which it holds that somebody was heard to follow a plan."""
+
+LEFT_OUT = 10.0
+"""Seconds in which those whom a plan does not count on any more may begin by the one before: for as
+long as that holds, and a message may be late."""
+
 
 class ZoneGate:
     """What one robot knows of who may begin where there is room for so many only."""
@@ -50,12 +57,13 @@ class ZoneGate:
 
         Those on whom it does not count any more may have gone on for a while by the one before.
         """
-        plan, timers = self._keeper.plan, self._membership.timers
-        if now < self._keeper.dropped_at + timers.lost:
+        plan = self._keeper.plan
+        counts_on_all = len(plan.live) == self._knowledge.mission.robots
+        if not counts_on_all and now < self._keeper.dropped_at + LEFT_OUT:
             return False
         shown = (self._shown[robot] for robot in plan.live - {self._knowledge.me})
         own = plan.version[2]
-        return all(theirs == own and now - heard <= timers.near for theirs, heard in shown)
+        return all(theirs == own and now - heard <= FRESH for theirs, heard in shown)
 
     def _has_room(self, zone: int, others: set[int]) -> bool:
         """Say whether a zone has room beside those of other tasks that are in it."""

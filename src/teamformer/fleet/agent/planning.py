@@ -10,7 +10,7 @@ from teamformer.fleet.agent.knowledge import NEVER, Knowledge
 from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.in_shifts import can_still_do, who_can
-from teamformer.fleet.messages import SERVE, PlanNote, TaskFact
+from teamformer.fleet.messages import SERVE, PlanNote, TaskFact, Terms
 from teamformer.fleet.planner import FleetPlanner, FleetSituation, Stop
 from teamformer.mission.precedence import keep_precedence
 from teamformer.world.rules.constants import NOBODY
@@ -151,6 +151,7 @@ class PlanKeeper:
         self._looked_at = -1, frozenset[int]()  # after what it last looked for a reason
         self._next = 0
         self._late = frozenset[int]()  # planned tasks that cannot begin any more, as it was planned
+        self._is_short = False  # it has less in its battery than was believed
         self._looked = set[int]()  # tasks at which it has looked whether they are done
 
     def take(self, note: PlanNote, now: float) -> None:
@@ -166,6 +167,7 @@ class PlanKeeper:
             self.dropped_at = now
         self.plan, self.since, self._next = plan, now, 0
         self._looked.clear()
+        self._is_short = False
         self._late = self._too_late()
         self.changes += 1
 
@@ -181,6 +183,11 @@ class PlanKeeper:
         left = knowledge.undone - begun
         open_stops = ((key, who) for key, who in self.plan.stops if key in left)
         return frozenset(key for key, who in open_stops if knowledge.begins(who, key) == NEVER)
+
+    def note_shortage(self) -> None:
+        """Note that this robot has less in its battery than was believed: it makes a new plan."""
+        self._is_short = True
+        self.changes += 1
 
     def note_look(self, key: int) -> None:
         """Note that this robot sees that a task is not done to which it only went to look."""
@@ -238,8 +245,9 @@ class PlanKeeper:
         tasks = tuple(knowledge.open_tasks())
         at_work = {key: tuple(robots) for key, robots in serving.items()}
         situation = FleetSituation(places, tasks, at_work, self.plan.stops, age)
+        terms = {robot: words[robot].terms or Terms() for robot in places}
         situation = situation._replace(
-            over=frozenset(knowledge.over), seen=frozenset(knowledge.seen)
+            over=frozenset(knowledge.over), seen=frozenset(knowledge.seen), terms=terms
         )
         epoch = self.plan.note.epoch + 1
         note = make_plan(knowledge.mission, self._planner, situation, epoch, knowledge.me)
@@ -265,7 +273,7 @@ class PlanKeeper:
         undone = self._knowledge.undone
         if undone and (live != self.plan.live or not undone <= self.plan.listed):
             return True
-        if self._too_late() - self._late:
+        if self._too_late() - self._late or (self._is_short and undone):
             return True
         left_out = self.plan.note.left_out
         return any(self._needs_more(key) for key in self._knowledge.seen if key in undone) or any(

@@ -90,6 +90,7 @@ class Voice:
         """Say a heartbeat if it is time, or if what others act upon has changed."""
         service, membership = self._agent.service, self._agent.membership
         at_hand = (service.goal, service.phase, service.team, service.has_served)
+        at_hand = (*at_hand, self._agent.recharge.charger, self._agent.recharge.since)
         state = (*at_hand, membership.is_fit, membership.life)
         if now < self.next_beat and state == self._said and not at_once:
             return
@@ -131,10 +132,11 @@ class Voice:
         )
 
     def _terms(self) -> Terms | None:
-        """Return what others have to know of this robot where there are zones."""
-        if not self._agent.mission.source.zones:
+        """Return what others have to know of this robot where there are zones or batteries."""
+        mission = self._agent.mission
+        if not mission.source.zones and mission.charging is None:
             return None
-        return Terms(plan=self._agent.keeper.plan.version[2])
+        return self._agent.recharge.terms(self._agent.keeper.plan.version[2])
 
     def _others(self) -> tuple[Word, ...]:
         """Return words that are newer than when they were relayed last, taking turns."""

@@ -114,6 +114,17 @@ def test_of_two_that_come_to_a_task_in_one_step_the_lower_slot_does_it(
     assert played(mission, [0, 1], crews) == found
 
 
+@pytest.mark.parametrize(("speed", "ends"), [(0.5, [9, 19]), (1.0, [12, 5])])
+def test_who_has_not_left_the_cell_where_it_starts_does_what_is_there(
+    speed: float, ends: list[int]
+) -> None:
+    mission = corridor([5, 9], [task(5, 1, duration=8), task(10, 1)])
+    slow = replace(mission.robots[0], speed=speed)
+    mission = replace(mission, robots=(slow, mission.robots[1]))
+    assert settled(mission, [0, 1], [[1], [0]])[0] == ends
+    assert played(mission, [0, 1], [[1], [0]]) == ends
+
+
 def test_a_team_does_all_that_it_can_where_it_is_at_once() -> None:
     mission = corridor([0, 0], [task(3, 2, duration=4), task(3, 1, duration=6)], ((0, 1),))
     assert settled(mission, [0, 1], [[0, 1], [0]])[0] == [7, 9]

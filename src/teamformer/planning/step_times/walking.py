@@ -56,8 +56,10 @@ def walk(
     if len(crossings.task) > 0:
         for index in range(crossings.first[way], crossings.first[way + 1]):
             other, away = crossings.task[index], crossings.cells[index]
+            if away == 0 and crossings.speeds[rank] >= 1:
+                continue  # it leaves the cell in the first step
             if away != here:
-                steps = _steps_of(problem, crossings, rank, away - passed)
+                steps = max(1, _steps_of(problem, crossings, rank, away - passed))
                 came = walked_by(problem, plan, groups, group, task, since, steps)
             if is_begun(groups, other, came, slot) or not may_begin(problem, groups, other, came):
                 continue

@@ -8,13 +8,14 @@ import math
 import numpy as np
 import pytest
 
+from charged_keys import drawn_with
 from charging_missions import charged_mission
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.plane import Plane
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.solve import plan_together
-from teamformer.planning.problem.batteries import charged_times, charged_totals
+from teamformer.planning.problem.charged_plans import charged_times, charged_totals
 from teamformer.planning.problem.coalition_plan import plan_of_lists
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.search.arc_search import ArcSearch
@@ -38,6 +39,21 @@ def test_times_of_a_graph_are_those_of_the_plan_carried_out(seed: int) -> None:
         ends = [told.timed.end(task) for task in range(len(problem.needs))]
         tasks = len(problem.needs)
         assert np.allclose(search.graph.nodes.end[:tasks], ends, atol=50 * tasks, rtol=0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_times_of_a_graph_with_permits_are_no_earlier_than_by_the_order(seed: int) -> None:
+    problem = pose_mission(drawn_with("zones", seed, tasks=10)).problem
+    batteries = problem.batteries._replace(room=np.full_like(problem.batteries.room, 9))
+    problem = problem._replace(batteries=batteries)
+    search = ArcSearch(problem, seed)
+    assert search.begin_anew()
+    for part in range(1, 6):
+        search.anneal(*search.heats, 0, 300 * part, 300 * part)
+        told = charged_times(problem, search.present)
+        ends = [told.timed.end(task) for task in range(len(problem.needs))]
+        if math.isfinite(sum(ends)):
+            assert (np.array(ends) <= search.graph.nodes.end[: len(ends)] + 50 * len(ends)).all()
 
 
 def all_plans(problem: CoalitionProblem) -> float:

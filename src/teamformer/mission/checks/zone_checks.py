@@ -9,7 +9,6 @@ from teamformer.base.errors import Problem
 from teamformer.mission.checks.links import groups_of, longest_gaps
 from teamformer.mission.keys.unknown import Found, told_once
 from teamformer.mission.keys.zone_keys import MOST_ROOM
-from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.zones import rooms_of
 
@@ -121,10 +120,6 @@ def zones_not_served(mission: Mission) -> Iterator[Problem]:
 
 
 def _found_beside_zones(mission: Mission) -> Iterator[Found]:
-    if has_batteries(mission.robots):
-        for number, robot in enumerate(mission.robots):
-            if robot.battery is not None:
-                yield ("robots", number, "battery"), f"robot '{robot.name}' has a battery"
     for number, task in enumerate(mission.tasks):
         if task.to is not None and any(_touches(zone, task) for zone in mission.zones):
             yield ("tasks", number, "to"), f"task '{task.name}' has a load"

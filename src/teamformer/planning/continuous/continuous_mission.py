@@ -25,6 +25,7 @@ from teamformer.planning.continuous.posing.ticks import (
 )
 from teamformer.planning.continuous.posing.times import TaskClock, clock_of
 from teamformer.planning.continuous.solve import Solution
+from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import (
     CoalitionPlan,
     empty_plan,
@@ -144,7 +145,8 @@ class ContinuousMission:
 
         In that order they enter zones. Optional tasks that would be missed are not in it.
         """
-        if self.clock.rooms and not have_weights(self.problem.links):  # else it is so already
+        is_so = have_weights(self.problem.links) or are_charged(self.problem.batteries)
+        if self.clock.rooms and not is_so:
             starts = schedule_of(self.problem, plan).start[plan.order]
             order = plan.order[np.argsort(starts, kind="stable")]
             plan = plan._replace(order=order)

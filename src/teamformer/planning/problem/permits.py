@@ -73,6 +73,20 @@ def deal_permits(problem: CoalitionProblem, plan: CoalitionPlan, ends: Mapping[i
                 plan.size[task] += 1
 
 
+def rooms_of_permits(problem: CoalitionProblem) -> list[RoomLeft]:
+    """Return the rooms that the permits of a problem are, in its ticks."""
+    permits = problem.counts[problem.bodies :]
+    ready = problem.ready[problem.origin[problem.bodies :] - len(problem.needs)]
+    return [
+        RoomLeft(
+            frozenset(np.flatnonzero(problem.needs[:, zone]).tolist()),
+            int(permits[:, zone].sum()),
+            tuple(ready[permits[:, zone] > 0].tolist()),
+        )
+        for zone in np.flatnonzero(permits.any(axis=0))
+    ]
+
+
 def of_robots(problem: CoalitionProblem) -> tuple[Int32s, Int32s]:
     """Return what robots bring, (robots, caps), and what tasks need of them, (tasks, caps)."""
     counts, needs = problem.counts[: problem.bodies], problem.needs

@@ -92,7 +92,7 @@ class ArcSearch:
 
     def begin_anew(self) -> bool:
         """Make a first plan; say whether every task has an able coalition."""
-        for number in range(TRIES if self._is_weighed else 1):
+        for number in range(TRIES):
             plan = first_plan(self.problem, self._draws if number else None)
             if plan is not None and self.begin_at(plan):
                 return True

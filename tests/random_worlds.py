@@ -25,6 +25,7 @@ from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.parts.places import busiest_part
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.reach import totals_by_region
+from teamformer.mission.parts.zones import Zone
 from teamformer.world.env import Decision
 from teamformer.world.view import View
 
@@ -177,6 +178,16 @@ def _battery(rng: np.random.Generator, lasts: float) -> Battery:
     fills = float(rng.choice([0.0, 0.1, 0.37])) * lasts
     spends = float(rng.choice([0.0, 0.3])), float(rng.choice([0.0, 0.0, 0.2]))
     return Battery(lasts, fills, float(rng.choice([1.0, 0.6])), *spends)
+
+
+def with_zones(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission with one or two zones, with room for one or two services each."""
+    zones = []
+    for name in ("dock", "gate")[: int(rng.integers(1, 3))]:
+        tasks = tuple(task.name for task in mission.tasks if rng.random() < 0.7)
+        if tasks:
+            zones.append(Zone(name, tasks=tasks, room=int(rng.choice([1, 1, 2]))))
+    return replace(mission, zones=tuple(zones))
 
 
 def _absences(robot: int, lost: int | None, back: int | None) -> tuple[Absence, ...]:

@@ -47,10 +47,8 @@ def test_the_referee_sees_who_is_said_to_charge_too_soon(record: Record) -> None
     steps = list(record.steps)
     steps[1] = replace(steps[1], charge=((0, "charging"),))
     finding = judge(replace(record, steps=tuple(steps))).findings[0]
-    assert (
-        finding.message
-        == "step 2: the record says that robot r0 charges, but by the rules it is not so"
-    )
+    told = "the record says that robot r0 charges, but by the rules it is not so"
+    assert finding.message == f"step 2: {told}"
 
 
 def test_robots_are_told_to_charge_and_the_path_has_it(record: Record) -> None:

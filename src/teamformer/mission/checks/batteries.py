@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 REMEDY = "put a charger nearer, or give batteries that last longer"
 
 
-def find_battery_problems(mission: Mission, places_are_good: bool) -> Iterator[Problem]:
+def find_battery_problems(mission: Mission, are_ways_good: bool) -> Iterator[Problem]:
     """Return what is wrong with batteries and chargers, but for where these are."""
     problems = [*_problems_of_batteries(mission), *_problems_of_rooms(mission.chargers)]
     yield from problems
@@ -28,7 +28,7 @@ def find_battery_problems(mission: Mission, places_are_good: bool) -> Iterator[P
         number, name = _first_with_battery(mission)
         message = f"robot '{name}' has a battery, but there is no charger; add chargers, or drop it"
         yield Problem(("robots", number, "battery"), message)
-    elif places_are_good and not problems:
+    elif are_ways_good and not problems:
         yield from _problems_of_reach(mission)
 
 
@@ -65,7 +65,10 @@ def _problems_of_rooms(chargers: tuple[Charger, ...]) -> Iterator[Problem]:
 
 
 def _problems_of_reach(mission: Mission) -> Iterator[Problem]:
-    """Return which robots get to no charger, or not home, and which tasks nobody can do."""
+    """Return which robots get to no charger, or not home, and which tasks nobody can do.
+
+    Optional tasks that nobody can do are missed.
+    """
     charging = mission.charging
     assert charging is not None, "somebody has a battery"
     for number, robot in enumerate(mission.robots):
@@ -86,7 +89,7 @@ def _problems_of_reach(mission: Mission) -> Iterator[Problem]:
         everybody = total(robot.can for robot in mission.robots)
         able = charging.able(range(len(mission.robots)), number)
         have = total(mission.robots[robot].can for robot in able)
-        if covers(everybody, needs) and not covers(have, needs):
+        if not task.optional and covers(everybody, needs) and not covers(have, needs):
             short = describe(missing(have, needs))
             message = f"task '{task.name}' is too far from chargers for full batteries of robots"
             yield Problem(("tasks", number, "at"), f"{message} that bring {short}; {REMEDY}")

@@ -74,10 +74,12 @@ class Teller:
         now, opened = self.unrolled, self.unrolled.opened
         if now.is_planned or self.steps == 1:
             return sorted(now.teams.robots)
-        others = {*now.others, *now.formed}
-        if opened:
+        others, news = {*now.others, *now.formed}, set(opened)
+        turned = now.services.turned
+        news.update(*(room.tasks for room in now.rooms if room.tasks & turned))
+        if news:
             deeds = now.phases.deeds
-            waiting = {(WAITING, task) for task in opened}
+            waiting = {(WAITING, task) for task in news}
             others |= {slot for slot in now.teams.robots if deeds[slot] in waiting}
         return sorted(others)
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import believed_place
+from teamformer.mission.parts.zones import all_rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.record.record import Record, Step
 from teamformer.record.task_times import appears_after
@@ -65,6 +66,7 @@ class Unrolled:
         self.lies += [task.at for task in true_tasks[held:]]
         self.known = [appears_after(task) for task in tasks]
         self.before = tasks_before(tasks)
+        self.rooms = all_rooms_of(self.source)
         self._after: defaultdict[int, list[int]] = defaultdict(list)
         for task, others in self.before.items():
             for other in others:

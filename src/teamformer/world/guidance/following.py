@@ -37,6 +37,8 @@ def follow_plans(worlds: Worlds, parts: Parts, is_new: Array) -> None:
 def _follow(world: World, parts: Parts, is_new: Array) -> None:
     _find_next_tasks(world, parts, is_new)
     find_earliest_tasks(world)
+    if len(world.zones) > 0:
+        _find_who_is_awaited(world, parts)
     for position in range(world.count.open):
         parts.waiting[world.order[position]] = NOBODY
     _find_who_parts(world, parts)
@@ -74,6 +76,18 @@ def _find_next_tasks(world: World, parts: Parts, is_new: Array) -> None:
             if world.tasks[parts.task[place]].is_open:
                 world.robots[robot].next = parts.task[place]
                 break
+
+
+@kernel
+def _find_who_is_awaited(world: World, parts: Parts) -> None:
+    """Find the tasks that somebody is to do who is there: in zones others let them go first."""
+    for task in range(world.rules.tasks):
+        world.tasks[task].is_awaited = False
+    for robot in range(world.rules.robots):
+        part = parts.part[robot]
+        if world.robots[robot].team != NOBODY:
+            for place in range(parts.first[part], parts.first[part + 1]):
+                world.tasks[parts.task[place]].is_awaited = True
 
 
 @kernel

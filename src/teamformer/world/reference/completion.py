@@ -19,14 +19,38 @@ def complete_tasks(world: PlainWorld) -> None:
         if team.charger is not None or _is_with_load(world, slot, team):
             continue
         for task in world.tasks_at(team.at):
-            is_ready = world.mission.tasks[task].to is None and _is_ready(world, team, task)
+            is_bound = world.mission.tasks[task].to is not None or task in world.in_zones
+            is_ready = not is_bound and _is_ready(world, team, task)
             is_ready = is_ready and (task == team.task or has_enough(world, team, task))
             if is_ready and _fits(world, team, task):
                 _begin(world, slot, team, task)
+    _enter_zones(world)
     world.happened.done = dict(sorted(world.happened.done.items()))
     for team in world.teams.values() if world.happened.done else ():
         if team.task is not None and team.task not in world.open:
             team.task, team.is_detour = None, False
+
+
+def _enter_zones(world: PlainWorld) -> None:
+    """Let tasks in zones begin in the order, where there is room for those before them, too.
+
+    Each is begun by a team that is assigned to it, the lowest of those that can. What goes on takes
+    room, and so does what is still to begin before by the plan.
+    """
+    taken = {room.zone: len(room.tasks & world.served) for room in world.rooms}
+    for task in (k for k in world.order if k in world.in_zones and k in world.open - world.served):
+        rooms = [room for room in world.rooms if task in room.tasks]
+        able = [
+            (slot, team)
+            for slot, team in world.in_slot_order()
+            if team.task == task and team.charger is None and world.is_same(team.at, world.at[task])
+            if _is_ready(world, team, task) and _fits(world, team, task)
+        ]
+        if able and all(taken[room.zone] < room.room for room in rooms):
+            _begin(world, *able[0], task)
+        is_waiting = task in world.open and task in world.awaited
+        if task in world.served or is_waiting:
+            taken |= {room.zone: taken[room.zone] + 1 for room in rooms}
 
 
 def _serve(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:

@@ -51,6 +51,8 @@ def follow_plan(
     tasks parts; teams that wait at a task for one another join, pair by pair in slot order.
     """
     _find_next_tasks(world, plan, is_new)
+    there = (robot for robot, slot in enumerate(world.slot_of) if slot is not None)
+    world.awaited = {task for robot in there for task in plan.routes.get(robot, ())}
     wants: dict[int, Units] = {}
     took: list[tuple[int, int]] = []
     waiting: dict[int, int] = {}

@@ -15,6 +15,7 @@ from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import fits_now, rotas_of
+from teamformer.mission.parts.zones import all_rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.reference.ways import PlainWays, apart_squared
 
@@ -87,7 +88,8 @@ class PlainWorld:
     """A mission while it is played by the plain rules; slots, robots and tasks are numbers.
 
     `truth` is what an uncertain mission really is. `order` has the tasks that are shared out; who
-    plays sets it, and `next` (what each robot does next, by number) where robots go by plans.
+    plays sets it, and where robots go by plans `next` (what each robot does next, by number) and
+    `awaited` (the tasks that somebody is to do who is there).
     """
 
     def __init__(
@@ -123,6 +125,7 @@ class PlainWorld:
         self.lost_at: dict[int, Place] = {}
         self.order: list[int] = []
         self.next: list[int | None] = [None] * len(mission.robots)
+        self.awaited: set[int] = set()
         self.luck = {  # by which delays are drawn
             number: ((robot.delays.seed or 0) * 2654435769 + 88172645463325252) % 2**64
             for number, robot in enumerate(self.truth.robots)
@@ -148,6 +151,8 @@ class PlainWorld:
         for task, place in enumerate(self.at):
             self._squares[self._square(place)].add(task)
         self.before = tasks_before(tasks)
+        self.rooms = all_rooms_of(self.mission)
+        self.in_zones = frozenset[int]().union(*(room.tasks for room in self.rooms))
         self.known: set[int] = set()
         self.open: set[int] = set()  # known and not over
         self.may_begin: set[int] = set()

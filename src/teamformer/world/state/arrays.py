@@ -180,10 +180,19 @@ TASK = np.dtype(
         ("is_planned", np.bool_),  # its plan has it, be it for nobody yet, or does not know it
         ("missed_at", np.int32),  # the step after which it was not done any more, or NOBODY
         ("begun_at", np.int32),  # the step in which its service began
+        ("is_in_zone", np.bool_),  # only so many of a zone that it is in are served at once
+        ("is_awaited", np.bool_),  # its plan has somebody do it who is there; only asked in zones
     ],
     align=True,
 )
 CELL = np.dtype([("first_task", np.int32), ("first_team", np.int32)], align=True)
+ZONE = np.dtype(
+    [
+        ("room", np.int32),  # how many services go on in it at once
+        ("taken", np.int32),  # of these by what is under way or has its turn, in this step
+    ],
+    align=True,
+)
 SPOT = np.dtype(
     [
         ("x", np.float64),
@@ -239,6 +248,8 @@ class Worlds(NamedTuple):
     chargers: Array  # (worlds, chargers) CHARGER
     wanted: Array  # (worlds, robots, tasks) what each has to have left there, or (worlds, 0, 0)
     to_charger: Array  # (worlds, chargers, height, width) distances, or (worlds, 0, 0, 0)
+    zones: Array  # (worlds, zones) ZONE, none if no world has any
+    inside: Array  # (worlds, zones, tasks) which tasks are in which zone
 
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from teamformer.mission.model import Mission, Task, World
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places
 from teamformer.mission.parts.plane import DECIMALS, Plane
+from teamformer.mission.parts.zones import all_rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.mission.truth import expected_needs
 from teamformer.world.rules.chance import first_state
@@ -31,6 +32,7 @@ from teamformer.world.state.arrays import (
     START,
     TASK,
     TEAM,
+    ZONE,
     Worlds,
 )
 
@@ -62,6 +64,7 @@ def pack_worlds(
         _pack_tasks(worlds, w, mission, truth, foresight)
         if mission.charging:
             _pack_batteries(worlds, w, mission)
+        _pack_zones(worlds, w, mission)
         if isinstance(mission.world, Grid) and mission.world.rows:
             places = [believed_place(mission.world, task) for task in mission.tasks]
             _pack_map(worlds, w, mission.world, places)
@@ -82,6 +85,7 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
     times = max(len(robot.absences) for truth in truths for robot in truth.robots)
     shifts = max(len(robot.shifts) for s in missions for robot in s.robots)
     chargers = max(len(s.chargers) if s.charging else 0 for s in missions)
+    zones = max(len(mission.zones) for mission in missions)
     hides_needs = any(task.may_need for s in missions for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
     hides_places = any(task.within for s in missions for task in s.tasks)
@@ -118,6 +122,8 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
         chargers=np.zeros((count, chargers), dtype=CHARGER),
         wanted=np.zeros((count, robots, tasks) if chargers else (count, 0, 0)),
         to_charger=np.full((count, chargers, *walls), UNREACHABLE, dtype=np.int32),
+        zones=np.zeros((count, zones), dtype=ZONE),
+        inside=np.zeros((count, zones, tasks), dtype=np.bool_),
     )
     worlds.robots["team"] = NOBODY
     worlds.robots["lost"] = worlds.robots["back"] = worlds.robots["over"] = NEVER
@@ -294,6 +300,13 @@ def _pack_batteries(worlds: Worlds, w: int, mission: Mission) -> None:
     if isinstance(mission.world, Grid) and mission.world.rows:
         fields = worlds.to_charger[w, : len(places), : mission.world.height, : mission.world.width]
         fields[:] = distance_fields(mission.world, places)
+
+
+def _pack_zones(worlds: Worlds, w: int, mission: Mission) -> None:
+    for zone, tasks, room in all_rooms_of(mission):
+        worlds.zones["room"][w, zone] = room
+        worlds.inside[w, zone, sorted(tasks)] = True
+    worlds.tasks["is_in_zone"][w] = worlds.inside[w].any(axis=0)
 
 
 def _pack_places(worlds: Worlds, w: int, k: int, task: Task, world: World, at: Place) -> None:

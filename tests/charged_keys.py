@@ -12,7 +12,9 @@ import pytest
 from charging_missions import charged_mission
 from teamformer.base.errors import MissionError
 from teamformer.files.drawn.surprises import make_uncertain
+from teamformer.mission.checks.rules import rules_not_run
 from teamformer.mission.model import Absence, Arrivals, Delays, Mission
+from teamformer.mission.parts.zones import Zone
 from teamformer.record.record import Record
 
 ROTAS = (((0.0, 150.0), (170.0, 400.0)), ((20.0, 330.0),), ((0.0, 90.0), (100.0, 320.0)), ())
@@ -70,6 +72,16 @@ def with_loads(mission: Mission, rng: random.Random) -> Mission:
         for task in mission.tasks
     )
     return replace(mission, tasks=tasks)
+
+
+def with_zones(mission: Mission, rng: random.Random) -> Mission:
+    """Return a mission most of whose tasks are in a zone with little room, and some in another."""
+    names = [task.name for task in mission.tasks]
+    dock = tuple(name for name in names if rng.random() < 0.8) or tuple(names)
+    tool = tuple(name for name in names if rng.random() < 0.4)
+    zones = [Zone("dock", tasks=dock, room=rng.choice([1, 1, 2]))]
+    zones += [Zone("tool", tasks=tool)] if len(tool) > 1 else []
+    return replace(mission, zones=tuple(zones))
 
 
 def with_links(mission: Mission, rng: random.Random) -> Mission:
@@ -140,6 +152,7 @@ KEYS: Mapping[str, Callable[[Mission, random.Random], Mission]] = {
     "optional": with_optional,
     "cost": with_cost,
     "loads": with_loads,
+    "zones": with_zones,
     "links": with_links,
     "delays": with_delays,
     "arrivals": with_arrivals,
@@ -150,7 +163,7 @@ KEYS: Mapping[str, Callable[[Mission, random.Random], Mission]] = {
 }
 
 
-FORESEEN = ("windows", "shifts", "optional", "cost", "loads", "links")
+FORESEEN = ("windows", "shifts", "optional", "cost", "loads", "zones", "links")
 """The keys with which a run is as its plan foresees it."""
 
 
@@ -174,6 +187,8 @@ def drawn_with(keys: str, seed: int, robots: int = 4, tasks: int = 6) -> Mission
             for key in keys.split():
                 mission = KEYS[key](mission, rng)
         except MissionError:
+            continue
+        if any(rules_not_run(mission)):
             continue
         return replace(mission, name=f"{keys} {seed}")
     raise AssertionError(f"no mission with {keys} can be done")

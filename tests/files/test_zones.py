@@ -17,7 +17,6 @@ from teamformer.files.mission_files import (
 )
 from teamformer.mission.checks.rules import rules_not_played, rules_not_run, rules_of_fleets
 from teamformer.mission.model import Mission, Robot, Task
-from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.zones import Zone, ZoneRoom, may_enter, rooms_of
@@ -31,8 +30,8 @@ MISSION = Mission(
     time="continuous",
     zones=(
         Zone("dock", area=((1, 1), (4, 5)), room=2),
-        Zone("gate", tasks=("x", "z")),
         Zone("door", places=((4, 6),)),
+        Zone("gate", tasks=("x", "z")),
     ),
 )
 
@@ -44,7 +43,7 @@ def test_what_is_written_is_read(name: str, tmp_path: Path) -> None:
 
 
 def test_tasks_are_in_a_zone_by_area_by_name_or_by_place() -> None:
-    assert [zone.tasks_in(MISSION.tasks) for zone in MISSION.zones] == [[0, 1], [0, 2], [2]]
+    assert [zone.tasks_in(MISSION.tasks) for zone in MISSION.zones] == [[0, 1], [2], [0, 2]]
 
 
 def test_on_roads_places_have_names() -> None:
@@ -119,7 +118,7 @@ def test_linked_tasks_that_go_on_at_once_need_room(
 
 
 def test_only_zones_that_are_too_small_for_their_tasks_bind() -> None:
-    assert rooms_of(MISSION) == [ZoneRoom(1, frozenset({0, 2}), 1)]
+    assert rooms_of(MISSION) == [ZoneRoom(2, frozenset({0, 2}), 1)]
 
 
 def test_a_task_enters_in_its_turn_and_where_there_is_room() -> None:
@@ -134,15 +133,11 @@ def test_a_task_enters_in_its_turn_and_where_there_is_room() -> None:
 
 def test_what_does_not_go_with_zones_is_refused() -> None:
     first, *others = MISSION.tasks
-    battery, charger = Battery(60, 20), Charger((0, 0))
-    charged = replace(MISSION.robots[0], battery=battery)
-    with_battery = replace(MISSION, robots=(charged,), chargers=(charger,))
     by_name = replace(MISSION, zones=(Zone("gate", tasks=("z",)),))
     hidden = replace(first, within=2.0)
     loaded, far = replace(first, to=(8, 8)), replace(first, at=(7, 7), to=(8, 8))
     rest = "which does not go with zone '{}' yet; drop one of the two"
     cases = [
-        (with_battery, "robot 'p' has a battery, ", "dock"),
         (replace(MISSION, tasks=(loaded, *others)), "task 'x' has a load, ", "dock"),
         (replace(MISSION, tasks=(hidden, *others)), "", ""),
         (replace(by_name, tasks=(far, *others)), "", ""),
@@ -151,11 +146,13 @@ def test_what_does_not_go_with_zones_is_refused() -> None:
     for mission, told, zone in cases:
         messages = [problem.message for problem in rules_not_run(mission)]
         assert messages == ([told + rest.format(zone)] if told else [])
+        in_steps = [it.message for it in rules_not_played(replace(mission, time="steps"))]
+        of_steps = "which does not go with zones in steps yet; drop one of the two"
+        assert in_steps == ([told + of_steps] if told else [])
 
 
-def test_steps_refuse_zones_and_fleets_in_steps_too() -> None:
-    [problem] = rules_not_played(replace(MISSION, time="steps"))
-    assert problem.message == "the mission has zones; write time: continuous"
+def test_fleets_in_steps_refuse_zones() -> None:
+    assert [*rules_not_played(replace(MISSION, time="steps"))] == []
     assert list(rules_of_fleets(MISSION)) == []
     assert any(
         "the mission has zones, which fleets of processes do not know; " in problem.message

@@ -7,7 +7,7 @@ Plans are gone through task after task, in the order in which these begin, each 
 of which nobody can be spared: forming takes no time, so nobody has to come along. A plan goes no
 further once it is over no sooner than the best one. Those of robots with batteries are gone through
 as if nobody had one, which is never slower, and only then carried out with batteries by the plain
-rule. Beside batteries there are windows, shifts, optional tasks, a cost or loads.
+rule. Beside batteries there are windows, shifts, optional tasks, a cost, loads or zones.
 """
 
 from __future__ import annotations
@@ -29,9 +29,10 @@ from teamformer.mission.parts.shifts import ALWAYS, fits_all
 from teamformer.mission.parts.zones import Zone
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
-from teamformer.planning.problem.batteries import charged_totals, totals_of
+from teamformer.planning.problem.charged_plans import charged_totals, totals_of
 from teamformer.planning.problem.coalition_plan import plan_of_lists
 from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
+from teamformer.planning.problem.permits import of_robots, rooms_of_permits
 from teamformer.planning.problem.rotas import rotas_as_told
 
 ROBOTS, TASKS = 4, 6
@@ -147,19 +148,19 @@ def best_charged(problem: CoalitionProblem, known: float) -> float:
 
     Only plans better than the one `known` are looked for. Nobody gets anywhere sooner because of a
     battery, so plans are gone through as if nobody had one, and are left as soon as that is no
-    better.
+    better. Where there are zones tasks begin in any order, else in that in which they can.
     """
-    tasks, robots = range(len(problem.needs)), range(len(problem.counts))
+    tasks, robots = range(len(problem.needs)), range(problem.bodies)
+    rooms = rooms_of_permits(problem)
     before = [[o for o in row if o != NOBODY] for row in problem.before.tolist()]
     able = [[c for c in _all_crews(len(robots)) if _covers(problem, c, task)] for task in tasks]
     crews = [least_crews(one) for one in able]
     rotas = rotas_as_told(problem.rotas, problem.kind) or [ALWAYS for _ in robots]
     optional = problem.misses.optional.tolist() or [0 for _ in tasks]
-    at, free = (
-        problem.origin.tolist(),
-        [float(problem.ready[k - len(tasks)]) for k in problem.origin],
-    )
+    at = problem.origin[: problem.bodies].tolist()
+    free = [float(problem.ready[k - len(tasks)]) for k in at]
     made, ends, best = dict[int, tuple[int, ...]](), dict[int, float](), known
+    starts = dict[int, float]()
 
     def go_on(last: float) -> None:
         nonlocal best
@@ -174,6 +175,10 @@ def best_charged(problem: CoalitionProblem, known: float) -> float:
             if task in made or any(one not in made for one in before[task]):
                 continue
             earliest = max([float(problem.release[task]), *(ends[one] for one in before[task])])
+            for room in (one for one in rooms if task in one.tasks):
+                ahead = sorted((ends[one] for one in room.tasks if one in made), reverse=True)
+                earliest = max([earliest, *(starts[one] for one in room.tasks if one in made)])
+                earliest = max([earliest, *ahead[room.room - 1 : room.room]])
             for crew in crews[task]:
                 ways = [float(problem.ways[problem.pace[r], at[r], task]) for r in crew]
                 there = [rotas[r].walked(free[r], way) for r, way in zip(crew, ways, strict=True)]
@@ -181,10 +186,10 @@ def best_charged(problem: CoalitionProblem, known: float) -> float:
                 takes = int(problem.duration[task]) + slower
                 bound = [rotas[r] for r in crew]
                 begin = fits_all(bound, max(earliest, *there), takes)
-                if begin < last or math.isinf(begin):
+                if (begin < last and not rooms) or math.isinf(begin):
                     continue
                 was = [(at[r], free[r]) for r in crew]
-                made[task], ends[task] = crew, begin + takes
+                made[task], starts[task], ends[task] = crew, begin, begin + takes
                 for r in crew:
                     at[r], free[r] = task, begin + takes
                 go_on(begin)
@@ -201,7 +206,8 @@ def _all_crews(robots: int) -> list[tuple[int, ...]]:
 
 
 def _covers(problem: CoalitionProblem, crew: tuple[int, ...], task: int) -> bool:
-    return bool((problem.counts[list(crew)].sum(axis=0) >= problem.needs[task]).all())
+    counts, needs = of_robots(problem)
+    return bool((counts[list(crew)].sum(axis=0) >= needs[task]).all())
 
 
 def least_crews(able: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
@@ -297,6 +303,7 @@ DRAWN: dict[str, Callable[[int], Mission]] = {
     "charging, optional": draw_charged("optional"),
     "charging, a cost": draw_charged("cost"),
     "charging, loads": draw_charged("loads"),
+    "charging, zones": draw_charged("zones"),
 }
 
 

@@ -88,7 +88,7 @@ def _withdrawals(draw: st.DrawFn, mission: FleetMission) -> Iterator[Withdrawal]
     """Return which tasks of the mission operators call off, and when."""
     for key in range(len(mission.tasks)):
         if now_and_then(draw, 8):
-            yield Withdrawal(pick(draw, MOMENTS), key)
+            yield Withdrawal(pick(draw, MOMENTS[1:]), key)  # a task that begins called off is none
 
 
 def _orders(draw: st.DrawFn, mission: FleetMission) -> Iterator[Order]:

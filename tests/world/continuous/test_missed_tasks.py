@@ -9,8 +9,10 @@ from typing import Any
 import pytest
 
 from every_optional_plan import draw_mission
+from teamformer.base.errors import TeamformerError
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.model import Absence, Mission, Robot, Task
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
@@ -119,3 +121,15 @@ def test_whatever_happens_records_are_legal(seed: int) -> None:
         if draws.random() < 0.4:
             tasks[k] = replace(tasks[k], appears=draws.uniform(1, 80))
     run(replace(mission, robots=tuple(robots), tasks=tuple(tasks)))
+
+
+def test_optional_tasks_that_cannot_start_together_are_missed() -> None:
+    """The battery of one of two robots takes it to 10 and back only; what must be is refused."""
+    linked = [task("one", 12), task("other", 15, starts={"one": (0.0, 0.0)}), task("more", 9)]
+    given = line(linked, robots=2, chargers=(Charger((0, 0)),), until=50.0)
+    weak = replace(given.robots[0], battery=Battery(lasts=20, fills=1.0))
+    given = replace(given, robots=(weak, given.robots[1]))
+    assert sorted(missed(run(given))) == ["one", "other"]
+    must = tuple(replace(it, optional=it.name == "more") for it in linked)
+    with pytest.raises(TeamformerError, match="no coalitions were found for tasks that are linked"):
+        run_trial(replace(given, tasks=must), SharedPlan(), 0)

@@ -191,3 +191,15 @@ def test_what_does_not_fit_into_shifts_with_the_way_home_is_missed() -> None:
     assert record.end.makespan is not None
     assert record.end.makespan <= 40
     assert 0 < len(record.end.missed) < 22
+
+
+def test_a_team_forms_only_within_the_shifts_of_all() -> None:
+    """The worker is there when its shift ends, at 1; the next one, from 21 on, is just enough."""
+    worker = Robot("w", (0.0, 1.0), {"a": 1}, shifts=((0, 1),), every=21)
+    others = tuple(Robot(name, (0.0, 0.0), {"a": 1}) for name in ("x", "y"))
+    together, alone = Task("t", (0.0, 0.0), {"a": 3}), Task("u", (0.0, 0.0), {"a": 1}, duration=1.0)
+    record = run(mission(worker, *others, tasks=(together, alone), forming=1.0))
+    assert times(record, "form", "formed") == [(21, "form"), (22, "formed")]
+    assert record.end.makespan == 22
+    path = [(it.begin, it.end, it.doing) for it in told_of(record).path]
+    assert path == [(0, 1, "walking"), (1, 21, "off"), (21, 22, "forming")]

@@ -12,6 +12,7 @@ from teamformer.files.drawn.named_settings import world_of
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Absence, Mission, Robot, Task
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.zones import Zone
 from teamformer.planning.continuous.continuous_mission import pose_mission
@@ -73,6 +74,16 @@ def served(record: Record) -> list[tuple[str, float, float]]:
         elif event.kind == "done":
             ended[name] = event.at
     return sorted((name, begun[name], ended[name]) for name in ended)
+
+
+def test_who_has_to_charge_first_is_waited_for_in_a_zone() -> None:
+    """b has 6 of 30 left, and y is 6 away: it charges for 8, and is there at 14."""
+    full, low = Battery(30, 10, waiting=0.1), Battery(30, 10, starts=0.2)
+    robots = (replace(A, battery=full), replace(B, battery=low))
+    given = mission(X, Y, robots=robots, chargers=(Charger((0.0, 0.0)),))
+    y_first = run(given, InThisOrder((1, (1,)), (0, (0,))))
+    assert served(y_first) == [("x", 17.0, 23.0), ("y", 14.0, 17.0)]
+    assert served(run(given)) == [("x", 4.0, 10.0), ("y", 14.0, 17.0)]
 
 
 def test_a_team_that_is_there_waits_for_room() -> None:

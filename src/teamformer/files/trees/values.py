@@ -289,5 +289,5 @@ def _(
             name=reader.text((*where, name), name),
             **read_part(reader, (*where, name), part, kind.keys, given),
         )
-        for name, part in value.items()
+        for name, part in sorted(value.items(), key=lambda part: str(part[0]))
     )

@@ -9,7 +9,6 @@ from teamformer.base.errors import Problem
 from teamformer.mission.checks.links import groups_of, longest_gaps
 from teamformer.mission.keys.unknown import Found, told_once
 from teamformer.mission.keys.zone_keys import MOST_ROOM
-from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.roads import Roads
 from teamformer.mission.parts.zones import rooms_of
 
@@ -111,6 +110,18 @@ def _shortest(task: Task) -> float:
     return task.duration if task.lasts is None else task.lasts[0]
 
 
+def zones_not_played(mission: Mission) -> Iterator[Problem]:
+    """Return what a mission in steps has that zones do not go with yet."""
+    found = [*_found_beside_zones(mission)]
+    found += [
+        (("robots", number, "battery"), f"robot '{robot.name}' has a battery")
+        for number, robot in enumerate(mission.robots)
+        if robot.battery is not None and mission.zones
+    ]
+    rest = "which does not go with zones in steps yet; drop one of the two"
+    yield from told_once(mission, found, lambda _: rest)
+
+
 def zones_not_served(mission: Mission) -> Iterator[Problem]:
     """Return what a mission in continuous time has that zones do not go with yet."""
     if not mission.zones:
@@ -121,10 +132,6 @@ def zones_not_served(mission: Mission) -> Iterator[Problem]:
 
 
 def _found_beside_zones(mission: Mission) -> Iterator[Found]:
-    if has_batteries(mission.robots):
-        for number, robot in enumerate(mission.robots):
-            if robot.battery is not None:
-                yield ("robots", number, "battery"), f"robot '{robot.name}' has a battery"
     for number, task in enumerate(mission.tasks):
         if task.to is not None and any(_touches(zone, task) for zone in mission.zones):
             yield ("tasks", number, "to"), f"task '{task.name}' has a load"

@@ -7,7 +7,6 @@ from teamformer.mission.keys.key import (
     CONTINUOUS,
     FLEETS_IN_STEPS,
     ROBOTARIUM,
-    STEPS,
     Key,
     Unknown,
 )
@@ -147,7 +146,7 @@ ROBOT_KEYS = (
         default=None,
         without="it never has to charge",
         since=NEW,
-        unknown=Unknown((STEPS, FLEETS_IN_STEPS, ROBOTARIUM), "has a battery"),
+        unknown=Unknown((FLEETS_IN_STEPS, ROBOTARIUM), "has a battery"),
     ),
     Key(
         "count",

@@ -151,10 +151,14 @@ class ContinuousMission:
         return self.in_time(without_permits(self.problem, plan))
 
     def in_time(self, plan: CoalitionPlan) -> CoalitionPlan:
-        """Return a plan without optional tasks that would be missed, be it by a rounding."""
+        """Return a plan without optional tasks that would be missed, be it by a rounding.
+
+        So are those that come after one that is left out.
+        """
         misses, until = self.problem.misses, self.source.until
         if not can_miss(misses):
             return plan
+        plan = without_tasks(self.problem, plan, np.flatnonzero(plan.size == 0).tolist())
         ends = {stop.task: stop.end for route in self.time(plan).routes for stop in route.stops}
         late = [k for k, end in ends.items() if misses.optional[k] and not is_in_time(end, until)]
         return self.in_time(without_tasks(self.problem, plan, late)) if late else plan

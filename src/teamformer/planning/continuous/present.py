@@ -69,18 +69,23 @@ def _solve_present(known: Known, old: Plan | None, rule: Rule, made_from: str) -
     made = rule(posed.problem, mended)
     if made is not None:
         return posed.as_plan(made.plan, made_from if mended is None else "old plan")
-    if "start" in known.news:
+    fewer = _with_fewer_links(known)  # others wait until robots are back
+    if fewer is None:
         raise TeamformerError(
             f"{posed.source.name}: no coalitions were found for tasks that are linked",
             "different robots do them, so add robots or drop a link",
         )
-    fewer = _with_fewer_links(known)  # others wait until robots are back
     return _solve_present(fewer, old, rule, made_from)
 
 
-def _with_fewer_links(known: Known) -> Known:
-    """Return what is known without the last tasks whose starts are linked with one another."""
-    groups = [set(group) for group in groups_of(known.mission.tasks) if len(group) > 1]
-    left = set(known.possible_tasks)
-    last = next(group for group in reversed(groups) if group & left)
-    return replace(known, open_tasks=tuple(sorted(left - last)))
+def _with_fewer_links(known: Known) -> Known | None:
+    """Return what is known without the last tasks whose starts are linked with one another.
+
+    At the start only what is optional can be left out: None if nothing is.
+    """
+    tasks, left = known.mission.tasks, set(known.possible_tasks)
+    groups = [set(group) & left for group in groups_of(tasks) if len(group) > 1]
+    if "start" in known.news:
+        groups = [group for group in groups if all(tasks[task].optional for task in group)]
+    last = next((group for group in reversed(groups) if group), None)
+    return None if last is None else replace(known, open_tasks=tuple(sorted(left - last)))

@@ -11,7 +11,8 @@ from functools import partial
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous_bounds.cost import least_cost
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
-from teamformer.planning.problem.batteries import are_charged, charged_totals
+from teamformer.planning.problem.batteries import are_charged
+from teamformer.planning.problem.charged_plans import charged_totals
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.links import have_weights, is_bounded

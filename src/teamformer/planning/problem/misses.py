@@ -10,7 +10,6 @@ import numpy as np
 
 from teamformer.base.array_types import Ints
 from teamformer.mission.model import Mission, Task
-from teamformer.planning.problem.constants import NEVER
 
 LEFT_OUT = 2**56
 """When a task that is left out starts in a search: after all others, and before NEVER."""
@@ -40,11 +39,6 @@ def no_misses() -> Misses:
 def can_miss(misses: Misses) -> bool:
     """Say whether tasks can be missed."""
     return len(misses.until) > 0
-
-
-def end_of_all(misses: Misses) -> int:
-    """Return the tick by which tasks must have ended not to be missed, or NEVER."""
-    return int(misses.until[0]) if can_miss(misses) else NEVER
 
 
 def misses_of(

@@ -42,6 +42,9 @@ LASTS = {
 }
 """What goes on from an event until one that hung on it."""
 
+SHIFTS = ("rests", "works")
+"""What comes by a robot's shifts, whatever it does."""
+
 BEFORE = {"appear": UNKNOWN, "opens": CLOSED, "works": OFF}
 """What there was before an event that came from outside; before any other, older news."""
 
@@ -96,12 +99,12 @@ def _zone_waited_for(rooms: Sequence[ZoneRoom], events: Sequence[Event], event: 
 
 
 def _before(events: Sequence[Event], number: int) -> int:
-    """Return on which event one hung; before a shift begins that is what its robot did last."""
+    """Return on which event one hung; where a shift begins or ends, what its robot did last."""
     event = events[number]
-    if event.kind != "works":
+    if event.kind not in SHIFTS:
         return event.cause
     mine = (k for k in range(number - 1, -1, -1) if event.robots[0] in events[k].robots)
-    return next((k for k in mine if events[k].kind not in ("rests", "works")), NOBODY)
+    return next((k for k in mine if events[k].kind not in SHIFTS), NOBODY)
 
 
 def _queued(events: Sequence[Event], number: int) -> Event | None:

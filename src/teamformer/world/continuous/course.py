@@ -260,7 +260,8 @@ class Course(TaskStarts):
         if self._gives_up(is_asked=True):
             return
         for task in self.follower.order:
-            if self.is_complete(task) and self.is_released(task):
+            has_formed = self.is_complete(task) and not self.has_to_form(task)
+            if has_formed and self.is_released(task):
                 self.serve(task, is_held=False)  # nobody can keep the link any more
                 return
         if self._is_over():

@@ -80,11 +80,16 @@ class TaskStarts:
         is_able = world.covers(team, task) and world.can_carry(team, task)
         return bool(team) and is_there and is_able
 
+    def has_to_form(self, task: int) -> bool:
+        """Say whether the team of a task comes from several places and has not formed yet."""
+        came_from = {self.world.bodies[robot].came_from for robot in self.team(task)}
+        return self.mission.forming > 0 and len(came_from) > 1
+
     def _forms(self, task: int) -> bool:
         """Let a team form that has not, if that fits into its shifts; say whether it had to."""
-        world, team = self.world, self.team(task)
-        if not self.mission.forming or len({world.bodies[r].came_from for r in team}) == 1:
+        if not self.has_to_form(task):
             return False
+        world, team = self.world, self.team(task)
         since = [world.bodies[robot].since for robot in team]
         if world.when_forms(team) == world.now:
             world.form(task, team, world.cause_among([*since, self.plan_now()]))
@@ -143,7 +148,13 @@ class TaskStarts:
         return any(
             release_of(self.world.truth.tasks[task]) > now
             or self.links.holds.get(task, now) > now
-            or now < self.world.when_fits(task, self.team(task)) < math.inf
+            or now < self._when_fits(task) < math.inf
             for task in self.follower.order
             if self.is_complete(task)
         )
+
+    def _when_fits(self, task: int) -> float:
+        """Return when forming, or the task, fits into the shifts of its team, which is there."""
+        team = self.team(task)
+        is_forming = self.has_to_form(task)
+        return self.world.when_forms(team) if is_forming else self.world.when_fits(task, team)

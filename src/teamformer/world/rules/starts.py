@@ -112,11 +112,11 @@ def time_tasks(
     gaps: dict[int, list[Gap]] = {}
     for gap in rules.gaps:
         gaps.setdefault(gap.task, []).append(gap)
-    ahead = _ahead_in_rooms(rules.rooms, order)
+    ahead = ahead_in_rooms(rules.rooms, order)
     for _ in range(len(order) + 1 if gaps else 1):
         was = dict(timed.start)
         for task in order:
-            enters = max((_enters(timed, *one) for one in ahead.get(task, ())), default=0.0)
+            enters = enters_rooms(timed, ahead.get(task, ()))
             ready = _ready(rules, timed, task, came[task], enters)
             timed.start[task] = max(timed.start[task], ready)
             for _, other, least, most in gaps.get(task, ()):
@@ -132,7 +132,7 @@ def time_tasks(
     return timed
 
 
-def _ahead_in_rooms(
+def ahead_in_rooms(
     rooms: Sequence[RoomLeft], order: Sequence[int]
 ) -> dict[int, list[tuple[RoomLeft, list[int]]]]:
     """Return the rooms that each task takes, with the tasks that begin there before it."""
@@ -144,8 +144,15 @@ def _ahead_in_rooms(
     return ahead
 
 
+def enters_rooms(timed: Timed, rooms: Sequence[tuple[RoomLeft, Sequence[int]]]) -> float:
+    """Return when a task can start by rooms, each with the tasks that enter it before.
+
+    Infinite if nobody knows when one of these starts.
+    """
+    return max((_enters(timed, *one) for one in rooms), default=0.0)
+
+
 def _enters(timed: Timed, room: RoomLeft, ahead: Sequence[int]) -> float:
-    """Return when a task can start by a room that these tasks enter before it."""
     ends = sorted([*room.taken, *map(timed.end, ahead)], reverse=True)
     begun = max((timed.start[other] for other in ahead), default=0.0)
     return max(begun, ends[room.room - 1]) if len(ends) >= room.room else begun

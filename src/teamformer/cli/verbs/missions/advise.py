@@ -65,7 +65,7 @@ def _show(advice: Advice) -> None:
         markup=False,
     )
     helpful = advice.helpful
-    table = Table("what would help", what, "gain", "chance", box=None, header_style="dim")
+    table = Table("what would help", what, "gain", "noise", box=None, header_style="dim")
     for it in helpful[:MOST_LINES]:
         numbers = (_told(it.makespan), _told(it.gain), f"{it.noise:.3g}")
         table.add_row(Text(it.change), *numbers)

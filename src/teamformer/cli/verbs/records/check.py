@@ -56,8 +56,6 @@ def check(path: Path, mission: Path | None, as_json: bool) -> int:
         return 1 if findings else 0
     for finding in findings:
         out.print(finding["message"], markup=False)
-    if verdict.cost is not None:
-        out.print(f"at a cost of {verdict.cost:g}", markup=False)
     unit = "" if record.is_continuous else " steps"
     for task, by in verdict.late.items():
         out.print(f"late: {task} by {by:g}{unit}, which is allowed", markup=False)
@@ -69,6 +67,8 @@ def check(path: Path, mission: Path | None, as_json: bool) -> int:
     else:
         ending = f"{record.end.tasks_done} tasks done, {record.end.status}"
         out.print(f"legal: {length}, {ending}", markup=False, style="green")
+    if verdict.cost is not None:
+        out.print(f"at a cost of {verdict.cost:g}", markup=False)
     for line in why_so_late(record.true_mission, chain):
         out.print(line, markup=False)
     against = "" if mission is None else f"; the mission is that of {mission}"

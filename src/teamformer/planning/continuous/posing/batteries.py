@@ -15,7 +15,7 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
 from teamformer.planning.continuous.posing.tables import distances
-from teamformer.planning.problem.batteries import ENDLESS, Batteries
+from teamformer.planning.problem.batteries import ENDLESS, Batteries, with_permits
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem, different_rows
 from teamformer.world.rules.charging.standing import charge_rules, home_of, stand_charged
 from teamformer.world.rules.charging.stops import ChargeRules
@@ -76,12 +76,14 @@ def by_ability(
     """Return counts (robots, caps) and needs (tasks, caps) that only able robots can meet.
 
     What is needed of a task that some robots are not able for is needed of those that are: that is
-    a capability of its own.
+    a capability of its own. An optional task that those who are able cannot do needs nothing: a
+    task without robots is left out.
     """
     charging = mission.charging
     if charging is None:
         return counts, needs
     is_able = np.array([[charging.is_able(robot, task) for task in chosen] for robot in numbers])
+    is_optional = np.array([mission.tasks[task].optional for task in chosen])
     more_counts, more_needs = [counts], [needs.copy()]
     for able in np.unique(is_able.T, axis=0):
         if able.all():
@@ -89,6 +91,7 @@ def by_ability(
         alike = (is_able == able[:, None]).all(axis=0)
         own = np.where(alike[:, None], needs, 0)
         more_needs[0] -= own
+        own[is_optional & (own > counts[able].sum(axis=0)).any(axis=1)] = 0
         more_needs.append(own)
         more_counts.append(counts * able[:, None])
     return np.hstack(more_counts).astype(np.int32), np.hstack(more_needs).astype(np.int32)
@@ -120,8 +123,9 @@ def batteries_of(
     Those of tasks are where these end.
     """
     charging, standing = clock.charging, clock.standing
-    kinds, paces = problem.like[:, 0].tolist(), range(len(problem.ways))
-    of_pace = [int(np.flatnonzero(problem.pace == pace)[0]) for pace in paces]
+    first, pace = problem.like[:, 0].tolist(), problem.pace[: problem.bodies]
+    kinds = [robot for robot in first if robot < problem.bodies]
+    of_pace = [int(np.flatnonzero(pace == one)[0]) for one in range(1 + int(pace.max()))]
     chargers = charging.chargers
     tasks = [standing.task_places[task] for task in range(len(problem.needs))]
     own = [charging.batteries[robot] for robot in kinds]
@@ -151,7 +155,7 @@ def batteries_of(
     onwards = np.array(to_goals).transpose(0, 2, 1)  # (kinds, chargers, goals)
     left = [ENDLESS if np.isinf(one) else int(ticks(one)) for one in standing.left]
     taken = [(charger, int(ticks(until - now))) for charger, until in standing.taken]
-    return Batteries(
+    batteries = Batteries(
         lasts=np.array([ENDLESS if b is None else int(ticks(b.lasts)) for b in own], np.int64),
         fills=np.array([0.0 if b is None else b.fills / b.lasts for b in own]),
         waiting=np.array([0.0 if b is None else b.waiting for b in own]),
@@ -167,3 +171,6 @@ def batteries_of(
         room=np.array(charging.rooms, np.int64),
         taken=np.array(taken, np.int64).reshape(-1, 2),
     )
+    permits = len(problem.counts) - problem.bodies
+    more = len(first) - len(kinds), problem.ways.shape[1] - len(places)
+    return with_permits(batteries, permits, *more)

@@ -14,7 +14,15 @@ from typing import NamedTuple
 
 from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.constants import NOBODY
-from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, Visit
+from teamformer.world.rules.starts import (
+    FIRST,
+    Gap,
+    StartRules,
+    Timed,
+    Visit,
+    ahead_in_rooms,
+    enters_rooms,
+)
 
 AT_CHARGER, FULL, DONE, LEAVE = range(4)
 """What happens at a moment."""
@@ -114,6 +122,11 @@ class _CarriedOut:
         self.left = list(standing.left)
         self.left_at_task: dict[tuple[int, int], float] = {}
         self.ended: set[int] = set()
+        self.rooms = ahead_in_rooms(rules.rooms, order)
+        self.behind: dict[int, list[int]] = {}  # by task, who is next in the rooms that it is in
+        for task, rooms in self.rooms.items():
+            for _, ahead in rooms:
+                self.behind.setdefault(ahead[-1] if ahead else NOBODY, []).append(task)
         self.agenda: list[tuple[float, int, int, int]] = []
         self.busy = [0] * len(charging.chargers)
         self.queues: list[list[tuple[float, int]]] = [[] for _ in charging.chargers]
@@ -198,7 +211,10 @@ class _CarriedOut:
         self._start(task)
 
     def _start(self, task: int) -> None:
-        """Let a task start if all are coming, and what it is after has ended or will."""
+        """Let a task start if all are coming, what it is after has ended, and others are in zones.
+
+        Those are the tasks that enter its zones before it.
+        """
         visits, before = self.timed.visits[task], self.rules.before.get(task, ())
         if len(visits) < len(self.robots_of[task]) or not self.ended.issuperset(before):
             return
@@ -207,11 +223,15 @@ class _CarriedOut:
         if rules.forming and len({rules.site(visit.robot, visit.before) for visit in visits}) > 1:
             there = rules.fitted(robots, there, rules.forming) + rules.forming
         ends = (self.timed.end(other) for other in before)
-        start = max([rules.release[task], self.holds.get(task, 0.0), there, *ends])
+        enters = enters_rooms(self.timed, self.rooms.get(task, ()))
+        start = max([rules.release[task], self.holds.get(task, 0.0), there, enters, *ends])
         start = rules.fitted(robots, start, self.timed.takes[task])
         if math.isfinite(start) and all(self._spend(visit, task, start) for visit in visits):
             self.timed.start[task] = start
             heapq.heappush(self.agenda, (self.timed.end(task), DONE, task, NOBODY))
+            for other in self.behind.get(task, ()):
+                if math.isinf(self.timed.start[other]):
+                    self._start(other)
 
     def _spend(self, visit: Visit, task: int, start: float) -> bool:
         """Let a robot wait and serve; say whether it does not run dry."""

@@ -10,6 +10,7 @@ from teamformer.mission.keys.charging_keys import MOST_ROOM, MOST_SPENT
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
 from teamformer.mission.parts.charging import Charger, has_batteries
+from teamformer.mission.parts.reach import can_reach
 
 if TYPE_CHECKING:
     from teamformer.mission.model import Mission
@@ -80,6 +81,9 @@ def _problems_of_reach(mission: Mission) -> Iterator[Problem]:
         elif mission.ends is not None and not charging.gets_home(number):
             message = f"robot '{robot.name}' does not get from a charger to where the mission ends"
             yield Problem(where, f"{message}; {REMEDY}")
+    if mission.time == "steps":
+        yield from _problems_of_steps(mission)
+        return
     for number, task in enumerate(mission.tasks):
         needs = {cap: n for cap, n in task.needs.items() if cap in mission.capabilities}
         everybody = total(robot.can for robot in mission.robots)
@@ -89,3 +93,25 @@ def _problems_of_reach(mission: Mission) -> Iterator[Problem]:
             short = describe(missing(have, needs))
             message = f"task '{task.name}' is too far from chargers for full batteries of robots"
             yield Problem(("tasks", number, "at"), f"{message} that bring {short}; {REMEDY}")
+
+
+def _problems_of_steps(mission: Mission) -> Iterator[Problem]:
+    """Return which robots may not go along everywhere: in steps teams walk as one."""
+    charging = mission.charging
+    assert charging is not None, "somebody has a battery"
+    for number, robot in enumerate(mission.robots):
+        if robot.battery is None:
+            continue
+        if robot.flies and mission.world.rows:
+            message = f"robot '{robot.name}' flies over obstacles with a battery"
+            remedy = "in steps only who walks may have one; drop the battery, or moves"
+            yield Problem(("robots", number, "battery"), f"{message}; {remedy}")
+            continue
+        for entry, task in enumerate(mission.tasks):
+            if can_reach(mission.world, robot, task.at) and not charging.is_able(number, entry):
+                message = f"task '{task.name}' is too far from chargers for a full battery"
+                which = (
+                    f"{message} of robot '{robot.name}'; in steps teams walk as one, so {REMEDY}"
+                )
+                yield Problem(("tasks", entry, "at"), which)
+                break

@@ -19,7 +19,7 @@ import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.base.kernels.jit import entry, kernel
-from teamformer.planning.graph.approximate_steps import find_way, plan_ways, start_in_steps
+from teamformer.planning.graph.approximate_steps import comes_from, plan_ways, start_in_steps
 from teamformer.planning.graph.arc_problem import (
     ArcProblem,
     Records,
@@ -348,8 +348,7 @@ def _send(problem: ArcProblem, graph: Graph, node: int) -> None:
     if is_in_steps(graph):
         count, record = plan_ways(problem, graph, node), graph.nodes[node]
         for seat in range(record.first, record.first + record.taken):
-            way = find_way(graph, graph.seats[graph.seats[seat].next].node, count)
-            graph.comes[seat] = graph.ways[way].comes
+            graph.comes[seat] = comes_from(problem, graph, seat, count)
 
 
 @kernel

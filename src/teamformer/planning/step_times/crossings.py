@@ -74,15 +74,16 @@ def find_crossings(
     return found
 
 
-def without_loads(crossings: Crossings, is_load: Array) -> Crossings:
-    """Return crossings without those that loads (tasks,) play a part in.
+def without_bound(crossings: Crossings, is_load: Array, is_in_zone: Array) -> Crossings:
+    """Return crossings without those that loads and tasks in zones play no part in; both (tasks,).
 
-    Nobody takes up a load in passing, and who takes one up does nothing else where it is.
+    Nobody begins either in passing, and who takes up a load does nothing else where it is.
     """
     tasks, count = len(is_load), np.diff(crossings.first)
     way = np.repeat(np.arange(len(count)), count)
     is_here = way // tasks == way % tasks  # what is where a task is
-    is_kept = ~is_load[crossings.task] & ~(is_here & is_load[way % tasks])
+    is_bound = is_load | is_in_zone
+    is_kept = ~is_bound[crossings.task] & ~(is_here & is_load[way % tasks])
     first = np.concatenate([[0], np.cumsum(np.bincount(way[is_kept], minlength=len(count)))])
     task, cells = crossings.task[is_kept], crossings.cells[is_kept]
     return Crossings(first.astype(np.int32), task, cells, crossings.speeds)

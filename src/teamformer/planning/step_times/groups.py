@@ -41,6 +41,7 @@ class Groups(NamedTuple):
     moved: Array  # (tasks,) the tasks in the order in which they are done, as it is worked out
     spares: Array  # (robots,) those of a coalition that it can do without
     together: Array  # (robots,) those of a coalition or a group whose shifts are looked at
+    permits: Array  # (permits,) the step from which each can be used again
 
 
 def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups:
@@ -73,6 +74,7 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
         moved=np.zeros(by_task, np.int32),
         spares=np.zeros(by_robot, np.int32),
         together=np.zeros(by_robot, np.int32),
+        permits=np.zeros(problem.permits.number, np.int32),
     )
 
 
@@ -88,6 +90,8 @@ def gather_at_start(problem: Relaxed, groups: Groups) -> None:
         groups.of[robot] = group
         groups.size[group] += 1
         groups.end[group] = groups.free[group] = problem.ready[robot]
+    for permit in range(len(groups.permits)):
+        groups.permits[permit] = problem.permits.free[permit]
     for task in range(tasks):
         groups.is_done[task] = False
         groups.start[task] = groups.end[task] = FAR

@@ -73,6 +73,7 @@ HOMES = {
             "nav_msgs",
             "nav2_msgs",
             "std_msgs",
+            "sensor_msgs",
         ),
         ("fleet/bodies/ros2/",),
     ),

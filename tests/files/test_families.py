@@ -235,9 +235,9 @@ def test_in_shifts_robots_have_four_rotas() -> None:
 def test_zones_have_areas_with_little_room_and_perhaps_tasks_by_name() -> None:
     drawn = [mission.zones for mission in worlds("zones")]
     assert {len(zones) for zones in drawn} == {1, 2}
-    assert {zones[0].room for zones in drawn} == {1, 2, 3}
-    assert all(zones[0].area and zones[-1].room == (1 if zones[1:] else zones[0].room)
-               for zones in drawn)  # fmt: skip
+    assert {zones[-1].room for zones in drawn} == {1, 2, 3}
+    assert all(zones[-1].area for zones in drawn)
+    assert all(tool.tasks and tool.room == 1 for zones in drawn for tool in zones[:-1])
 
 
 def test_by_the_clock_every_key_is_drawn() -> None:

@@ -19,6 +19,7 @@ from teamformer.mission.model import Absence, Breakdown, Mission, Robot, Task, a
 from teamformer.mission.parts.capabilities import Counts, total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import believed_place, possible_places
+from teamformer.mission.parts.zones import zones_by_name
 
 MOST_BREAKDOWNS = 1000
 """Of a robot in a trial; after so many it holds out."""
@@ -132,7 +133,8 @@ def believed_mission(
         for number, task in enumerate(mission.tasks)
     )
     robots = tuple(robot.as_expected for robot in mission.robots)
-    return as_believed(mission, arrivals=None, tasks=tuple(tasks), robots=robots)
+    zones = zones_by_name(mission)  # which a task does not leave that is elsewhere
+    return as_believed(mission, arrivals=None, tasks=tuple(tasks), robots=robots, zones=zones)
 
 
 def expected_mission(mission: Mission) -> Mission:

@@ -10,6 +10,7 @@ from teamformer.base.array_types import Array
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.shifts import fits_now
+from teamformer.mission.parts.zones import rooms_of
 from teamformer.planning.problem.relaxed_problem import count_table
 from teamformer.world.env import Decision, TeamFormation
 from teamformer.world.rules.constants import NOBODY
@@ -24,7 +25,8 @@ class PlanPlayer:
     capabilities and speed are interchangeable: where the step rules let another one stay than the
     plan has it, the two exchange their routes. Robots that the rules cannot part go to the earliest
     task together. So the coalition of the earliest open task is always on its way there, and
-    nothing is parted and joined again for ever.
+    nothing is parted and joined again for ever. Zones are entered in the plan's order: before its
+    turn a team that stands at its task names none.
     """
 
     def __init__(
@@ -44,10 +46,12 @@ class PlanPlayer:
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
         self._reach = max(mission.join_radius, self._near)
         self._kind = [
-            repr((sorted(r.can.items()), r.speed, r.flies, r.absences, r.rota))
+            repr((sorted(r.can.items()), r.speed, r.flies, r.absences, r.rota, r.battery))
             for r in mission.robots
         ]
         self._rotas = [robot.rota for robot in mission.robots]
+        self._rooms = rooms_of(mission)
+        self._planned = planned
         self._counts = count_table([robot.can for robot in mission.robots], mission)
 
     def decide_in(self, env: TeamFormation) -> Decision:
@@ -66,6 +70,7 @@ class PlanPlayer:
         waiting: dict[int, int] = {}  # the team at its next task that nobody joins yet, by task
         steps = int(env.worlds.count["steps"][0])
         serves, x, y = (teams[field].tolist() for field in ("serves", "x", "y"))
+        is_charging = (teams["charger"] != NOBODY).tolist()
         for slot in slots:
             ways = self._ways(members[slot])
             if serves[slot] > 0 or not ways:
@@ -73,17 +78,37 @@ class PlanPlayer:
             parted = self._part(members[slot], ways)
             if parted is not None:
                 wanted[slot] = parted
-            elif self._is_at(ways[0], x[slot], y[slot]) and fits_now(
-                [self._rotas[robot] for robot in members[slot]], steps, 1
+            elif (
+                not is_charging[slot]
+                and self._is_at(ways[0], x[slot], y[slot])
+                and fits_now([self._rotas[robot] for robot in members[slot]], steps, 1)
             ):
                 other = waiting.setdefault(ways[0], slot)
                 if other != slot and self._is_in_reach(x[slot] - x[other], y[slot] - y[other]):
                     wanted[other] = wanted[other] + wanted[slot]
                     del waiting[ways[0]]
             named[slot] = self._open_task(ways[0])
+            if self._rooms and self._is_held(tasks, named[slot], x[slot], y[slot]):
+                named[slot] = NOBODY
         return Decision(
             np.array([wanted[slot] for slot in slots]), np.array([named[slot] for slot in slots])
         )
+
+    def _is_held(self, tasks: Array, task: int, x: float, y: float) -> bool:
+        """Say whether a team stands at a task in a zone of which it is not the turn yet.
+
+        There is no room for it and for all others before it in the plan that are not over then.
+        """
+        if task == NOBODY or not self._is_at(task, x, y):
+            return False
+        rank, ends = (
+            self._rank,
+            (tasks["served"] + 1 >= tasks["takes"]) & (tasks["server"] != NOBODY),
+        )
+        first = {k for k in self._planned if rank[k] < rank[task] and not self._is_done[k]}
+        ahead = {k for k in first if not ends[k]}
+        rooms = (room for room in self._rooms if task in room.tasks)
+        return any(len(room.tasks & ahead) >= room.room for room in rooms)
 
     def _next(self, robot: int) -> int:
         """Return the robot's next task that is not done, or NOBODY."""

@@ -61,11 +61,17 @@ class ZoneRoom(NamedTuple):
         return next((other for other in waiting if other in self.tasks), task) == task
 
 
+def all_rooms_of(mission: Mission) -> list[ZoneRoom]:
+    """Return the room of each of a mission's zones."""
+    return [
+        ZoneRoom(number, frozenset(zone.tasks_in(mission.tasks)), zone.room)
+        for number, zone in enumerate(mission.zones)
+    ]
+
+
 def rooms_of(mission: Mission) -> list[ZoneRoom]:
     """Return the rooms of a mission's zones that are too small for all tasks in them at once."""
-    tasks = ((number, zone.tasks_in(mission.tasks)) for number, zone in enumerate(mission.zones))
-    rooms = (ZoneRoom(number, frozenset(own), mission.zones[number].room) for number, own in tasks)
-    return [room for room in rooms if room.room < len(room.tasks)]
+    return [room for room in all_rooms_of(mission) if room.room < len(room.tasks)]
 
 
 def zones_by_name(mission: Mission) -> tuple[Zone, ...]:

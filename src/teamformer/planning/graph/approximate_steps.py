@@ -16,6 +16,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.arc_problem import is_permit
 from teamformer.planning.graph.pauses import fitted, is_in_shifts, left_by, united
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
@@ -35,12 +36,16 @@ def start_in_steps(problem: ArcProblem, graph: Graph, task: int, first_seat: int
     before it in any case, so that there is no circle.
     """
     nodes, seats, there = graph.nodes, graph.seats, graph.there
-    taken, count = nodes[task].taken, 0
+    taken, count, room = nodes[task].taken, 0, 0
     for seat in range(first_seat, first_seat + taken):
         tail = seats[seat].prev
+        if is_permit(problem, seats[seat].kind):
+            room = max(room, graph.comes[tail])
+            continue
         is_new, before = True, seat - 1
         while is_new and before >= first_seat:
             is_new = seats[seats[before].prev].node != seats[tail].node
+            is_new = is_new or is_permit(problem, seats[before].kind)
             before -= 1
         if is_new:
             place = count
@@ -51,10 +56,10 @@ def start_in_steps(problem: ArcProblem, graph: Graph, task: int, first_seat: int
             count += 1
     if is_in_shifts(problem):
         step = united(problem, graph, first_seat, taken, count)
-        step = max(_opens(problem, graph, task), step)
+        step = max(_opens(problem, graph, task), step, room)
         step = fitted(problem, graph, task, first_seat, step * TICKS, nodes[task].duration) // TICKS
     else:
-        step = max(_opens(problem, graph, task), pair_off(there, count))
+        step = max(_opens(problem, graph, task), pair_off(there, count), room)
     for seat in range(first_seat, first_seat + taken):
         if step + nodes[task].duration // TICKS >= problem.kinds[seats[seat].kind].lost:
             step = max(step, FAR)
@@ -75,6 +80,8 @@ def plan_ways(problem: ArcProblem, graph: Graph, node: int) -> int:
     """
     ways, record, count = graph.ways, graph.nodes[node], 0
     for seat in range(record.first, record.first + record.taken):
+        if is_permit(problem, graph.seats[seat].kind):
+            continue
         to = graph.seats[graph.seats[seat].next].node
         pace = problem.kinds[graph.seats[seat].kind].pace
         way = find_way(graph, to, count)
@@ -92,6 +99,14 @@ def plan_ways(problem: ArcProblem, graph: Graph, node: int) -> int:
         leaves = free + min(turn, count - 1) * problem.forming[0]
         ways[way].comes = _walked(problem, graph, node, way, leaves)
     return count
+
+
+@kernel
+def comes_from(problem: ArcProblem, graph: Graph, seat: int, count: int) -> int:
+    """Return when who leaves a seat is at its next one, by its node's ways; permits at once."""
+    if is_permit(problem, graph.seats[seat].kind):
+        return graph.nodes[graph.seats[seat].node].end // TICKS
+    return graph.ways[find_way(graph, graph.seats[graph.seats[seat].next].node, count)].comes
 
 
 @kernel

@@ -8,7 +8,7 @@ are worked out.
 from __future__ import annotations
 
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.graph.approximate_steps import find_way, plan_ways
+from teamformer.planning.graph.approximate_steps import comes_from, plan_ways
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed
 from teamformer.planning.graph.arriving import left_after
 from teamformer.planning.graph.changes import (
@@ -172,7 +172,7 @@ def _send_on(problem: ArcProblem, graph: Graph, trial: ArcChange, node: int) -> 
     for seat in range(record_of.first, record_of.first + record_of.taken):
         head = graph.seats[seat].next
         to = graph.seats[head].node
-        comes = graph.ways[find_way(graph, to, count)].comes
+        comes = comes_from(problem, graph, seat, count)
         if comes != graph.comes[seat]:
             record(trial, COMES, seat, graph.comes[seat])
             graph.comes[seat] = comes

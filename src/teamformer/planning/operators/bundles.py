@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
+from teamformer.planning.graph.arc_problem import is_permit
 from teamformer.planning.graph.graph import LAST
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.coalition_choice import (
@@ -61,6 +62,10 @@ def pick_group(problem: ArcProblem, graph: Graph, choice: Choice, task: int) -> 
     for tail in range(first, first + taken):
         head = seats[tail].next
         if seats[head].node != end:
+            continue
+        kind = seats[tail].kind
+        useful = problem.useful[nodes[task].need, problem.kinds[kind].type]
+        if is_permit(problem, kind) and useful == 0:
             continue
         if choice.number[PICKS] == problem.most[0]:
             return False

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.base.array_types import Floats, Int32s
+from teamformer.base.kernels.jit import kernel
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.world.rules.starts import RoomLeft
@@ -28,6 +29,27 @@ class Permits(NamedTuple):
     def number(self) -> int:
         """Return how many there are."""
         return len(self.free)
+
+
+def no_permits(tasks: int) -> Permits:
+    """Return the permits of so many tasks where there are no zones."""
+    return permits_of((), tasks, 0.0)
+
+
+@kernel
+def are_zoned(permits: Permits) -> bool:
+    """Say whether there are any permits."""
+    return len(permits.free) > 0
+
+
+def that_bind(permits: Permits, now: float) -> Permits:
+    """Return the permits of those zones that have less room than tasks, or where some is taken."""
+    owner = permits.counts.argmax(axis=1) if permits.number else np.zeros(0, np.int64)
+    is_taken = np.bincount(owner, permits.free > now, permits.counts.shape[1]) > 0
+    kept = np.flatnonzero(is_taken | (permits.counts.sum(axis=0) < permits.needs.sum(axis=0)))
+    rows = np.isin(owner, kept)
+    counts, needs = permits.counts[rows][:, kept], permits.needs[:, kept]
+    return Permits(counts, np.ascontiguousarray(needs), permits.free[rows])
 
 
 def permits_of(rooms: Sequence[RoomLeft], tasks: int, now: float) -> Permits:

@@ -28,6 +28,7 @@ from teamformer.mission.parts.grid import Place
 from teamformer.mission.precedence import tasks_before
 from teamformer.planning.problem.coalition_problem import listed
 from teamformer.planning.problem.misses import Misses, misses_of, no_misses
+from teamformer.planning.problem.permits import Permits, no_permits
 from teamformer.planning.problem.prices import (
     SHARES,
     STEP,
@@ -80,6 +81,7 @@ class Relaxed(NamedTuple):
     prices: Prices  # what plans in steps are searched by besides the makespan
     misses: Misses  # what is missed if the mission is over before a task is done, in steps
     rotas: Rotas  # of each robot, in steps; empty where all always work. Nothing relaxed counts it
+    permits: Permits  # room in zones, in steps; nothing relaxed counts it
 
 
 class Future(NamedTuple):
@@ -169,6 +171,7 @@ def relax_ways(
         prices=prices_of(mission, tasks),
         misses=no_misses(),
         rotas=rotas_in_ticks([robot.rota for robot in robots], int, FAR, 0),
+        permits=no_permits(len(tasks)),
     )
     if mission.until is None or not tasks:
         return problem

@@ -73,6 +73,17 @@ def of_kinds(rotas: Rotas, rows: Ints) -> Rotas:
     return by_kind._replace(shifts=np.ascontiguousarray(rotas.shifts[rows]))
 
 
+def with_others(rotas: Rotas, others: int) -> Rotas:
+    """Return shifts with those of so many more behind them, who always work."""
+    if len(rotas.every) == 0 or others == 0:
+        return rotas
+    always = np.full((others, *rotas.shifts.shape[1:]), NEVER)
+    always[:, 0, 0] = 0
+    nothing = np.zeros(others, rotas.every.dtype)
+    every, worked = (np.append(row, nothing) for row in (rotas.every, rotas.worked))
+    return rotas._replace(shifts=np.concatenate([rotas.shifts, always]), every=every, worked=worked)
+
+
 def stretched(rotas: Rotas, ticks: int) -> Rotas:
     """Return shifts in a unit of time of which so many make one of that which they are in."""
     shifts = np.where(rotas.shifts == NEVER, NEVER, rotas.shifts * ticks)

@@ -8,9 +8,11 @@ import numpy as np
 
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
+from teamformer.planning.problem.permits import are_zoned
 from teamformer.planning.problem.relaxed_problem import Relaxed, pace_together
 from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.step_times.groups import Groups, can_do, opens
+from teamformer.planning.step_times.room import enters, take_room
 from teamformer.planning.step_times.serving import serve, takes_at
 from teamformer.planning.step_times.shifts import fitted, united
 from teamformer.planning.step_times.walking import walk
@@ -27,8 +29,12 @@ def meet(
         _note_spare_group(problem, plan, groups, task, count)
     start = max(united(problem, plan, groups, task, count), opens(problem, groups, task))
     takes = takes_at(problem, task, pace)
+    if are_zoned(problem.permits):
+        start = max(start, enters(problem, groups, task, count))
     start = fitted(problem, plan, groups, task, start, takes)
     serve(problem, crossings, plan, groups, task, start, until, takes)
+    if are_zoned(problem.permits):
+        take_room(problem, groups, task)
     return walked
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from teamformer.base.array_types import Int32s, Ints
+from teamformer.base.array_types import Array, Int32s, Ints
 from teamformer.planning.graph.arc_problem import StepRules
 from teamformer.planning.graph.graph import MAKESPAN
 from teamformer.planning.problem.coalition_plan import (
@@ -21,14 +21,22 @@ from teamformer.planning.problem.coalition_problem import (
 )
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.misses import Misses, can_miss
+from teamformer.planning.problem.permits import (
+    Permits,
+    block,
+    deal_permits,
+    no_permits,
+    that_bind,
+    without_permits,
+)
 from teamformer.planning.problem.prices import STEP
 from teamformer.planning.problem.relaxed_problem import Relaxed, cost_of_step, has_prices
-from teamformer.planning.problem.rotas import of_kinds, stretched
+from teamformer.planning.problem.rotas import of_kinds, stretched, with_others
 from teamformer.planning.search.arc_search import ArcSearch
 from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.steps.situation import Situation
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
-from teamformer.world.rules.constants import FAR
+from teamformer.world.rules.constants import FAR, NOBODY
 
 RIDERS, RIDERS_IF_LARGE = 4, 2
 """How many robots more than it needs come to a task at most."""
@@ -64,12 +72,13 @@ class TeamArcs:
         tasks = len(situation.tasks)
         is_large = tasks >= LARGE
         riders = RIDERS_IF_LARGE if is_large else RIDERS
-        problem = pose_steps(situation, self._robots, riders)
+        permits = that_bind(situation.problem.permits, int(situation.problem.ready.min()))
+        problem = pose_steps(situation, self._robots, riders, permits)
         leaders = np.unique(situation.company)
         passed, passes = _passes(situation.problem, situation.crossings, leaders)
         rules = StepRules(
-            lost=situation.problem.lost[self._robots].astype(np.int64),
-            together=_together(situation.problem),
+            lost=_padded(situation.problem.lost[self._robots], permits.number, FAR),
+            together=_together(situation.problem, permits),
             prices=situation.problem.prices,
             near=_near_of(tasks, len(np.unique(problem.counts, axis=0))),
             is_large=is_large,
@@ -109,6 +118,9 @@ class TeamArcs:
         for task, size in enumerate(plan.size.tolist()):
             robots = number[plan.coalition[task, :size]].tolist()
             laid.size[task], laid.coalition[task, :size] = size, robots
+        if self.search.problem.bodies < len(self.search.problem.counts):
+            ends = time_team_plan(self.situation, plan).ends * TICKS
+            deal_permits(self.search.problem, laid, dict(enumerate(ends.tolist())))
         self.search.begin_at(laid)
 
     def begin_anew(self) -> bool:
@@ -131,7 +143,7 @@ class TeamArcs:
     @property
     def plan(self) -> CoalitionPlan:
         """Return the best plan as the graph has it: tasks are done by those who are led to them."""
-        plan = self.search.best
+        plan = without_permits(self.search.problem, self.search.best)
         coalitions = [
             self._robots[row[:size]].tolist()
             for row, size in zip(plan.coalition, plan.size, strict=True)
@@ -149,12 +161,17 @@ def _near_of(tasks: int, types: int) -> int:
     return min(tasks - 1, MOST_NEAR, max(FEWEST_NEAR, tasks // NEAR_SHARE, 2 * types))
 
 
-def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProblem:
+def pose_steps(
+    situation: Situation, robots: Ints, riders: int, permits: Permits | None = None
+) -> CoalitionProblem:
     """Return a situation as a coalition problem, its robots in an order: depots are teams.
 
-    Nobody goes home.
+    Nobody goes home. With `permits`, which are behind robots, it has room in zones; each has a
+    depot of its own.
     """
     problem = situation.problem
+    permits = no_permits(len(problem.appears)) if permits is None else permits
+    new, one = permits.number, min(1, permits.number)
     tasks, carried = len(problem.appears), problem.steps[:, problem.carry]  # (paces, tasks)
     leaders, origin = np.unique(situation.company, return_inverse=True)
     rotas, lost = problem.rotas, problem.lost[robots]
@@ -162,27 +179,36 @@ def pose_steps(situation: Situation, robots: Ints, riders: int) -> CoalitionProb
     if len(rotas.every):  # robots with other shifts are of other kinds
         shifts = rotas.shifts[robots].reshape(len(robots), -1)
         _, apart = different_rows(np.column_stack([lost, shifts, rotas.every[robots]]))
+    rotas = with_others(of_kinds(stretched(rotas, TICKS), robots), new)
     places = np.concatenate([np.arange(tasks), tasks + leaders])
     steps = problem.steps[:, problem.cells[:, places]]  # (paces, tasks, places)
     ways = np.ascontiguousarray(steps.transpose(0, 2, 1), np.int64) * TICKS
+    slower = np.maximum(0, carried - problem.quickest).astype(np.int64) * TICKS
+    starts = [*problem.ready[leaders], *permits.free]
     return pose_problem(
-        ways=ways,
-        home=np.zeros((len(robots), len(places)), np.int64),
-        pace=problem.pace[robots],
-        origin=tasks + origin[robots],
-        counts=problem.counts[robots],
-        needs=problem.needs,
+        ways=np.pad(ways, ((0, one), (0, new), (0, 0))),
+        home=np.zeros((len(robots) + new, len(places) + new), np.int64),
+        pace=_padded(problem.pace[robots], new, len(problem.steps)),
+        origin=[*tasks + origin[robots], *range(len(places), len(places) + new)],
+        counts=block(problem.counts[robots], permits.counts),
+        needs=np.hstack([problem.needs, permits.needs]),
         duration=problem.duration.astype(np.int64) * TICKS,
-        slower=np.maximum(0, carried - problem.quickest).astype(np.int64) * TICKS,
+        slower=np.pad(slower, ((0, one), (0, 0))),
         release=(problem.appears.astype(np.int64) + 1) * TICKS,
         precedence=pairs_before(problem.before),
         forming=situation.forming_steps,
-        apart=apart,
+        apart=_padded(apart, new, NOBODY),
         spares=riders,
-        ready=problem.ready[leaders].astype(np.int64) * TICKS,
-        rotas=of_kinds(stretched(rotas, TICKS), robots),
+        ready=np.array(starts, np.int64) * TICKS,
+        rotas=rotas,
         misses=_misses_in_ticks(problem),
+        permits=new,
     )
+
+
+def _padded(values: Array, more: int, value: int) -> Ints:
+    """Return what robots have, with what permits have behind it."""
+    return np.append(values, np.full(more, value)).astype(np.int64)
 
 
 def _misses_in_ticks(problem: Relaxed) -> Misses:
@@ -196,13 +222,13 @@ def _misses_in_ticks(problem: Relaxed) -> Misses:
     return misses._replace(until=until, judged=misses.judged // scale * TICKS, leads=leads)
 
 
-def _together(problem: Relaxed) -> Int32s:
-    """Return the pace of those who go together, (paces, paces)."""
+def _together(problem: Relaxed, permits: Permits) -> Int32s:
+    """Return the pace of those who go together, (paces, paces); permits never do."""
     movers = len(problem.lengths)
     flies, rank = np.divmod(np.arange(len(problem.steps)), len(problem.steps) // movers)
     both_fly, slowest = np.minimum.outer(flies, flies), np.minimum.outer(rank, rank)
     together: Int32s = (both_fly * (len(problem.steps) // movers) + slowest).astype(np.int32)
-    return together
+    return np.pad(together, (0, min(1, permits.number)))
 
 
 def _passes(problem: Relaxed, crossings: Crossings, leaders: Ints) -> tuple[Int32s, Int32s]:
@@ -210,13 +236,13 @@ def _passes(problem: Relaxed, crossings: Crossings, leaders: Ints) -> tuple[Int3
     tasks = len(problem.appears)
     if not len(crossings.task):
         return np.zeros(1, np.int32), np.zeros(0, np.int32)
-    takes_time = problem.duration[crossings.task] > 0
-    number = np.concatenate([[0], np.cumsum(takes_time)])
+    is_passed = (problem.duration[crossings.task] > 0) & (crossings.cells > 0)
+    number = np.concatenate([[0], np.cumsum(is_passed)])
     first = number[crossings.first]  # of all places
     places = np.concatenate([np.arange(tasks), tasks + leaders])
     begin = first[:-1].reshape(-1, tasks)[places].ravel()
     end = first[1:].reshape(-1, tasks)[places].ravel()
-    kept = crossings.task[takes_time]
+    kept = crossings.task[is_passed]
     passes = np.concatenate([kept[a:b] for a, b in zip(begin, end, strict=True)] or [kept[:0]])
     passed = np.concatenate([[0], np.cumsum(end - begin)])
     return passed.astype(np.int32), passes.astype(np.int32)

@@ -11,12 +11,15 @@ from teamformer.mission.checks.windows import opening_step
 from teamformer.mission.coordination import Known, Plan, known_at_start
 from teamformer.mission.model import Mission, Task
 from teamformer.mission.parts.grid import Grid, Place
+from teamformer.mission.parts.zones import all_rooms_of
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
+from teamformer.planning.problem.permits import Permits, permits_of
 from teamformer.planning.problem.relaxed_problem import Future, Relaxed, future_of, relax_ways
 from teamformer.planning.problem.ways import are_ways_straight, ends_of
-from teamformer.planning.step_times.crossings import Crossings, find_crossings, without_loads
+from teamformer.planning.step_times.crossings import Crossings, find_crossings, without_bound
 from teamformer.world.rules.constants import FAR
 from teamformer.world.rules.distances import straight_ways, travel_matrix
+from teamformer.world.rules.starts import RoomLeft
 
 MOST_CELLS = 20_000
 """Of a plane: how many cells the longest way is counted in."""
@@ -64,13 +67,32 @@ def situation_of(known: Known, in_table: bool = True) -> Situation:
         ),
         ready=np.array([known.free_at[robot] for robot in robots], np.int32),
     )
+    problem = problem._replace(permits=_permits(known))
     crossings = find_crossings(
         mission.world, spots, places, np.unique(speed), len(problem.lengths) > 1
     )
     is_load = np.array([task.to is not None for task in wanted])
-    if is_load.any():
-        crossings = without_loads(crossings, is_load)
+    is_in_zone = np.array([any(row) for row in problem.permits.needs], np.bool_)
+    if is_load.any() or is_in_zone.any():
+        crossings = without_bound(crossings, is_load, is_in_zone)
     return Situation(robots, tasks, problem, crossings, company, mission.forming_steps)
+
+
+def _permits(known: Known) -> Permits:
+    """Return the room of all zones in which open tasks are, by their places among these."""
+    place, ends = (
+        {task: index for index, task in enumerate(known.open_tasks)},
+        dict(known.under_way),
+    )
+    rooms = [
+        RoomLeft(
+            frozenset(place[task] for task in room.tasks if task in place),
+            room.room,
+            tuple(ends[task] for task in sorted(room.tasks) if task in ends),
+        )
+        for room in all_rooms_of(known.mission)
+    ]
+    return permits_of([room for room in rooms if room.tasks], len(place), known.step)
 
 
 def _opens(known: Known, task: Task) -> int:

@@ -16,15 +16,15 @@ from teamformer.record.events.runs import Runs
 from teamformer.record.phases import (
     AT_WORK,
     CARRYING,
-    CHARGING,
     FORMING,
     LOST,
     OFF,
-    QUEUEING,
     UNLOADING,
     WAITING,
     WALKING,
+    WHY_AT_CHARGER,
 )
+from teamformer.record.told.zones import held_in
 from teamformer.world.continuous.events import Event, PlanMade
 from teamformer.world.rules.constants import NOBODY
 
@@ -89,10 +89,8 @@ class Explainer:
             return ("its team brings all that the load takes, and stays until it is unloaded",)
         if phase in AT_WORK:
             return ("its team brings all that the task needs, and stays until that is done",)
-        if phase == CHARGING:
-            return ("it charges until it is full: else it could not do what comes next",)
-        if phase == QUEUEING:
-            return ("others charge there, and there is no room for one more",)
+        if phase in WHY_AT_CHARGER:
+            return (WHY_AT_CHARGER[phase],)
         if phase == WAITING:
             return (self._why_waiting(task),)
         if task == NOBODY:
@@ -144,21 +142,13 @@ class Explainer:
 
     def _held_in_a_zone(self, task: int) -> str:
         """Return in which zone a task waits for what; nothing if in none."""
-        names, under_way = [it.name for it in self._mission.tasks], self._runs.under_way
+        under_way = self._runs.under_way
         begun = self._runs.over | under_way
         waiting = [row.task for row in (self._plan.tasks if self._plan else ()) if row.robots]
         waiting = [other for other in waiting if other not in begun]
         for room in self._rooms:
-            if task not in room.tasks or room.has_turn(waiting, under_way, task):
-                continue
-            zone = self._mission.zones[room.zone].name
-            inside = sorted(room.tasks & under_way)
-            if len(inside) >= room.room:
-                goes_on = listed([names[other] for other in inside])
-                verb = "go" if len(inside) > 1 else "goes"
-                return f"it waits for room in {zone}, where {goes_on} {verb} on"
-            first = next(other for other in waiting if other in room.tasks)
-            return f"the plan has {names[first]} enter {zone} before it"
+            if task in room.tasks and not room.has_turn(waiting, under_way, task):
+                return held_in(self._mission, room, under_way, waiting)
         return ""
 
     def _does_not_fit(self, task: int) -> bool:

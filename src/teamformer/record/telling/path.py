@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from teamformer.mission.parts.zones import rooms_of
 from teamformer.record.critical_path.stretches import (
     CLOSED,
     UNKNOWN,
@@ -43,6 +44,7 @@ class _Tracing:
         self._done_last = record.steps[-1].done[0][0]
         self._opens = opening_steps(record)
         self._tasks = record.true_mission.tasks
+        self._rooms = rooms_of(record.true_mission)
         self._number_of = {task.name: number for number, task in enumerate(self._tasks)}
         self._now = 0
         self._robots: Sequence[int] = ()
@@ -107,7 +109,14 @@ class _Tracing:
     def _waited(self, robot: int, busy: int) -> Iterator[Stretch]:
         """Go back to before the time in which nobody who was needed did anything."""
         opened = self._opens[self._task] if self._task != NOBODY else -1
+        freed, zone = self._freed(busy)
+        if freed is not None and self._together:
+            stretch, mates = self._together[-1]
+            self._together[-1] = replace(stretch, zone=zone), mates
         yield from self._told_of(robot)
+        if freed is not None:
+            self._go_before(freed, self._now)
+            return
         if opened > 0 and busy <= opened <= self._now:
             yield from self._stood(robot, opened)
             yield from self._awaited(self._task)
@@ -120,6 +129,18 @@ class _Tracing:
                     self._robots, self._task = doers, task
                     return
         yield from self._stood(robot, busy)
+
+    def _freed(self, busy: int) -> tuple[ToldService | None, int]:
+        """Return which service left room in a zone for the task now, as it ended; and the zone.
+
+        None if nobody waited for it, be it that all were busy.
+        """
+        for room in self._rooms if busy < self._now else ():
+            for other in sorted(room.tasks - {self._task} if self._task in room.tasks else ()):
+                service = self._doings.last.get(other)
+                if service is not None and service.begun < self._now == service.ended:
+                    return service, room.zone
+        return None, NOBODY
 
     def _stood(self, robot: int, since: int) -> Iterator[Stretch]:
         """Go back to when a robot began to wait, for a task or for a task to be given."""

@@ -19,8 +19,10 @@ from teamformer.record.phases import (
     OFF,
     UNLOADING,
     WAITING,
+    WHY_AT_CHARGER,
 )
 from teamformer.record.telling.unrolled import Unrolled
+from teamformer.record.told.zones import held_in
 from teamformer.world.rules.constants import NEVER, NOBODY
 
 RANKS = ("first", "second", "third")
@@ -78,6 +80,8 @@ class Narrator:
             return (self._why_at_work(phase),)
         if phase == OFF:
             return (self._why_off(slot),)
+        if phase in WHY_AT_CHARGER:
+            return (WHY_AT_CHARGER[phase],)
         if phase == IDLE:
             return (self._why_idle(self._now.teams.robots[slot]),)
         if phase == WAITING:
@@ -116,8 +120,10 @@ class Narrator:
         short = missing(can, now.mission.tasks[task].needs)
         if not short and self._does_not_fit(mates, task):
             return "the task does not fit into what is left of the shifts of its robots"
+        if now.at_chargers.keys() & set(mates):
+            return "others of its team charge"
         if not short:
-            return "its team brings all that the task needs"
+            return self._held_in_a_zone(task) or "its team brings all that the task needs"
         coming = [
             other
             for other in now.heading_for(task)
@@ -131,6 +137,20 @@ class Narrator:
         wanted, fleet = self._now.source.tasks[task], self._now.source.robots
         takes = int(wanted.duration) + wanted.unload
         return not fits_now([fleet[robot].rota for robot in robots], self._now.steps, takes)
+
+    def _held_in_a_zone(self, task: int) -> str:
+        """Return in which zone a task waits for what; nothing if in none."""
+        now, under_way = self._now, self._now.services.under_way
+        before = []
+        if now.plans.has_shared_plan and task in now.plans.order:
+            order = now.plans.order[: now.plans.order.index(task)]
+            begun = now.over | under_way
+            before = [k for k in order if k not in begun and now.plans.coalition(k)]
+        for room in now.rooms:
+            ahead = room.tasks & {*under_way, *before}
+            if task in room.tasks and len(ahead) >= room.room:
+                return held_in(now.source, room, under_way, before)
+        return ""
 
     def _why_idle(self, team: Sequence[int]) -> str:
         now = self._now

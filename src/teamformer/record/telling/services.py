@@ -15,13 +15,16 @@ from teamformer.world.rules.constants import NOBODY
 class Services:
     """The services up to some step; `changed` are those that the latest began or ended.
 
-    `touched` are the robots that began or ended something then.
+    `touched` are the robots that began or ended something then, `under_way` the tasks that went on
+    in it, and `turned` those that the step before began or ended.
     """
 
     def __init__(self) -> None:
         self.rows: list[ToldService] = []
         self.changed: list[int] = []
         self.touched: set[int] = set()
+        self.under_way: set[int] = set()
+        self.turned: set[int] = set()
         self._open: dict[int, int] = {}  # task -> its row that goes on
         self._with: dict[int, Robots] = {}  # task -> who serves it now
 
@@ -61,6 +64,7 @@ class Services:
         `ended` are tasks that were called off and loads that were set down, `taken` loads that were
         taken up, by which team.
         """
+        self.under_way, self.turned = set(self._open), {self.rows[k].task for k in self.changed}
         self.changed, self.touched = [], set()
         for task in sorted(ended):
             self._end(task, number)

@@ -15,7 +15,7 @@ from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.world.guidance.parts import Parts, parts_at
 from teamformer.world.phases.assignment import find_earliest_tasks
-from teamformer.world.phases.delays import is_off
+from teamformer.world.phases.delays import may_join
 from teamformer.world.phases.formation import choose_stayers, is_in_reach
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.state.arrays import RUNNING, World, Worlds, world_at
@@ -37,6 +37,8 @@ def follow_plans(worlds: Worlds, parts: Parts, is_new: Array) -> None:
 def _follow(world: World, parts: Parts, is_new: Array) -> None:
     _find_next_tasks(world, parts, is_new)
     find_earliest_tasks(world)
+    if len(world.zones) > 0:
+        _find_who_is_awaited(world, parts)
     for position in range(world.count.open):
         parts.waiting[world.order[position]] = NOBODY
     _find_who_parts(world, parts)
@@ -77,6 +79,18 @@ def _find_next_tasks(world: World, parts: Parts, is_new: Array) -> None:
 
 
 @kernel
+def _find_who_is_awaited(world: World, parts: Parts) -> None:
+    """Find the tasks that somebody is to do who is there: in zones others let them go first."""
+    for task in range(world.rules.tasks):
+        world.tasks[task].is_awaited = False
+    for robot in range(world.rules.robots):
+        part = parts.part[robot]
+        if world.robots[robot].team != NOBODY:
+            for place in range(parts.first[part], parts.first[part + 1]):
+                world.tasks[parts.task[place]].is_awaited = True
+
+
+@kernel
 def _is_unseen(world: World, task: int) -> bool:
     """Say whether nobody knows what a task needs, or where it is."""
     return world.tasks[task].hides_needs or world.tasks[task].hides_place
@@ -97,7 +111,7 @@ def _find_who_parts(world: World, parts: Parts) -> None:
 def _join_who_waits(world: World, parts: Parts, team: int) -> None:
     """Let a team at its task be joined by the next in slot order that is there and in reach."""
     task = world.teams[team].next
-    if task == NOBODY or not stands_at(world, team, task) or is_off(world, team):
+    if task == NOBODY or not stands_at(world, team, task) or not may_join(world, team):
         return
     other = parts.waiting[task]
     if other == NOBODY:

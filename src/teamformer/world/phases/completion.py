@@ -15,6 +15,8 @@ from teamformer.world.phases.carrying import (
     note_place,
 )
 from teamformer.world.phases.delays import is_in_shift
+from teamformer.world.phases.energy import has_enough
+from teamformer.world.phases.room import count_services, has_room, take_room
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.state.arrays import (
     APPEARED,
@@ -37,16 +39,59 @@ def complete_tasks(world: World, step: int) -> None:
         if world.tasks[task].server != NOBODY:
             _serve(world, world.tasks[task].server, task, step)
     for team in range(world.rules.robots):
-        if world.teams[team].size == 0 or (world.rules.has_loads and _is_loaded(world, team, step)):
+        if world.teams[team].size == 0 or world.teams[team].charger != NOBODY:
+            continue
+        if world.rules.has_loads and _is_loaded(world, team, step):
             continue
         for i in range(find_tasks_here(world, team)):
             task = world.here[i]
-            is_free = _is_free(world, task, step) and not world.tasks[task].is_load
+            is_bound = world.tasks[task].is_load or world.tasks[task].is_in_zone
+            is_free = not is_bound and _is_free(world, task, step)
+            is_free = is_free and (task == world.teams[team].task or has_enough(world, team, task))
             if is_free and can_do_alone(world, team, task) and _fits(world, team, task, step):
                 _begin(world, team, task, step)
+    if len(world.zones) > 0:
+        _enter_zones(world, step)
     if world.count.done > done_before:
         _close_gaps_in_order(world)
         _drop_assignments_to_over(world)
+
+
+@kernel
+def _enter_zones(world: World, step: int) -> None:
+    """Let tasks in zones begin in the order, where there is room for those before them, too.
+
+    Each is begun by a team that is assigned to it, the lowest of those that can.
+    """
+    count_services(world)
+    for position in range(world.count.open):
+        task = world.order[position]
+        if not world.tasks[task].is_in_zone or not world.tasks[task].is_open:
+            continue
+        if world.tasks[task].server != NOBODY:
+            continue
+        team = _who_enters(world, task, step)
+        if team != NOBODY:
+            _begin(world, team, task, step)
+        is_waiting = team == NOBODY and world.tasks[task].is_awaited
+        if is_waiting or world.tasks[task].server != NOBODY:
+            take_room(world, task)
+
+
+@kernel
+def _who_enters(world: World, task: int, step: int) -> int:
+    """Return the team that begins a task in a zone; NOBODY if none does."""
+    if not (has_room(world, task) and _is_free(world, task, step)):
+        return NOBODY
+    for team in range(world.rules.robots):
+        if world.teams[team].size == 0 or world.teams[team].task != task:
+            continue
+        if world.teams[team].charger != NOBODY:
+            continue
+        is_able = stands_at(world, team, task) and can_do_alone(world, team, task)
+        if is_able and _fits(world, team, task, step):
+            return team
+    return NOBODY
 
 
 @kernel

@@ -1,0 +1,213 @@
+"""Zones in missions in steps: by hand, and kernels beside plain rules."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from coordinations import RandomPlans
+from random_worlds import (
+    random_decision,
+    random_world,
+    with_optional,
+    with_precedence_and_windows,
+    with_shifts,
+    with_surprises,
+    with_zones,
+)
+from small_worlds import make, play, robot, task
+from teamformer.base.errors import MissionError
+from teamformer.methods.by_name import Player
+from teamformer.methods.coordinators.crews import Crews
+from teamformer.methods.coordinators.shared_plan import SharedPlan
+from teamformer.methods.scripted.heuristic import Heuristic
+from teamformer.methods.scripted.joining import JoinAll
+from teamformer.mission.coordination import Known, Plan
+from teamformer.mission.model import Mission
+from teamformer.mission.parts.zones import Zone, all_rooms_of
+from teamformer.mission.truth import draw_truth
+from teamformer.record.files.reading import record_from_tree
+from teamformer.record.files.writing import record_to_tree
+from teamformer.record.record import Record
+from teamformer.record.referee.judge import judge
+from teamformer.record.telling.whole import told_of
+from teamformer.record.told.told_record import ToldRecord
+from teamformer.trials.trial import run_trial
+from teamformer.world.env import TeamFormation
+from twins import Twin
+
+METHODS: dict[str, Player] = {
+    "plan": SharedPlan(),
+    "crews": Crews(),
+    "join-all": JoinAll(),
+    "heuristic": Heuristic(),
+    "random plans": RandomPlans(5),
+}
+
+
+class Given:
+    """Gives tasks to a robot each, in an order, at the start only."""
+
+    heeds = ()
+
+    def __init__(self, *rows: tuple[int, int]) -> None:
+        self._rows = rows
+
+    def update(self, known: Known, plan: Plan | None) -> Plan:
+        """Return the rows, each of a task and its robot."""
+        return Plan(tuple(k for k, _ in self._rows), tuple((r,) for _, r in self._rows))
+
+
+def dock(*tasks: int, room: int = 1, durations: tuple[int, ...] = (3, 3, 3)) -> Mission:
+    """Return three robots, each some cells from a task of its own; tasks `tasks` are in a zone.
+
+    . a T a . U . a . V        robots at 1, 3 and 7, tasks at 2, 5 and 9
+    """
+    places = (2, 5, 9)
+    wanted = [task("a", x, duration=d) for x, d in zip(places, durations, strict=True)]
+    mission = make([robot("a", x) for x in (1, 3, 7)], wanted)
+    names = tuple(mission.tasks[k].name for k in tasks)
+    return replace(mission, zones=(Zone("dock", tasks=names, room=room),))
+
+
+def ends(mission: Mission, *rows: tuple[int, int]) -> list[int]:
+    """Return when tasks are done, by number, if robots do them in such an order."""
+    env = TeamFormation([mission], coordinator=Given(*rows))
+    while env.is_running[0]:
+        env.step(env.planned_decision(env.view()))
+    return env.worlds.tasks["done_at"][0].tolist()
+
+
+IN_TURN = ((0, 0), (1, 1), (2, 2))
+
+
+@pytest.mark.parametrize(
+    ("tasks", "room", "rows", "ends_at"),
+    [
+        ((), 1, IN_TURN, [4, 5, 5]),  # each walks 1, 2 and 2 cells, and serves 3 steps
+        ((0, 1, 2), 1, IN_TURN, [4, 7, 10]),  # one begins as the one before ends
+        ((0, 1, 2), 2, IN_TURN, [4, 5, 7]),
+        ((0, 2), 1, IN_TURN, [4, 5, 7]),
+        ((0, 1, 2), 1, IN_TURN[::-1], [11, 8, 5]),  # who is there first waits for its turn
+        ((0, 1, 2), 2, IN_TURN[::-1], [8, 5, 5]),
+        ((0, 1), 3, IN_TURN, [4, 5, 5]),
+    ],
+)
+def test_services_wait_for_room_in_the_order_of_the_plan(
+    tasks: tuple[int, ...], room: int, rows: tuple[tuple[int, int], ...], ends_at: list[int]
+) -> None:
+    mission = dock(*tasks, room=room) if tasks else replace(dock(0), zones=())
+    assert ends(mission, *rows) == ends_at
+
+
+def test_who_is_later_goes_first_where_room_is_left_for_who_is_before() -> None:
+    """Task 2 takes one of two rooms at step 2, though task 0 is before it, which is begun later."""
+    mission = dock(0, 1, 2, room=2, durations=(9, 3, 3))
+    far = replace(mission, tasks=(replace(mission.tasks[0], at=(19, 0)), *mission.tasks[1:]))
+    assert ends(far, (0, 0), (2, 2), (1, 1)) == [18 + 9, 8, 5]
+
+
+def test_all_rooms_are_taken_at_once_or_none() -> None:
+    """Task 1 is in both zones: it waits for both, and task 2 behind it with it."""
+    mission = dock(0, 1)
+    names = tuple(mission.tasks[k].name for k in (1, 2))
+    both = replace(mission, zones=(*mission.zones, Zone("gate", tasks=names)))
+    assert ends(both, *IN_TURN) == [4, 7, 10]
+    assert ends(both, (0, 0), (2, 2), (1, 1)) == [4, 8, 5]
+
+
+def test_what_takes_no_time_needs_room_and_takes_none() -> None:
+    assert ends(dock(0, 1, 2, durations=(0, 3, 0)), *IN_TURN) == [1, 5, 5]
+    assert ends(dock(0, 1, 2, durations=(0, 0, 0)), *IN_TURN) == [1, 2, 2]
+
+
+def test_nobody_begins_a_task_in_a_zone_in_passing() -> None:
+    """A robot on its way to 9 passes both others, and does the one that is in no zone."""
+    alone = make([robot("a", 0)], [task("a", x) for x in (9, 2, 5)])
+    assert ends(alone, (0, 0), (1, 0), (2, 0)) == [9, 2, 5]
+    zone = Zone("dock", tasks=(alone.tasks[1].name,))
+    assert ends(replace(alone, zones=(zone,)), (0, 0), (1, 0), (2, 0)) == [9, 16, 5]
+
+
+def test_without_a_plan_the_shared_order_says_who_is_next() -> None:
+    """Both are there in step 1; which is first in the paper's order begins, of two rooms both."""
+    mission = make([robot("a", 2), robot("a", 6)], [task("a", x, duration=3) for x in (5, 3)])
+    zones = (Zone("dock", area=((3, 0), (5, 0))),)
+    env = TeamFormation([replace(mission, zones=zones)])
+    first, second = env.worlds.order[0, :2].tolist()
+    play(env, 7)
+    done = dict(enumerate(env.worlds.tasks["done_at"][0].tolist()))
+    assert (done[first], done[second]) == (4, 7)
+
+
+def drawn(rng: np.random.Generator, kind: str, is_plane: bool) -> Mission:
+    """Draw a mission with zones, and with something else."""
+    while True:
+        mission = random_world(rng, is_plane=is_plane)
+        if kind == "unsure":
+            mission = with_surprises(mission, rng)
+        if kind == "after":
+            mission = with_precedence_and_windows(mission, rng)
+        if kind == "optional":
+            mission = with_optional(mission, rng)
+        try:
+            mission = with_shifts(mission, rng) if kind == "shifts" else mission
+            return with_zones(mission, rng)
+        except MissionError:  # no common shift is long enough for some task
+            continue
+
+
+@pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
+@pytest.mark.parametrize("kind", ["sure", "unsure", "after", "optional", "shifts"])
+def test_step_with_zones_is_what_the_plain_twin_does(is_plane: bool, kind: str) -> None:
+    rng = np.random.default_rng(53 + is_plane)
+    full = done = 0
+    for number in range(24):
+        mission = drawn(rng, kind, is_plane)
+        truth = draw_truth(mission, number)
+        coordinator = [None, RandomPlans(number)][number % 2]
+        env = TeamFormation([mission], truths=[truth], coordinator=coordinator)
+        twin = Twin(env)
+        while env.is_running[0] and env.tally().steps < 80:
+            view = env.view()
+            is_planned = coordinator is not None and rng.random() < 0.8
+            decision = env.planned_decision(view) if is_planned else random_decision(view, rng)
+            twin.step(view, decision)
+            for room in twin.world.rooms:
+                under_way = len(room.tasks & twin.world.served)
+                assert under_way <= room.room
+                full += under_way == room.room
+        done += env.tally().tasks_done
+    assert full > 20
+    assert done > 20
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_records_of_missions_with_zones_are_legal_and_kept(name: str) -> None:
+    rng = np.random.default_rng(11)
+    full = 0
+    for number, kind in enumerate(("sure", "unsure", "after", "optional", "shifts") * 3):
+        mission = drawn(rng, kind, number % 3 == 0)
+        record = run_trial(mission, METHODS[name]).record
+        assert judge(record).findings == ()
+        may_stop = ("step limit",) * (kind == "shifts")  # nobody is asked when a last shift ends
+        assert record.end.status in ("completed", "too late", "infeasible", *may_stop)
+        assert record_from_tree(record_to_tree(record), "it") == record
+        full += times_full(record)
+    assert full > 8
+
+
+def times_full(record: Record) -> int:
+    """Return how often a service began that filled a zone; say that none ever held more."""
+    told: ToldRecord = told_of(record)
+    spans = [(it.task, it.begun, it.ended or record.end.steps) for it in told.services]
+    filled = 0
+    for room in all_rooms_of(record.true_mission):
+        for task_number, begun, _ in spans:
+            if task_number in room.tasks:
+                at_once = sum(t in room.tasks and b <= begun < e for t, b, e in spans)
+                assert at_once <= room.room
+                filled += at_once == room.room
+    return filled

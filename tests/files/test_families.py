@@ -22,6 +22,7 @@ from teamformer.files.drawn.named_settings import size_of, world_of
 from teamformer.files.drawn.surprises import BREAKDOWN, CALLS, DELAYS, LASTS, SURPRISES, WITHIN
 from teamformer.files.mission_files import mission_from_tree, mission_to_tree
 from teamformer.methods.by_name import load_method
+from teamformer.mission.checks.rules import rules_not_played
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.roads import Roads
@@ -223,6 +224,17 @@ def test_whoever_moves_gets_everywhere_on_roads_and_some_lanes_lead_one_way() ->
         assert not (np.isfinite(carts) & ~leads).any()
         movers |= {robot.moves for robot in mission.robots}
     assert movers == {"ground", "cart"}
+
+
+def test_in_zones_there_is_room_for_few_services() -> None:
+    drawn = [*worlds("real-zones"), *worlds("carry-zones")]
+    assert {zone.room for mission in drawn for zone in mission.zones} == {1, 2, 3}
+    assert {len(mission.zones) for mission in drawn} == {1, 2}
+    for mission in drawn:
+        yard = mission.zones[-1].tasks_in(mission.tasks)
+        assert yard
+        assert not any(mission.tasks[number].to for number in yard)
+        assert not any(rules_not_played(mission))
 
 
 def test_in_shifts_robots_have_four_rotas() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from msgspec import structs
 
-from fleets import errand, plan_of, recorded, walked
+from fleets import Watched, errand, plan_of, recorded, walked
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.walking import Lifted
@@ -23,6 +23,7 @@ from teamformer.mission.checks.rules import rules_of_fleets
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.record.record import Record
+from teamformer.record.referee import judge as judge_record
 
 Shifts = tuple[tuple[float, float], ...]
 
@@ -149,3 +150,14 @@ def test_every_promise_is_kept_in_shifts_under_schedules_of_faults() -> None:
     for number in range(10):
         verdict = judge(stage, 3, number)
         assert verdict.is_good, (number, verdict)
+
+
+def test_an_onlooker_foresees_where_a_walk_pauses() -> None:
+    """Five of ten cells are walked by 5; the rest comes from 20 on, so it is there at 25."""
+    watched = Watched(at_work([errand("t", 10, duration=1)], ((0.0, 5.0), (20.0, 60.0))))
+    watched.run(60.0)
+    while not watched.watch.is_over:
+        watched.watch.step()
+    walks = [event for event in watched.watch.record().events if event.kind == "walk"]
+    assert walks[0].until == pytest.approx(25.0, abs=1.1)
+    assert judge_record(watched.watch.record()).findings == ()

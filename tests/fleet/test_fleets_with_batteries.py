@@ -10,7 +10,7 @@ from msgspec import structs
 
 from fleets import PLANNER, Watched, errand, plan_of, recorded
 from teamformer.fleet.agent.agent import Agent
-from teamformer.fleet.bodies.body import Command, Report, charge_of
+from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.vda5050.dialect import DIALECTS
 from teamformer.fleet.bodies.vda5050.state import State
 from teamformer.fleet.bodies.world import FleetWorld
@@ -156,7 +156,6 @@ def test_vehicles_tell_their_charge_in_percent() -> None:
         assert State({part: {key: 99}}, dialect).charge == 1.0
         assert State({part: {}}, dialect).charge is None
         assert State({}, dialect).charge is None
-    assert charge_of(-0.1) == 0.0
 
 
 def test_an_onlooker_tells_who_charges() -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from fleets import pair, plan_of
 from teamformer.base.errors import TeamformerError
-from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.bodies.body import Command, Report, charge_of
 from teamformer.fleet.process.bodies_by_name import body_maker
 from teamformer.fleet.process.loop import AgentProcess
 
@@ -72,7 +72,13 @@ def test_reports_become_plain_numbers() -> None:
     report = body.report()
     assert report == Report(4.0, 0.0, number=7, is_unfit=True)
     assert [type(part) for part in report[:7]] == [float, float, int, bool, bool, int, bool]
-    assert report[7:] == (None, False, True, False, None)
+    assert report[7:] == (None, False, True, False, None, None)
+
+
+def test_a_battery_that_is_nearly_full_is_full_and_none_is_more_than_that() -> None:
+    shares = [(0.5, 0.5), (0.985, 1.0), (1.2, 1.0), (-0.1, 0.0), (float("nan"), 0.0)]
+    for told, taken in shares:
+        assert charge_of(told) == taken
 
 
 @pytest.mark.parametrize(

@@ -109,6 +109,8 @@ def missions(
     if not (is_tiny or is_for_fleets) and now_and_then(draw):  # `plain_search` knows no shifts
         _write_shifts_in_steps(draw, fleet.robots, tasks)
     tree = _write(draw, world, caps, fleet.robots, tasks)
+    if not (is_tiny or is_for_fleets) and now_and_then(draw):
+        _write_zones(draw, tree, world)
     for key, values in RULES.items():
         if now_and_then(draw, 3):
             tree[key] = pick(draw, values)

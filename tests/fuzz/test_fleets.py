@@ -44,7 +44,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @fuzzed(
     8,
-    "rehearse FILE, with the faults below",
+    "fleet rehearse FILE, with the faults below",
     mission=missions(is_for_fleets=True),
     data=st.data(),
 )
@@ -54,7 +54,7 @@ def test_every_promise_is_kept(mission: Any, data: st.DataObject, folder: Path) 
 
 @fuzzed(
     8,
-    "rehearse FILE, with the faults below",
+    "fleet rehearse FILE, with the faults below",
     mission=st.one_of(continuous_missions(), IN_TIME).map(for_fleets),
     data=st.data(),
 )

@@ -2,7 +2,8 @@
 
 `python tests/fuzz/tiny.py continuous 2000 1` draws so many missions in continuous time, and gives
 `central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps,
-`optional` such with optional tasks, of which every plan leaves out others.
+`optional` such with optional tasks, of which every plan leaves out others, and `zones` such with
+zones, which every plan enters in its order.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import math
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +21,7 @@ from hypothesis import HealthCheck, given, seed, settings
 
 from missions import continuous_missions, missions
 from plain_times import Times, Ways, able_crews, all_plans
-from random_worlds import random_world, with_optional
+from random_worlds import random_world, with_optional, with_zones
 from teamformer.base.errors import TeamformerError
 from teamformer.files.mission_files import mission_from_tree
 from teamformer.methods.by_name import Player
@@ -27,6 +29,7 @@ from teamformer.methods.central.plays import Plays, price_of_missed
 from teamformer.methods.central.policy import Central
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.model import Mission
+from teamformer.mission.parts.zones import rooms_of
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous, warm_up
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
@@ -120,6 +123,21 @@ def draw_optional(number: int) -> Mission:
             return mission
 
 
+def draw_zones(number: int) -> Mission:
+    """Draw a tiny mission in steps with zones, in which tasks take some steps."""
+    rng = np.random.default_rng(number)
+    while True:
+        mission = random_world(rng, False, False)
+        tasks = tuple(replace(task, duration=int(rng.integers(1, 9))) for task in mission.tasks)
+        mission = with_zones(replace(mission, tasks=tasks, step_limit=0), rng)
+        is_tiny = len(mission.robots) <= ROBOTS and 1 < len(mission.tasks) <= TASKS
+        if is_tiny and rooms_of(mission):
+            return mission
+
+
+DRAWN_IN_STEPS = {"optional": draw_optional, "zones": draw_zones}
+
+
 def main(kind: str, count: int, seconds: float) -> int:
     """Try so many missions; print those of which a better plan is found."""
     tried, worse = set[str](), list[float]()
@@ -150,8 +168,8 @@ def main(kind: str, count: int, seconds: float) -> int:
     for number in itertools.count():
         if len(tried) >= count:
             break
-        if kind == "optional":
-            check_it(draw_optional(number), f"number {number}")
+        if kind in DRAWN_IN_STEPS:
+            check_it(DRAWN_IN_STEPS[kind](number), f"number {number}")
             continue
         checks = settings(
             max_examples=50,

@@ -16,12 +16,13 @@ from teamformer.files.drawn.families import Amounts, Family
 from teamformer.files.drawn.generate import random_places, spawn_places
 from teamformer.files.drawn.surprises import SURPRISES, make_uncertain
 from teamformer.mission.checks.windows import find_hopeless_windows
-from teamformer.mission.model import Absence, Mission, Robot, Task
+from teamformer.mission.model import Absence, Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import exact, total
 from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.parts.roads import AIR, GROUND
 from teamformer.mission.parts.shifts import Shift
+from teamformer.mission.parts.zones import Zone
 
 SHELF = (4, 2)
 """Cells that a shelf of a warehouse takes; aisles two cells wide lie between shelves."""
@@ -67,6 +68,9 @@ serving takes. Where a task is too far from all chargers, all last longer."""
 CHARGERS, CHARGER_ROOM = (3, 6), (1, 1, 2)
 """How many there are, ends included, and the room of one."""
 
+ROOM = (1, 2, 3)
+"""How many services go on in an area at once."""
+
 
 def draw_mission(
     family: Family, rng: np.random.Generator, name: str, incident: str | None = None
@@ -76,8 +80,8 @@ def draw_mission(
     With `incident` "lost" one robot that the others can do without is lost at a random step, in the
     first half of the mission; with "arrivals" a fifth of the tasks appear at random steps; with
     "ordered" tasks come after others; with "shifts" most robots work in shifts; with
-    "charging" most have batteries; with one of `SURPRISES` not everything is known. The mission
-    itself is the same.
+    "charging" most have batteries; with "zones" few services go on at once in an area; with one of
+    `SURPRISES` not everything is known. The mission itself is the same.
     """
     for _ in count():
         mission, spare = _draw(family, rng, name)
@@ -93,6 +97,8 @@ def draw_mission(
         return _work_in_shifts(mission, rng)
     if incident == "charging":
         return _give_batteries(mission, rng)
+    if incident == "zones":
+        return _share_zones(mission, rng)
     return mission if incident is None else _let_arrive(mission, rng)
 
 
@@ -343,6 +349,37 @@ def _give_batteries(mission: Mission, rng: np.random.Generator) -> Mission:
         with suppress(MissionError):
             return replace(mission, robots=robots, chargers=chargers, step_limit=0)
         lasts += BATTERY_LASTS[0] / 4
+
+
+def _share_zones(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Let few services go on at once in an area and, in half of the missions, of some tasks.
+
+    Where there are loads, which are in no zone yet, tasks by name take the place of the area.
+    """
+    names = [task.name for task in mission.tasks if task.to is None]
+    drawn: list[str] = rng.permutation(names).tolist()
+    quarter = max(1, len(names) // 4)
+    yard = Zone("yard", tasks=tuple(drawn[quarter : 3 * quarter]), room=int(rng.choice(ROOM)))
+    tool = Zone("tool", tasks=tuple(drawn[:quarter]))
+    has_both, has_loads = rng.random() < 0.5, len(names) < len(mission.tasks)
+    while True:
+        if not has_loads:
+            yard = replace(yard, tasks=(), area=_area(mission.world, rng))
+        zones = (tool, yard) if has_both else (yard,)
+        with suppress(MissionError):
+            return replace(mission, zones=zones, step_limit=0)
+
+
+def _area(world: World, rng: np.random.Generator) -> tuple[Place, Place]:
+    """Return two corners of an area a third to two thirds as wide and as high as a grid."""
+    assert isinstance(world, Grid)
+    ends = []
+    for whole in (world.width, world.height):
+        side = math.ceil(whole * rng.uniform(1 / 3, 2 / 3))
+        begin = int(rng.integers(whole - side + 1))
+        ends.append((begin, begin + side - 1))
+    (left, right), (low, high) = ends
+    return (left, low), (right, high)
 
 
 def _draw_step(rng: np.random.Generator) -> int:

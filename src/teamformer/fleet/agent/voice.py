@@ -90,8 +90,8 @@ class Voice:
         """Say a heartbeat if it is time, or if what others act upon has changed."""
         service, membership = self._agent.service, self._agent.membership
         at_hand = (service.goal, service.phase, service.team, service.has_served)
-        at_hand = (*at_hand, self._agent.recharge.charger, self._agent.recharge.since)
-        state = (*at_hand, membership.is_fit, membership.life)
+        charges = (self._agent.recharge.charger, self._agent.recharge.since)
+        state = (*at_hand, *charges, membership.is_fit, membership.life)
         if now < self.next_beat and state == self._said and not at_once:
             return
         self._said = state

@@ -7,7 +7,7 @@ from typing import Any
 
 from teamformer.base.errors import TeamformerError
 from teamformer.base.own_code import telling_where
-from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.bodies.body import Command, Report, charge_of
 
 HINT = "see docs/how-to/robots.md for what a body offers"
 
@@ -41,9 +41,8 @@ class OwnBody:
         if not isinstance(report, Report):
             what = f"report() returned {type(report).__name__}, not a Report"
             raise TeamformerError(f"body '{self._name}': {what}", HINT)
-        x, y, leg, is_done, is_busy, number, carries, load, is_gone, is_unfit, has_served, needs = (
-            report
-        )
+        x, y, leg, is_done, is_busy, number, carries, load, is_gone, *others = report
+        is_unfit, has_served, needs, charge = others
         try:
             return Report(
                 *(float(x), float(y), int(leg), bool(is_done), bool(is_busy), int(number)),
@@ -51,6 +50,7 @@ class OwnBody:
                 bool(is_unfit),
                 bool(has_served),
                 None if needs is None else tuple(map(float, needs)),
+                None if charge is None else charge_of(float(charge)),
             )
         except (TypeError, ValueError, LookupError) as error:
             raise TeamformerError(f"body '{self._name}': report(): {error}", HINT) from None

@@ -6,18 +6,21 @@ second; how they go on to their tasks is as their ways lead.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import HERE, LONGEST, SERVE, Terms, Word
 from teamformer.fleet.observer.watch import Watch
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.roads import Roads
 from teamformer.record.record import Record, Step
 from teamformer.record.snapshots.deeds import Deed
 from teamformer.record.snapshots.events_seen import EventsSeen
 from teamformer.world.continuous.events import Passed
-from teamformer.world.continuous.ways import way_together
+from teamformer.world.continuous.pauses import with_pauses
+from teamformer.world.continuous.ways import Stage, way_together
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -163,8 +166,16 @@ class WatchInTime(Watch):
         if mission.leads(robot, here, goal):
             pace = mission.paces[robot] * mission.step
             stages = mission.ways.stages(here, goal, mission.source.robots[robot].moves)
-            way += [Passed(start.at + away / pace, place) for place, away in stages]
+            way += self._ahead(robot, start, [(place, away / pace) for place, away in stages])
         self.seen.tell(now, "walk", (robot,), task, until=way[-1].at, way=tuple(way))
+
+    def _ahead(self, robot: int, start: Passed, stages: Sequence[Stage]) -> Sequence[Passed]:
+        """Return when a robot passes places by its shifts; nothing if the last is over before."""
+        it, is_plane = self.source.robots[robot], isinstance(self.source.world, Plane)
+        ahead = [Passed(it.rota.walked(start.at, spent), place) for place, spent in stages]
+        if not ahead or ahead[-1].at == math.inf:
+            return ()
+        return with_pauses(it.rota, start, ahead, is_plane and it.delays is None)
 
     def _tell_services(self, now: float) -> None:
         """Tell who is at work, who carries what, and which loads were set down."""

@@ -94,6 +94,7 @@ def _problems_of_tasks(mission: Mission, are_ways_good: bool) -> Iterator[Proble
     rotas = list(dict.fromkeys(robot.rota for robot in mission.robots))
     first = 1.0 if mission.time == "steps" else 0.0  # nothing begins before the first step is made
     left = _what_is_left(rotas, first)
+    may_be_too_late = any(math.isfinite(rota.over) for rota in rotas)
     everybody = total(robot.can for robot in mission.robots)
 
     def fits(needs: Counts, takes: Sequence[float]) -> bool:
@@ -119,8 +120,8 @@ def _problems_of_tasks(mission: Mission, are_ways_good: bool) -> Iterator[Proble
                 f"task '{task.name}' takes {takes[0]:g}, but robots that can do it have no shift "
                 "that long in common; lengthen their shifts, or shorten the task",
             )
-        elif are_ways_good and not task.within:
-            with_ways = takes_with_ways(mission, task)
+        elif are_ways_good and not task.within and (task.to or may_be_too_late):
+            with_ways = _takes_with_ways(mission, task)
             if with_ways != takes and not fits(needs, with_ways):
                 least = _least_time(mission.robots, with_ways, needs)
                 yield from _problem_of_ways(task, number, least)
@@ -146,7 +147,7 @@ def _brought(
     return [(key, total(cans)) for key, cans in alike.items()]
 
 
-def takes_with_ways(mission: Mission, task: Task) -> list[float]:
+def _takes_with_ways(mission: Mission, task: Task) -> list[float]:
     """Return how long a task takes each robot at least, with the way of its load.
 
     It takes for ever if the robot is not there with enough of a shift left before its shifts are

@@ -23,8 +23,10 @@ def is_charged(problem: ArcProblem) -> bool:
 def leave_charged(
     problem: ArcProblem, graph: Graph, kind: int, tail: int, goal: int, way: int, wanted: int
 ) -> tuple[int, int, int]:
-    """Return when a robot that leaves a seat is at a goal, what it has left, and how far it goes
-    round, as `go_charged` has it."""
+    """Return when a robot that leaves a seat is at a goal, and what it has left then.
+
+    Last is by how much it goes round.
+    """
     place, pace = graph.seats[tail].node, problem.kinds[kind].pace
     free, left = graph.nodes[place].end, graph.left[tail]
     return go_charged(

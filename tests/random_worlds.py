@@ -20,6 +20,7 @@ from teamformer.mission.model import (
     World,
 )
 from teamformer.mission.parts.capabilities import Counts
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.parts.places import busiest_part
 from teamformer.mission.parts.plane import Plane
@@ -149,6 +150,34 @@ def with_optional(mission: Mission, rng: np.random.Generator) -> Mission:
     until = max(math.ceil(least), math.ceil(min(ends.values()))) + int(rng.integers(12))
     cost = {"makespan": 1.0, "missed": 20.0} if optional and rng.random() < 0.3 else None
     return replace(mission, tasks=tasks, until=until, cost=cost)
+
+
+def with_batteries(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission whose robots have batteries that just do, most of them, and chargers."""
+    world, places = mission.world, [thing.at for thing in (*mission.tasks, *mission.robots)]
+    chargers = [
+        Charger(places[k], int(rng.choice([1, 1, 2]))) for k in rng.permutation(len(places))
+    ]
+    parts = {world.region(robot.at) for robot in mission.robots}
+    chargers = [c for c in chargers if world.region(c.at) in parts][: int(rng.integers(1, 4))]
+    lasts = 2.0
+    while True:
+        own = tuple(
+            replace(robot, battery=_battery(rng, lasts) if rng.random() < 0.8 else None)
+            for robot in mission.robots
+        )
+        try:
+            return replace(mission, robots=own, chargers=tuple(chargers), step_limit=0)
+        except MissionError:
+            lasts *= 1.3
+            if lasts > 1e4:  # a part of the map has no charger
+                raise
+
+
+def _battery(rng: np.random.Generator, lasts: float) -> Battery:
+    fills = float(rng.choice([0.0, 0.1, 0.37])) * lasts
+    spends = float(rng.choice([0.0, 0.3])), float(rng.choice([0.0, 0.0, 0.2]))
+    return Battery(lasts, fills, float(rng.choice([1.0, 0.6])), *spends)
 
 
 def with_zones(mission: Mission, rng: np.random.Generator) -> Mission:

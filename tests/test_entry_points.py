@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,6 +24,7 @@ from teamformer.methods.by_name import files_of_own, load_method
 from teamformer.methods.listings import method_listings, method_names, our_method_names
 from teamformer.record.files.writing import save_record
 from teamformer.trials.trial import run_trial
+from typed import teamformer
 
 CODE = """
 from teamformer.methods.coordinators.crews import Crews
@@ -172,3 +174,20 @@ def test_entry_points_are_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
     before = names_of("method")
     monkeypatch.delattr(entry_points, "entry_points")
     assert names_of("method") == before
+
+
+def test_a_method_of_a_package_enters_the_table_of_methods_without_search(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "learned"
+    chosen = ("--settings", "warehouse-half", "--methods", "join-all,eager", "--trials", "2")
+    assert teamformer("bench", "learned", *chosen, "--workers", "1", "--out", str(out)) == 0
+    assert "eager" in capsys.readouterr().out
+    rows = [json.loads(line) for line in (out / "rows.jsonl").read_text().splitlines()]
+    assert {(row["method"], row["world_seed"]) for row in rows} == {
+        (method, seed) for method in ("join-all", "eager") for seed in (0, 1)
+    }
+    steps = {(row["method"], row["world_seed"]): row["steps"] for row in rows}
+    for seed in (0, 1):  # whom it meets it joins, as join-all does
+        assert steps["eager", seed] == steps["join-all", seed]
+    assert "| warehouse-half | eager | 2 |" in (out / "report.md").read_text()

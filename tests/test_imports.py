@@ -41,7 +41,7 @@ NARROW = {
     "record.referee": ("base", "mission", "files", "record", "world.reference"),
     "record.export": ("base", "mission", "files", "record", "world.rules.constants"),
     "viewer": ("base", "mission.keys"),
-    "learning.nets": (),
+    "learning.nets": ("base",),
     "robotarium": ("base", "mission", "files", "world", "methods", "trials"),
     "learning": ("base", "mission", "files", "world", "planning", "methods", "trials"),
 }
@@ -73,6 +73,7 @@ HOMES = {
             "nav_msgs",
             "nav2_msgs",
             "std_msgs",
+            "sensor_msgs",
         ),
         ("fleet/bodies/ros2/",),
     ),

@@ -364,6 +364,20 @@ CASES = [
         "their shifts, or shorten the task",
     ),
     (
+        "speed: 0.5}",
+        "speed: 0.5, shifts: [[0, 5]]}",
+        9,
+        "robots that can do task 'x' do not get there within their shifts; lengthen these, have "
+        "them come again (every), or move it",
+    ),
+    (
+        "speed: 0.5}\ntasks:\n  - {name: x,",
+        "speed: 0.5, shifts: [[0, 5]], every: 6}\ntasks:\n  - {to: [0, 2], name: x,",
+        9,
+        "task 'x' takes 6 or more with the way of its load, but robots that can do it have no "
+        "shift that long in common; lengthen their shifts, or shorten the way",
+    ),
+    (
         "speed: 0.5",
         "lost: [4, 6], back: [6]",
         7,

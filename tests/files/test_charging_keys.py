@@ -111,10 +111,39 @@ def test_a_robot_that_cannot_get_home_is_refused(tmp_path: Path) -> None:
     read_mission(mission_of(tmp_path, ends, near, ("lasts: 60", "lasts: 28.29")))
 
 
-def test_steps_do_not_know_batteries(tmp_path: Path) -> None:
-    mission = read_mission(mission_of(tmp_path, ("time: continuous", "time: steps")))
-    assert [problem.message for problem in rules_not_played(mission)] == [
-        "robot 'a' has a battery; write time: continuous"
+STEPS = ("time: continuous", "time: steps")
+
+
+def test_in_steps_all_robots_with_batteries_are_able_for_all_tasks(tmp_path: Path) -> None:
+    """At half a metre a step it is 40 there and 40 back to robot a, and the task takes 2.
+
+    Nobody needs robot b for it, but it may be of the team.
+    """
+    half = ("name: a, at: [2, 2]", "name: a, speed: 0.5, at: [2, 2]")
+    mission = read_mission(mission_of(tmp_path, STEPS, ("lasts: 60", "lasts: 42")))
+    assert list(rules_not_played(mission)) == []
+    told_of = (
+        "12: task 'x' is too far from chargers for a full battery of robot 'a'; in steps teams "
+        "walk as one, so put a charger nearer, or give batteries that last longer"
+    )
+    assert told(tmp_path, STEPS, half) == [told_of]
+    read_mission(mission_of(tmp_path, STEPS, half, ("lasts: 60", "lasts: 82")))
+    both = ("can: [scan]", "can: [scan], battery: {lasts: 30, fills: 1}")
+    assert told(tmp_path, STEPS, both) == [told_of.replace("'a'", "'b'")]
+
+
+def test_in_steps_who_flies_over_walls_has_no_battery(tmp_path: Path) -> None:
+    changes = (
+        STEPS,
+        ("world: {plane: [40, 40]}", 'world: {rows: [".....", ".@...", "....."]}'),
+        ("{at: [20, 20]}", "{at: [4, 2]}"),
+        ("at: [5, 6]", "at: [0, 0]"),
+        ("at: [32, 36]", "at: [4, 0]"),
+        ("can: [lift],", "can: [lift], moves: air,"),
+    )
+    assert told(tmp_path, *changes) == [
+        "9: robot 'a' flies over obstacles with a battery; in steps only who walks may have one; "
+        "drop the battery, or moves"
     ]
 
 

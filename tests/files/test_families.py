@@ -231,7 +231,7 @@ def test_in_zones_there_is_room_for_few_services() -> None:
     assert {zone.room for mission in drawn for zone in mission.zones} == {1, 2, 3}
     assert {len(mission.zones) for mission in drawn} == {1, 2}
     for mission in drawn:
-        yard = mission.zones[0].tasks_in(mission.tasks)
+        yard = mission.zones[-1].tasks_in(mission.tasks)
         assert yard
         assert not any(mission.tasks[number].to for number in yard)
         assert not any(rules_not_played(mission))
@@ -247,9 +247,9 @@ def test_in_shifts_robots_have_four_rotas() -> None:
 def test_zones_have_areas_with_little_room_and_perhaps_tasks_by_name() -> None:
     drawn = [mission.zones for mission in worlds("zones")]
     assert {len(zones) for zones in drawn} == {1, 2}
-    assert {zones[0].room for zones in drawn} == {1, 2, 3}
-    assert all(zones[0].area and zones[-1].room == (1 if zones[1:] else zones[0].room)
-               for zones in drawn)  # fmt: skip
+    assert {zones[-1].room for zones in drawn} == {1, 2, 3}
+    assert all(zones[-1].area for zones in drawn)
+    assert all(tool.tasks and tool.room == 1 for zones in drawn for tool in zones[:-1])
 
 
 def test_by_the_clock_every_key_is_drawn() -> None:

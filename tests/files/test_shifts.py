@@ -125,10 +125,37 @@ def test_shifts_are_refused(robot: dict[str, Any], told: str) -> None:
     assert told in str(refused.value)
 
 
+@pytest.mark.parametrize("time", ["continuous", "steps"])
+def test_ways_there_and_of_loads_have_to_fit_as_well(time: str) -> None:
+    """a works from 0 to 10, b always; it is 20 to x, and 28 from y to where its load goes."""
+    robots = (Robot("p", (0, 0), {"a": 1}, shifts=((0, 10),)), Robot("q", (0, 0), {"a": 1}))
+    far = Task("x", (20, 0), {"a": 2}, duration=2)
+    load = Task("y", (2, 0), {"a": 1}, duration=2, to=(30, 0))
+    given = Mission("m", Grid(40, 40), ("a",), robots, (load,), time=time)
+    cases = [
+        ((robots[0], robots[1]), far, "robots that can do task 'x' do not get there within"),
+        ((replace(robots[0], every=20.0),), load, "task 'y' takes 30 or more with the way of its"),
+        ((robots[0],), replace(load, at=(9, 0), to=None), "robots that can do task 'y' do not get"),
+    ]
+    for fleet, task, told in cases:
+        with pytest.raises(MissionError) as refused:
+            replace(given, robots=fleet, tasks=(task,))
+        [problem] = refused.value.problems
+        assert problem.message.startswith(told)
+        may_be_missed = (replace(task, optional=True),)
+        missed = replace(given, robots=fleet, tasks=may_be_missed, until=60.0)
+        record = run_trial(missed, load_method("plan")).record
+        assert record.end.missed == (task.name,)
+        assert judge(record).findings == ()
+    replace(given, robots=(robots[0],), tasks=(replace(load, at=(3, 4), to=(4, 4)),))
+    replace(given, robots=(replace(robots[0], every=20.0), robots[1]), tasks=(far,))
+
+
 def test_shifts_that_touch_and_tasks_that_just_fit_are_good() -> None:
     first, second, _ = MISSION.robots
     for shifts in [((0, 4), (4, 8)), ((7.5, 9.5),)]:
-        replace(MISSION, robots=(replace(first, shifts=shifts, every=0.0), second))
+        there = replace(first, at=(1, 1), shifts=shifts, every=0.0)
+        replace(MISSION, robots=(there, second))
 
 
 def test_what_is_no_list_of_windows_is_refused_with_its_place() -> None:

@@ -8,7 +8,8 @@ import pytest
 
 from fleets import agents_of, opened, pair, standing, trio
 from small_worlds import make, robot, task
-from teamformer.fleet.agent.agent import NAMESAKES, Agent
+from teamformer.fleet.agent.agent import Agent
+from teamformer.fleet.agent.voice import NAMESAKES
 from teamformer.fleet.bodies.body import Report
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import (

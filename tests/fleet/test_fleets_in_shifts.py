@@ -6,17 +6,19 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from msgspec import structs
 
-from fleets import errand, recorded, walked
+from fleets import errand, plan_of, recorded, walked
+from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.walking import Lifted
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.in_shifts import can_still_do, who_can
 from teamformer.fleet.rehearsal.checking.checker import Checker
-from teamformer.fleet.rehearsal.checking.trace import Worked
+from teamformer.fleet.rehearsal.checking.trace import Trace, Worked
 from teamformer.fleet.rehearsal.faults import Crash, Faults
-from teamformer.fleet.rehearsal.rehearse import judge, set_stage
+from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
 from teamformer.mission.checks.rules import rules_of_fleets
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
@@ -101,6 +103,25 @@ def test_what_no_shift_is_left_for_is_infeasible_and_another_robot_takes_over() 
     assert can_still_do(fleet, fleet.tasks[0], {0: (0, 0)}, 15.0)
     outcome, _ = recorded(fleet, gone)
     assert (outcome.status, outcome.blocked_tasks) == ("infeasible", ("t",))
+
+
+def test_what_a_shift_breaks_off_goes_to_others_though_a_plan_was_made_meanwhile() -> None:
+    """Believed to take 8 it takes 14: the load is at 11 of 12 when the only shift ends, at 25.
+
+    A robot that is called lost at 14 makes a plan in the middle, in which it is under way. The
+    third robot comes from the other end.
+    """
+    task = errand("t", 0, lasts=(1.0, 15.0), to=(12, 0))
+    fleet = at_work([task], ((0.0, 25.0),), (), ())
+    robots = (*fleet.source.robots[:2], replace(fleet.source.robots[2], at=(39, 0)))
+    fleet = FleetMission(replace(fleet.source, robots=robots))
+    seed = next(seed for seed in range(99) if 13.5 < fleet.truth(seed).tasks[0].duration < 14.5)
+    note = structs.replace(plan_of(fleet).note, coalitions=((0,),))
+    trace, faults = Trace(), Faults(seed=seed, crashes=(Crash(1, 4.0),))
+    _, outcome, violations = play(fleet, FleetPlan(note), faults, trace)
+    assert (outcome.status, violations) == ("ended", [])
+    lifts = [event for event in trace.events if isinstance(event, Lifted)]
+    assert [lift.robots for lift in lifts] == [(0,), (), (2,)]
 
 
 def test_shifts_come_again() -> None:

@@ -17,7 +17,7 @@ from teamformer.learning.nets.action_mask import (
     spell,
     steps_with_a_choice,
 )
-from teamformer.learning.nets.teamformer import Tokens
+from teamformer.learning.nets.teamformer import Spelling, Tokens
 from teamformer.methods.learned.token_features import SpellingCodec
 from teamformer.world.env import Decision
 from teamformer.world.view import View
@@ -53,7 +53,8 @@ def test_probabilities_of_all_legal_decisions_sum_to_one(spelling: str) -> None:
             assert (len(wishes) > 1) == has_choice[row]
             repeated = tuple(np.repeat(part[row : row + 1], len(wishes), 0) for part in tokens)
             with torch.no_grad():
-                log_prob, entropy = network.evaluate(tensors(repeated), torch.tensor(wishes))
+                prepared = network.prepare(tensors(repeated), torch.tensor(wishes))
+                log_prob, entropy = network.evaluate(prepared)
             assert log_prob.exp().sum().item() == pytest.approx(1.0, abs=1e-5)
             assert log_prob.min() > -1e6
             assert entropy.min() >= -1e-6
@@ -69,7 +70,7 @@ def test_sampled_decisions_are_legal_and_as_likely_as_evaluated(spelling: str) -
         tokens = CODEC.encode(view)
         with torch.no_grad():
             action, log_prob = network.act(tensors(tokens), generator)
-            again, _ = network.evaluate(tensors(tokens), action)
+            again, _ = network.evaluate(network.prepare(tensors(tokens), action))
         assert torch.allclose(log_prob, again, atol=1e-5)
         wanted = CODEC.decode(view, action.numpy())
         teams, changed = teams + len(wanted), changed + (wanted != view.counts).any(axis=1).sum()
@@ -89,7 +90,8 @@ def test_greedy_decisions_are_the_likeliest_symbols(spelling: str) -> None:
         action, log_prob = network.act(tokens, None)
         again, _ = network.act(tokens, None)
         assert torch.equal(action, again)
-        assert torch.allclose(log_prob, network.evaluate(tokens, action)[0], atol=1e-5)
+        said, _ = network.evaluate(network.prepare(tokens, action))
+        assert torch.allclose(log_prob, said, atol=1e-5)
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
@@ -112,16 +114,43 @@ def test_padding_order_and_other_teams_change_nothing(spelling: str) -> None:
     padded = Tokens(*(_pad(part) for part in given[:7]), given.singles, given.profiles)
     with torch.no_grad():
         action, _ = network.act(given, torch.Generator().manual_seed(6))
-        log_prob, entropy = network.evaluate(given, action)
+        log_prob, entropy = network.evaluate(network.prepare(given, action))
         for other in (shuffled, padded):
-            again = network.evaluate(other, action)
+            again = network.evaluate(network.prepare(other, action))
             assert torch.allclose(log_prob, again[0], atol=1e-5)
             assert torch.allclose(entropy, again[1], atol=1e-5)
         for row in range(10):
-            alone = network.evaluate(
-                tuple(part[row : row + 1] for part in given), action[row : row + 1]
-            )
+            one = tuple(part[row : row + 1] for part in given)
+            alone = network.evaluate(network.prepare(one, action[row : row + 1]))
             assert alone[0].item() == pytest.approx(log_prob[row].item(), abs=1e-5)
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_without_padding_scores_and_gradients_are_the_same(spelling: str) -> None:
+    """Packed tokens and steps go through a kernel, padded ones through products of matrices."""
+    network = wild_network(spelling)
+    [(view, _)] = random_views(1, 8, worlds=20)
+    given = Tokens(*tensors(CODEC.encode(view)))
+    action, _ = network.act(given, torch.Generator().manual_seed(9))
+    said = Spelling(*network.prepare(given, action)[-4:])
+    change = torch.nn.functional.pad(changes(spelling, said.symbol, CAPS)[:, :-1], (0, 0, 1, 0))
+    found = []
+    for is_packed in (False, True):
+        if is_packed:
+            scores = network._scores_of_packed(given, change, said.is_there)
+        else:
+            scores, _ = network.decode(network.encode(given), change, change.cumsum(dim=1), None)
+        scores = scores[said.is_there]  # those of steps that are not there mean nothing
+        network.zero_grad()
+        scores.sin().sum().backward()
+        found.append(
+            [scores.detach(), *(w.grad for w in network.parameters() if w.grad is not None)]
+        )
+    for is_there in (given.is_team, given.is_task, said.is_there):
+        assert not is_there.all()
+    assert len(found[0]) == len(found[1]) > 30
+    for padded, packed in zip(*found, strict=True):
+        torch.testing.assert_close(packed, padded, rtol=1e-4, atol=2e-4)
 
 
 def _pad(part: torch.Tensor) -> torch.Tensor:
@@ -154,8 +183,10 @@ def test_maintaining_is_likely_before_training() -> None:
     given = tensors(tuple(part[rows] for part in tokens))
     action = given[1][:, 0].long()
     with torch.no_grad():
-        shy = wild_network("edit", bias=8.0).evaluate(given, action)[0].exp().mean()
-        bold = wild_network("edit", bias=0.0).evaluate(given, action)[0].exp().mean()
+        shy, bold = (
+            network.evaluate(network.prepare(given, action))[0].exp().mean()
+            for network in (wild_network("edit", bias=8.0), wild_network("edit", bias=0.0))
+        )
     assert shy > 0.95 > 0.6 > bold
 
 

@@ -145,7 +145,8 @@ def test_log_probs_of_a_rollout_are_those_of_the_same_actions_again() -> None:
     env = TeamFormation(training_worlds(SHORT.worlds_from, 30, (5, 0)))
     choose = sampler(learner.policy, torch.Generator().manual_seed(0))
     rollout = play(env, codec, choose, MissionReward(), 40)
-    again, _ = learner.policy.evaluate(rollout.tokens, rollout.action)
+    prepared = learner.policy.prepare(rollout.tokens, rollout.action)
+    again, _ = learner.policy.evaluate(prepared)
     torch.testing.assert_close(again, rollout.log_prob)
     assert (rollout.tokens[-1].sum(dim=1) > 1).all()  # forced ones are left out
     assert env.worlds.count["illegal"].sum() == 0

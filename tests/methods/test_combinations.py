@@ -133,7 +133,7 @@ def test_log_probabilities_are_those_of_the_same_actions_again(network: nn.Modul
     tokens = tuple(map(torch.from_numpy, some_tokens()))
     with torch.no_grad():
         action, log_prob = network.act(tokens, torch.Generator().manual_seed(0))  # type: ignore[operator]
-        again, entropy = network.evaluate(tokens, action)  # type: ignore[operator]
+        again, entropy = network.evaluate((*tokens, action))  # type: ignore[operator]
         log_probs = network(*tokens).log_softmax(dim=-1)
     torch.testing.assert_close(again, log_prob)
     by_hand = -(log_probs.exp() * log_probs).sum(dim=-1)

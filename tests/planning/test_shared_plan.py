@@ -12,9 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from coordinations import play_by_plan
 from random_worlds import random_world
 from teamformer.files.drawn.generate import Spec, generate
 from teamformer.files.drawn.named_settings import world_of
+from teamformer.methods.coordinators.replayed import Replayed
+from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.capabilities import covers, total
@@ -31,6 +34,7 @@ from teamformer.planning.steps.shared_plan import (
 from teamformer.planning.steps.situation import situation_in_hindsight, situation_of
 from teamformer.planning.steps.starts import plan_from_crews
 from teamformer.planning.steps.timed_plan import time_team_plan
+from teamformer.world.env import TeamFormation
 
 
 def start_of(mission: Mission) -> Known:
@@ -68,6 +72,15 @@ def settled(
     return timed.ends.tolist(), crew
 
 
+def played(mission: Mission, order: list[int], crews: list[list[int]]) -> list[int]:
+    """Return the step in which each task is done if a plan is carried out."""
+    plan = Plan(tuple(order), tuple(tuple(crew) for crew in crews), why=("start",))
+    env = TeamFormation([mission], coordinator=Replayed([(0, plan)], SharedPlan()))
+    play_by_plan(env)
+    done: list[int] = env.worlds.tasks["done_at"][0].tolist()
+    return done
+
+
 def test_who_has_nothing_left_to_do_is_left_behind_at_the_cost_of_a_split() -> None:
     mission = corridor([4, 4], [task(4, 2), task(8, 1)])
     assert settled(mission, [0, 1], [[0, 1], [0]])[0] == [1, 6]
@@ -87,6 +100,29 @@ def test_who_comes_past_a_task_before_those_who_are_planned_for_it_does_it() -> 
     tasks = (Task("near-bob", (8, 0), {"a": 1}), Task("far", (2, 0), {"b": 1}))
     mission = Mission("corridor", Grid(30, 1), ("a", "b"), (ann, bob), tasks)
     assert settled(mission, [0, 1], [[0], [1]]) == ([1, 7], [[1], [1]])
+
+
+@pytest.mark.parametrize(("places", "end"), [([0, 8], 18), ([8, 0], 14)])
+def test_of_two_that_come_to_a_task_in_one_step_the_lower_slot_does_it(
+    places: list[int], end: int
+) -> None:
+    """Both are at 4 in step 4: who is planned for it, from 8, and who passes it, from 0 to 14."""
+    mission = corridor(places, [task(4, 1, duration=4), task(14, 1)])
+    crews = [[places.index(8)], [places.index(0)]]
+    found, crew = settled(mission, [0, 1], crews)
+    assert (found, crew) == ([8, end], [[0], crews[1]])
+    assert played(mission, [0, 1], crews) == found
+
+
+@pytest.mark.parametrize(("speed", "ends"), [(0.5, [9, 19]), (1.0, [12, 5])])
+def test_who_has_not_left_the_cell_where_it_starts_does_what_is_there(
+    speed: float, ends: list[int]
+) -> None:
+    mission = corridor([5, 9], [task(5, 1, duration=8), task(10, 1)])
+    slow = replace(mission.robots[0], speed=speed)
+    mission = replace(mission, robots=(slow, mission.robots[1]))
+    assert settled(mission, [0, 1], [[1], [0]])[0] == ends
+    assert played(mission, [0, 1], [[1], [0]]) == ends
 
 
 def test_a_team_does_all_that_it_can_where_it_is_at_once() -> None:

@@ -85,6 +85,7 @@ class Twin:
             pursued = NOBODY if team.pursued is None else team.pursued
             assert record["pursued"] == pursued or world.steps == 0
             assert bool(record["is_detour"]) == team.is_detour
+            assert record["charger"] == (NOBODY if team.charger is None else team.charger)
             assert record["serves"] == len(team.serving)
             assert record["credit"] == pytest.approx(team.credit, abs=1e-6)
             assert worlds.has[0, slot].tolist() == [*team.has]
@@ -97,6 +98,10 @@ class Twin:
         assert [tuple(counts) for counts in worlds.needs[0].tolist()] == world.needs
         for key, now in (("shown_at", world.happened.shown), ("found_at", world.happened.found)):
             assert [task for task, step in when(tasks[key]).items() if step == world.steps] == now
+        robots = worlds.robots[0]
+        for robot, left in world.left.items():
+            assert robots["left"][robot] == pytest.approx(left, abs=1e-9)
+            assert robots["charges"][robot] == (robot in world.charging)
         tally = self.env.tally()
         assert (tally.joins, tally.splits) == (world.joins, world.splits)
         assert tally.illegal_decisions == world.illegal

@@ -11,11 +11,13 @@ from dataclasses import dataclass, field
 from msgspec.structs import replace
 
 from teamformer.files.mission_files import mission_to_tree
+from teamformer.fleet.charging import FleetCharging
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.model import Mission, Task, World
 from teamformer.mission.parts.capabilities import Counts, exact
+from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.places import believed_place, possible_places, sight_of
 from teamformer.mission.parts.plane import Plane
@@ -89,6 +91,8 @@ class FleetMission:
         keep(self, "forming", forming * self.step)
         keep(self, "sight", max(self.radius, self.source.sensing_radius))
         keep(self, "ways", Ways(world))
+        charging = FleetCharging(self.source, self.ways) if has_batteries(robots) else None
+        keep(self, "charging", charging)
         before = tasks_before(self.source.tasks)
         keep(self, "before", {key: frozenset(others) for key, others in before.items()})
         opens = ((key, _opens(task, is_in_steps)) for key, task in enumerate(self.source.tasks))
@@ -115,6 +119,7 @@ class FleetMission:
     longest_walk: float = field(init=False)  # seconds that the slowest takes across the map
     sight: float = field(init=False)  # within which a robot sees a load
     ways: Ways = field(init=False, repr=False, compare=False)
+    charging: FleetCharging | None = field(init=False, repr=False, compare=False)
     unsure: frozenset[int] = field(init=False)  # tasks that may need more than is known
     hidden: dict[int, tuple[Place, ...]] = field(init=False)  # where to look for tasks, in order
     believed: Mission = field(init=False, repr=False, compare=False)  # with what to expect
@@ -295,6 +300,8 @@ class FleetMission:
         `places` says where they stand, by default where they start.
         """
         there = [robot for robot in robots if self.reach(robot, task, places.get(robot))]
+        if self.charging is not None:
+            there = [r for r in there if self.charging.is_able(r, task, self.step)]
         return self.covers(there, task.needs)
 
     def can_do_at(self, task: TaskFact, place: Place) -> bool:

@@ -53,6 +53,15 @@ Amount = Annotated[int, Meta(ge=0, le=MOST)] | Annotated[float, Meta(ge=0, le=MO
 """How much of a capability, to three places."""
 
 
+class Terms(Struct, frozen=True, array_like=True, gc=False):
+    """What a robot also says of itself where there are zones or batteries."""
+
+    plan: Whole = 0  # the digest of the plan that it follows
+    charge: Annotated[float, Meta(ge=0, le=1)] = 1.0  # of a full battery
+    charger: Number = NOBODY  # that it goes to, or is at
+    since: Annotated[float, Meta(ge=0, le=LONGEST)] = LONGEST  # the mission's age when it was there
+
+
 class Word(Struct, frozen=True, array_like=True, gc=False):
     """What a robot says about itself; only its lost bit may be set by others."""
 
@@ -67,6 +76,7 @@ class Word(Struct, frozen=True, array_like=True, gc=False):
     hold: Annotated[float, Meta(ge=0, le=3600)] = 0.0  # seconds it stays from now, if READY
     echoes: Annotated[tuple[int, ...], Meta(max_length=128)] = ()  # robot, version heard, robot...
     has_served: bool = False  # its own part of the task that it serves is over
+    terms: Terms | None = None
 
     @property
     def life(self) -> int:

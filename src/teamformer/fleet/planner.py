@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from operator import itemgetter
 from typing import NamedTuple, Protocol
 
 from teamformer.base.errors import MissionError
+from teamformer.fleet.charging import FleetCharging
 from teamformer.fleet.fleet_mission import FleetMission, place_in
 from teamformer.fleet.in_shifts import who_can
-from teamformer.fleet.messages import TaskFact
+from teamformer.fleet.messages import LONGEST, TaskFact, Terms
 from teamformer.mission.coordination import UNFORESEEN, Coordinator, Known, Plan
 from teamformer.mission.model import Mission, Task, as_believed
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
+from teamformer.mission.parts.zones import Zone
+from teamformer.world.rules.constants import NOBODY
 
 Stop = tuple[int, tuple[int, ...]]
 """A task and its coalition."""
@@ -30,6 +34,7 @@ class FleetSituation(NamedTuple):
     age: float = 0.0  # of the mission, seconds
     over: frozenset[int] = frozenset()  # tasks that are done or called off
     seen: frozenset[int] = frozenset()  # uncertain tasks whose needs have been seen
+    terms: Mapping[int, Terms] = {}  # what robots have said of their batteries
 
 
 class FleetPlanner(Protocol):
@@ -71,7 +76,8 @@ class CoordinatedPlanner:
             return _one_after_another(mission, situation, robots)
         key_of = [*range(own), *(task.key for task in added)]  # of each task of the source
         number_of = {key: number for number, key in enumerate(key_of)}
-        now, places, free_at = _present(mission, situation)
+        present = _present(mission, situation)
+        now, places = present.now, tuple(present.places)
         open_keys, old = frozenset(number_of), _old_plan(situation, number_of)
         known = Known(
             mission=source,
@@ -79,7 +85,9 @@ class CoordinatedPlanner:
             open_tasks=tuple(number_of[task.key] for task in situation.tasks),
             places=places,
             teams=tuple((robot,) for robot in robots),
-            free_at=free_at,
+            free_at=tuple(present.free_at),
+            left=tuple(present.left),
+            charging=tuple(present.charging),
             came_from=places,
             unseen_needs=mission.unsure & open_keys - situation.seen,
             news=UNFORESEEN[1:] if situation.old else ("start",),  # nobody tells which it was
@@ -122,19 +130,55 @@ class CoordinatedPlanner:
         return self._changed[1]
 
 
-def _present(
-    mission: FleetMission, situation: FleetSituation
-) -> tuple[float, tuple[Place, ...], tuple[float, ...]]:
-    """Return how late it is, where each robot is or comes next, and when, in the mission's unit."""
+@dataclass
+class _Present:
+    """How late it is, in the mission's unit, and how everybody stands, by robot."""
+
+    now: float
+    places: list[Place]  # where each is, or comes next
+    free_at: list[float]
+    left: list[float] = field(default_factory=list)  # in batteries, where there are any
+    charging: list[tuple[int, float]] = field(default_factory=list)
+
+
+def _present(mission: FleetMission, situation: FleetSituation) -> _Present:
+    """Return how everybody stands as a plan is made."""
     is_in_steps = mission.source.time == "steps"
     now = int(situation.age / mission.step) if is_in_steps else situation.age / mission.step
     places = [robot.at for robot in mission.source.robots]
-    free_at = [now] * len(places)
+    present = _Present(now, places, [now] * len(places))
     for robot, at in situation.places.items():
         places[robot] = place_in(mission.source.world, at)
         if isinstance(mission.source.world, Roads):
-            free_at[robot] = now + at[1] / mission.step
-    return now, tuple(places), tuple(free_at)
+            present.free_at[robot] = now + at[1] / mission.step
+    if mission.charging is not None:
+        _note_batteries(mission, mission.charging, situation.terms, present)
+    return present
+
+
+def _note_batteries(
+    mission: FleetMission, rules: FleetCharging, said: Mapping[int, Terms], present: _Present
+) -> None:
+    """Note what all have left, and who charges: who came first to a charger, where there is room.
+
+    Who charges is free when it is full.
+    """
+    terms = {r: said.get(r, Terms(charge=rules.starts(r))) for r in range(mission.robots)}
+    there = ((it.charger, it.since, robot) for robot, it in terms.items() if it.since < LONGEST)
+    taken = [0] * len(rules.chargers)
+    batteries = [robot.battery for robot in mission.believed.robots]
+    for robot, battery in enumerate(batteries):
+        left = math.inf if battery is None else terms[robot].charge * battery.lasts
+        present.left.append(left)
+    for charger, _, robot in sorted(there):
+        battery = batteries[robot]
+        if battery is None or charger == NOBODY or taken[charger] >= rules.rooms[charger]:
+            continue
+        taken[charger] += 1
+        until = present.now + battery.time_to_full(present.left[robot])
+        present.places[robot], present.free_at[robot] = rules.chargers[charger], until
+        present.left[robot] = battery.lasts
+        present.charging.append((charger, until))
 
 
 def _is_moved(mission: FleetMission, task: TaskFact) -> bool:
@@ -194,11 +238,26 @@ def _change(
         if task.key >= len(whole.tasks)
     ]
     if whole.time == "continuous":  # as it may be that nobody could have planned beforehand
-        return as_believed(whole, tasks=tuple(tasks))
+        zones = _zones_by_name(mission, tasks[len(whole.tasks) :])
+        return as_believed(whole, tasks=tuple(tasks), zones=zones)
     try:
         return replace(whole, tasks=tuple(tasks))
     except MissionError:  # as of a service that takes longer than can be counted
         return None
+
+
+def _zones_by_name(mission: FleetMission, added: Sequence[Task]) -> tuple[Zone, ...]:
+    """Return zones with their tasks by name, so that they hold them wherever loads are brought."""
+    own = mission.source.tasks
+    held = [
+        (zone, [own[k] for k in zone.tasks_in(own)] + [t for t in added if zone.has_place(t.at)])
+        for zone in mission.source.zones
+    ]
+    return tuple(
+        Zone(zone.name, tasks=tuple(task.name for task in inside), room=zone.room)
+        for zone, inside in held
+        if inside
+    )
 
 
 def _named(caps: Sequence[str], needs: Sequence[float]) -> dict[str, float]:

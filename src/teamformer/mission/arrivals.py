@@ -63,11 +63,18 @@ def _draw_task(mission: Mission, caps: list[str], part: int, rng: np.random.Gene
 
 
 def _is_in_reach(mission: Mission, task: Task) -> bool:
-    """Say whether those with batteries that are able for a task bring what it needs."""
+    """Say whether those with batteries that are able for a task bring what it needs.
+
+    In steps, where teams walk as one, whether all are that get there.
+    """
     charging = as_believed(mission, tasks=(task,)).charging
     if charging is None:
         return True
-    able = charging.able(range(len(mission.robots)), 0)
+    robots = range(len(mission.robots))
+    if mission.time == "steps":
+        there = (r for r in robots if can_reach(mission.world, mission.robots[r], task.at))
+        return all(charging.is_able(robot, 0) for robot in there)
+    able = charging.able(robots, 0)
     return covers(total(mission.robots[robot].can for robot in able), task.needs)
 
 

@@ -12,6 +12,7 @@ from teamformer.mission.checks.links import groups_of, linked_with
 from teamformer.mission.keys.mission_keys import TIMES
 from teamformer.mission.model import Mission, Robot
 from teamformer.mission.parts.capabilities import Counts, covers, total
+from teamformer.mission.parts.charging import who_is_able
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.reach import totals_there
 from teamformer.mission.parts.roads import Roads
@@ -98,10 +99,10 @@ class Known:
 
     def _brought_to(self, task: int) -> Counts:
         """Return what the robots that are there can bring to a task together."""
-        charging = self.mission.charging
-        if charging is None:
+        able = who_is_able(self.mission, self.robots, task)
+        if len(able) == len(self.robots):
             return self._brought(self.mission.tasks[task].at)
-        robots = [self._stands(robot) for robot in charging.able(self.robots, task)]
+        robots = [self._stands(robot) for robot in able]
         return totals_there(self.mission.world, robots)(self.mission.tasks[task].at)
 
     @cached_property

@@ -249,8 +249,7 @@ class Mission:
     `time` is `steps` or `continuous`. In continuous time a task starts when its last robot is
     there, and a coalition whose robots do not come from one place takes `forming` more. A mission
     `ends` with its last task (None), when all robots are back where they started (`home`), or when
-    all are at a place. Plans are judged by their makespan, or by a `cost` that weighs several
-    quantities.
+    all are at a place. Plans are judged by their makespan, or by a `cost` that weighs quantities.
 
     A task with `within` is found once a team is within `finding_radius` of it. `arrivals` are tasks
     that appear at random. At `until` the mission is over, whatever is left.
@@ -343,18 +342,17 @@ def as_believed(mission: Mission, **changes: object) -> Mission:
 def default_step_limit(mission: Mission) -> int:
     """Return a limit that no sensible policy reaches: four walks across the map for each task.
 
-    Four more are added for each load.
-    They are walked by the slowest robot, in a team of all where robots are delayed, and as rarely
-    as the one is there that breaks down most. A step for each robot and walk, for forming, every
-    duration, every repair and the latest arrival are added; and where a task is to be looked for, a
-    walk to every place that it may be in.
+    Four more are added for each load. They are walked by the slowest robot, in a team of all where
+    robots are delayed, and as rarely as the one is there that breaks down most. A step for each
+    robot and walk, for forming, every duration, every repair and the latest arrival are added;
+    where a task is to be looked for, a walk to every place that it may be in; with batteries, as
+    much again, and that all robots charge before each walk.
     """
     slowest = min(mission.world.pace(robot.speed) for robot in mission.robots)
     chances = (robot.delays.chance for robot in mission.robots if robot.delays)
     mends = ((r.breaks.rate, r.breaks.repair) for r in mission.robots if r.breaks)
     is_there = (1 / (1 + rate * repair[1]) for rate, repair in mends if repair)
-    share = math.prod(1 - chance for chance in chances) * min(is_there, default=1)
-    slowest *= max(LEAST_WALKED, share)
+    slowest *= max(LEAST_WALKED, math.prod(1 - c for c in chances) * min(is_there, default=1))
     looks = sum(
         len(possible_places(mission.world, task.at, task.within))
         for task in mission.tasks
@@ -374,6 +372,8 @@ def default_step_limit(mission: Mission) -> int:
     forming = 4 * (count + 1) * len(mission.robots)
     steps = min(math.ceil(walks / slowest), MOST_WALKING) + min(forming, MOST_FORMING)
     limit = steps + min(math.ceil(waits + latest), MOST_WAITING)
+    fills = math.ceil(sum(1 + robot.battery.fills for robot in mission.robots if robot.battery))
+    limit += min(steps + 4 * (count + 1) * fills, MOST_WAITING) if fills else 0
     rotas = [robot.rota for robot in mission.robots if robot.shifts]
     return limit if not rotas else min(_limit_in_shifts(rotas, limit, count), LARGEST_NUMBER)
 

@@ -19,6 +19,15 @@ CHARGING, QUEUEING = PHASES[-2:]
 """A load is not served: it is loaded where it lies, carried, and unloaded where it goes. Who is off
 is outside its shifts. Who queues waits for room at a charger."""
 
+CHARGE = (CHARGING, QUEUEING, "")
+"""What a robot does at a charger; nothing if it does so no more, or is full."""
+
+WHY_AT_CHARGER = {
+    CHARGING: "it charges until it is full: else it could not do what comes next",
+    QUEUEING: "others charge there, and there is no room for one more",
+}
+"""Why robots are at chargers, by what they do there."""
+
 AT_WORK = (SERVING, LOADING, CARRYING, UNLOADING)
 
 

@@ -84,6 +84,8 @@ class Step:
     """Task, robots that serve it from then on: they began, or are others; nobody: broken off."""
     unloads: tuple[int, ...] = ()  # loads that are where they go: to be unloaded from then on
     missed: tuple[tuple[int, str], ...] = ()  # tasks that are not done any more, and why
+    charge: tuple[tuple[int, str], ...] = ()
+    """Robots at chargers that do something else there than in the step before: one of `CHARGE`."""
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,11 @@ from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.reach import totals_by_region
 from teamformer.mission.truth import truth_until
 from teamformer.record.decisions import rows_of
+from teamformer.record.phases import CHARGING, QUEUEING
 from teamformer.record.record import Ending, Record, SharedPlanMade, Step, TaskAt, TeamAt, Wants
 from teamformer.record.why_missed import why_missed
 from teamformer.world.env import Tally, TeamFormation
+from teamformer.world.phases.energy import dry_robots
 from teamformer.world.rules.constants import NOBODY
 
 Groups = dict[int, tuple[int, ...]]
@@ -31,6 +33,8 @@ class _Snapshot:
     has: Array  # (robots, caps)
     tally: Tally
     served: dict[int, tuple[int, ...]]  # by task, who serves it
+    left: Array  # (robots,) what each has left
+    at_chargers: dict[int, str]  # by robot, what it does there
 
 
 class Recorder:
@@ -63,7 +67,7 @@ class Recorder:
 
     def step(self) -> None:
         """Write down what the step just made has changed."""
-        before, after = self._before, self._snapshot()
+        before, after = self._before, self._snapshot(self._before)
         steps = after.tally.steps
         robots, tasks = self._env.worlds.robots[0], self._env.worlds.tasks[0]
         shown = np.flatnonzero(tasks["shown_at"] == steps)
@@ -96,6 +100,7 @@ class Recorder:
                 served=_served(before, after, tasks),
                 unloads=_unloads(tasks),
                 missed=tuple(self._missed(before, after)),
+                charge=_charge(before, after),
             )
         )
         decided = self._decided(before)
@@ -143,9 +148,10 @@ class Recorder:
             decisions=tuple(row for row in self._decisions if row[0] <= made),
         )
 
-    def _snapshot(self) -> _Snapshot:
+    def _snapshot(self, before: _Snapshot | None = None) -> _Snapshot:
         groups = _groups(self._env.worlds.robots["team"][0])
         worlds = self._env.worlds
+        robots = worlds.robots[0]
         server = worlds.tasks["server"][0]
         served = {k: groups[server[k]] for k in np.flatnonzero(server != NOBODY).tolist()}
         return _Snapshot(
@@ -154,6 +160,8 @@ class Recorder:
             has=worlds.has[0].copy(),
             tally=self._env.tally(),
             served=served,
+            left=robots["left"].copy(),
+            at_chargers=_at_chargers(robots, before.left) if before else {},
         )
 
     def _decided(self, before: _Snapshot) -> dict[int, Wants]:
@@ -248,7 +256,8 @@ class Recorder:
         """Name the tasks that the robots left and those due back can never do."""
         mission, made = self._truth, self._before.tally.steps
         left = {robot for robots in self._before.groups.values() for robot in robots}
-        left |= {r for r, robot in enumerate(mission.robots) if robot.is_due(made)}
+        due = {r for r, robot in enumerate(mission.robots) if robot.is_due(made)}
+        left |= due - dry_robots(self._env.worlds.robots[0])
         at_work = (mission.robots[r] for r in left if mission.robots[r].rota.over > made)
         have = totals_by_region(mission.world, at_work)
         over = {*self._env.ends(), *self._env.missed()}
@@ -320,6 +329,21 @@ def _served(
         if now and (was != now or is_new):
             rows.append((task, now))
     return tuple(rows)
+
+
+def _at_chargers(robots: Array, left: Array) -> dict[int, str]:
+    """Return what robots did at chargers in a step; `left` (robots,) is what they had before it."""
+    has_charged = robots["left"] > left
+    queues = np.flatnonzero((robots["queued"] != NOBODY) & ~has_charged).tolist()
+    charged = np.flatnonzero(has_charged).tolist()
+    return dict.fromkeys(queues, QUEUEING) | dict.fromkeys(charged, CHARGING)
+
+
+def _charge(before: _Snapshot, after: _Snapshot) -> tuple[tuple[int, str], ...]:
+    """Return the robots that do something else at chargers than in the step before."""
+    was, now = before.at_chargers, after.at_chargers
+    rows = ((robot, now.get(robot, "")) for robot in sorted(was.keys() | now.keys()))
+    return tuple(row for row in rows if row[1] != was.get(row[0], ""))
 
 
 def _unloads(tasks: Array) -> tuple[int, ...]:

@@ -214,6 +214,8 @@ class TeamFormation:
         (its `task`; for a joiner, whose `intent` is JOIN, its `partner`), and `finish_step` ends
         the step with where they have got to.
         """
+        if self.worlds.rules["has_batteries"].any():
+            raise ValueError("who charges where is up to the step: robots with batteries step()")
         wanted, named = self._read(decision)
         form_worlds(self.worlds, wanted, named, self._first_row)
 

@@ -9,6 +9,7 @@ from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
 from teamformer.world.phases.assignment import allocate_tasks
 from teamformer.world.phases.beliefs import expect_needs, show_needs
 from teamformer.world.phases.carrying import place_loads
+from teamformer.world.phases.charging import charge_teams
 from teamformer.world.phases.completion import (
     cancel_tasks,
     complete_tasks,
@@ -17,6 +18,7 @@ from teamformer.world.phases.completion import (
     release_tasks,
 )
 from teamformer.world.phases.ending import judge_status
+from teamformer.world.phases.energy import spend_standing
 from teamformer.world.phases.finding import find_tasks
 from teamformer.world.phases.formation import form_joins, read_decisions, split_teams
 from teamformer.world.phases.losses import lose_robots, return_robots
@@ -50,6 +52,8 @@ def step_worlds(
         if worlds.count[w].status == RUNNING:
             world = world_at(worlds, w)
             form_teams(world, wanted, named, first_row[w])
+            if world.rules.has_batteries:
+                charge_teams(world)
             move_teams(world)
             _end_step(world, weights, rewards[w])
         else:
@@ -94,6 +98,8 @@ def form_teams(world: World, wanted: Array, named: Array, first_row: int) -> Non
 @allocating_kernel
 def _end_step(world: World, weights: tuple[float, float, float], reward: Array) -> None:
     """Make the phases after motion."""
+    if world.rules.has_batteries:
+        spend_standing(world)
     is_news = let_things_happen(world)
     if world.rules.hides_places:
         is_news |= find_tasks(world)

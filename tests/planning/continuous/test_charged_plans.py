@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from charged_keys import drawn_with
 from charging_missions import charged_mission
+from teamformer.base.errors import MissionError
+from teamformer.methods.by_name import load_method
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.plane import Plane
 from teamformer.planning.continuous.continuous_mission import pose_mission
+from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.planning.continuous.solve import plan_together
 from teamformer.planning.problem.charged_plans import charged_times, charged_totals
 from teamformer.planning.problem.coalition_plan import plan_of_lists
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.planning.problem.schedule import MAKESPAN, schedule_of
 from teamformer.planning.search.arc_search import ArcSearch
+from teamformer.record.referee import judge
+from teamformer.trials.trial import run_trial
 
 
 def drawn(seed: int, room: int = 9, tasks: int = 6) -> CoalitionProblem:
@@ -39,6 +46,9 @@ def test_times_of_a_graph_are_those_of_the_plan_carried_out(seed: int) -> None:
         ends = [told.timed.end(task) for task in range(len(problem.needs))]
         tasks = len(problem.needs)
         assert np.allclose(search.graph.nodes.end[:tasks], ends, atol=50 * tasks, rtol=0)
+        given_out = schedule_of(problem, search.present)
+        assert np.allclose(given_out.end[:tasks], ends, atol=50 * tasks, rtol=0)
+        assert given_out.total[MAKESPAN] == pytest.approx(max(told.back), abs=50 * tasks)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -105,3 +115,45 @@ def test_a_robot_that_is_not_able_for_a_task_is_not_in_its_coalition() -> None:
     made = plan_together(problem)
     assert made is not None
     assert made.plan.coalition[0, : made.plan.size[0]].tolist() == [1]
+
+
+def test_rules_without_search_count_with_charging_as_they_choose() -> None:
+    """a is 5 away from x, but has to charge first, 20 away, and b is there at 10."""
+    battery = Battery(60, 18)
+    near = Robot("a", (20, 0), {"lift": 1}, battery=replace(battery, starts=0.4))
+    far = Robot("b", (35, 0), {"lift": 1}, battery=battery)
+    task = Task("x", (25, 0), {"lift": 1}, duration=3)
+    chargers = (Charger((0, 0)),)
+    mission = Mission(
+        "m", Plane(40, 9), ("lift",), (near, far), (task,), time="continuous", chargers=chargers
+    )
+    for method in ("soonest", "reactive"):
+        made = plan_continuous(pose_mission(mission), method, 0)
+        assert made is not None
+        assert [len(route.stops) for route in made.routes] == [0, 1]
+        assert made.makespan == 13.0
+
+
+def test_an_optional_task_that_no_battery_lasts_for_is_missed() -> None:
+    """From the charger it is 30 to x and 30 back, and a battery lasts 50; z comes after it."""
+    robot = Robot("a", (0, 0), {"lift": 1}, battery=Battery(50, 10))
+    tasks = (
+        Task("x", (30, 0), {"lift": 1}, optional=True),
+        Task("y", (5, 0), {"lift": 1}, duration=2),
+        Task("z", (6, 0), {"lift": 1}, optional=True, after=("x",)),
+    )
+    mission = Mission(
+        "m", Plane(40, 9), ("lift",), (robot,), tasks, time="continuous", until=90.0,
+        chargers=(Charger((0, 0)),),
+    )  # fmt: skip
+    for method in ("plan", "soonest", "reactive", "central"):
+        made = plan_continuous(pose_mission(mission), method, 0.1)
+        assert made is not None
+        assert made.missed == (0, 2)
+        trial = run_trial(mission, load_method(method, 0.1))
+        assert judge(trial.record).findings == ()
+        assert (trial.record.end.missed, trial.record.end.makespan) == (("x", "z"), 7.0)
+        [why] = [event.why for event in trial.record.events if event.task == 0 and event.why]
+        assert why == "too far for its battery"
+    with pytest.raises(MissionError, match="task 'x' is too far from chargers"):
+        replace(mission, tasks=(replace(tasks[0], optional=False), tasks[1]))

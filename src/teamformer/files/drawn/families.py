@@ -21,7 +21,7 @@ SIZES = {"half": 0.5, "double": 2.0}
 EVERYBODY = 1000.0
 """Cells that robots sense in settings that end with `-senseall`."""
 
-INCIDENTS = ("lost", "arrivals", "ordered", "shifts", "zones", *SURPRISES)
+INCIDENTS = ("lost", "arrivals", "ordered", "shifts", "charging", "zones", *SURPRISES)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from teamformer.files.drawn.surprises import SURPRISES, make_uncertain
 from teamformer.mission.checks.windows import find_hopeless_windows
 from teamformer.mission.model import Absence, Mission, Robot, Task, World
 from teamformer.mission.parts.capabilities import exact, total
+from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
 from teamformer.mission.parts.roads import AIR, GROUND
 from teamformer.mission.parts.shifts import Shift
@@ -60,6 +61,13 @@ ROTAS: tuple[tuple[Shift, ...], ...] = (
 EVERY = 100
 """After how many steps shifts come again."""
 
+WITH_BATTERY, BATTERY_LASTS, FILLS_IN, SERVING_SPENDS = 0.8, (40, 80), 0.2, 0.3
+"""The share of robots with a battery, how long one lasts, in which share of that it fills, and what
+serving takes. Where a task is too far from all chargers, all last longer."""
+
+CHARGERS, CHARGER_ROOM = (3, 6), (1, 1, 2)
+"""How many there are, ends included, and the room of one."""
+
 ROOM = (1, 2, 3)
 """How many services go on in an area at once."""
 
@@ -71,9 +79,9 @@ def draw_mission(
 
     With `incident` "lost" one robot that the others can do without is lost at a random step, in the
     first half of the mission; with "arrivals" a fifth of the tasks appear at random steps; with
-    "ordered" tasks come after others; with "shifts" most robots work in shifts; with "zones" few
-    services go on at once in an area; with one of `SURPRISES` not everything is known. The mission
-    itself is the same.
+    "ordered" tasks come after others; with "shifts" most robots work in shifts; with
+    "charging" most have batteries; with "zones" few services go on at once in an area; with one of
+    `SURPRISES` not everything is known. The mission itself is the same.
     """
     for _ in count():
         mission, spare = _draw(family, rng, name)
@@ -87,6 +95,8 @@ def draw_mission(
         return _put_in_order(mission, rng)
     if incident == "shifts":
         return _work_in_shifts(mission, rng)
+    if incident == "charging":
+        return _give_batteries(mission, rng)
     if incident == "zones":
         return _share_zones(mission, rng)
     return mission if incident is None else _let_arrive(mission, rng)
@@ -323,20 +333,39 @@ def _work_in_shifts(mission: Mission, rng: np.random.Generator) -> Mission:
             return replace(mission, robots=robots, step_limit=0)
 
 
+def _give_batteries(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Put up chargers, and give most robots that walk batteries that suffice for all tasks."""
+    places = [mission.tasks[k].at for k in rng.permutation(len(mission.tasks))]
+    most = int(rng.integers(CHARGERS[0], CHARGERS[1] + 1))
+    chargers = tuple(Charger(at, int(rng.choice(CHARGER_ROOM))) for at in places[:most])
+    lasts = float(rng.integers(BATTERY_LASTS[0], BATTERY_LASTS[1] + 1))
+    has_battery = rng.random(len(mission.robots)) < WITH_BATTERY
+    while True:
+        battery = Battery(lasts, fills=round(FILLS_IN * lasts), serving=SERVING_SPENDS)
+        robots = tuple(
+            replace(robot, battery=battery if has_one and not robot.flies else None)
+            for robot, has_one in zip(mission.robots, has_battery, strict=True)
+        )
+        with suppress(MissionError):
+            return replace(mission, robots=robots, chargers=chargers, step_limit=0)
+        lasts += BATTERY_LASTS[0] / 4
+
+
 def _share_zones(mission: Mission, rng: np.random.Generator) -> Mission:
     """Let few services go on at once in an area and, in half of the missions, of some tasks.
 
     Where there are loads, which are in no zone yet, tasks by name take the place of the area.
     """
     names = [task.name for task in mission.tasks if task.to is None]
-    drawn = rng.permutation(names).tolist()
+    drawn: list[str] = rng.permutation(names).tolist()
     quarter = max(1, len(names) // 4)
     yard = Zone("yard", tasks=tuple(drawn[quarter : 3 * quarter]), room=int(rng.choice(ROOM)))
     tool = Zone("tool", tasks=tuple(drawn[:quarter]))
-    zones = (yard, tool)[: 1 + (rng.random() < 0.5)] if yard.tasks else (tool,)
+    has_both, has_loads = rng.random() < 0.5, len(names) < len(mission.tasks)
     while True:
-        if len(names) == len(mission.tasks):
-            zones = (replace(yard, tasks=(), area=_area(mission.world, rng)), *zones[1:])
+        if not has_loads:
+            yard = replace(yard, tasks=(), area=_area(mission.world, rng))
+        zones = (tool, yard) if has_both else (yard,)
         with suppress(MissionError):
             return replace(mission, zones=zones, step_limit=0)
 

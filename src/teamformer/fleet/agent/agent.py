@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from teamformer.fleet.agent.ears import Ears
+from teamformer.fleet.agent.entering import ZoneGate
 from teamformer.fleet.agent.knowledge import Knowledge, Remembered
 from teamformer.fleet.agent.loads import note_load, note_place
 from teamformer.fleet.agent.meeting import Meeting
-from teamformer.fleet.agent.membership import Membership
+from teamformer.fleet.agent.membership import Ears, Membership
 from teamformer.fleet.agent.planning import FleetPlan, PlanKeeper
 from teamformer.fleet.agent.service import Service
+from teamformer.fleet.agent.steering import Pilot
 from teamformer.fleet.agent.voice import Voice
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.fleet_mission import FleetMission
@@ -37,6 +38,7 @@ from teamformer.fleet.messages import (
     Receipt,
 )
 from teamformer.fleet.planner import FleetPlanner
+from teamformer.fleet.recharging import Recharge
 from teamformer.mission.parts.grid import Place
 from teamformer.world.rules.constants import NOBODY
 
@@ -46,9 +48,6 @@ if TYPE_CHECKING:
 
 LOOK = 1.0
 """Seconds between two looks at who is lost and whether this robot gets on."""
-
-NAMESAKES = 3
-"""Messages of another process in this robot's name from which on the younger one gives up."""
 
 
 class Agent:
@@ -73,21 +72,22 @@ class Agent:
         self.membership = Membership(self.knowledge, mission.timers, life, now)
         self.keeper = PlanKeeper(self.knowledge, plan, planner)
         self.service = Service(self.knowledge, self.membership)
+        self.gate = ZoneGate(self.knowledge, self.membership, self.keeper)
         self.meeting = Meeting(self.knowledge, self.membership)
+        self.recharge = Recharge(mission, me)
         self.leading = None if policy is None else self._lead_by(policy, now)
+        self.pilot = Pilot(self)
         self.voice = Voice(self, now, nonce)
         self.command = Command()
         self.due = now
-        self.is_refused = False  # an older process has this robot's name
         self._born = now - kept.age
         self._look_at = now
-        self._place = (self.knowledge.words[me].x, self.knowledge.words[me].y)
-        self._wanted: Place | None = None  # where it last wanted to go and was not
+        self.place = (self.knowledge.words[me].x, self.knowledge.words[me].y)
+        self.wanted: Place | None = None  # where it last wanted to go and was not
         self._leaves_when = float("inf")  # the promise that it waits out before it leaves
-        self._namesakes = 0
         self._mates_changes = 0  # grows when somebody says something new about the task at hand
-        self._report = Report(*self._place)
-        self._lets_go = False  # it has told its body to, which may report that late
+        self._report = Report(*self.place)
+        self.lets_go = False  # it has told its body to, which may report that late
         self._decided = -1  # the changes that it has decided upon
         self._plan_at = float("inf")
         self.ears = Ears(mission, me)
@@ -108,19 +108,19 @@ class Agent:
         if now < self.due and self._changes() == self._decided and report == self._report:
             return self.command, notices
         had_load, self._report = self._reports_load, report
-        self._lets_go = self._lets_go and self._reports_load
+        self.lets_go = self.lets_go and self._reports_load
         self._sense(report, now, notices)
-        is_rid = self._has_served or self.command.task in self.knowledge.over
+        is_rid = self.has_served or self.command.task in self.knowledge.over
         if had_load and not self._reports_load and not is_rid:
-            self.membership.doubt_myself(now, *self._place, self._waits(now))
+            self.membership.doubt_myself(now, *self.place, self._waits(now))
         self.knowledge.let_happen(self.age(now))
         if now >= self._look_at - LOOK / 4:  # together with a heartbeat, if one is near
             self._look(now)
         self._plan(now, notices)
         self._serve(now, report, notices)
         self.ears.listen_for(self.service.goal, self.keeper.plan, self.membership, now)
-        self._steer(now)
-        self.voice.speak(now, self._place, notices)
+        self.command = self.pilot.command(now)
+        self.voice.speak(now, self.place, notices)
         self.due = min(self._next_time(now), self.voice.next_beat)
         self._decided = self._changes()
         return self.command, notices
@@ -138,7 +138,7 @@ class Agent:
         """Say that this robot leaves the fleet for good, so that nobody waits for it."""
         self.membership.is_leaving = True
         notices: list[Notice] = []
-        self.voice.speak(now, self._place, notices, at_once=True)
+        self.voice.speak(now, self.place, notices, at_once=True)
         return notices
 
     def remember(self, now: float) -> Remembered:
@@ -151,6 +151,11 @@ class Agent:
         return self.membership.life, self.knowledge.changes
 
     @property
+    def is_refused(self) -> bool:
+        """Say whether an older process has this robot's name."""
+        return self.voice.is_refused
+
+    @property
     def is_over(self) -> bool:
         """Say whether every task that this robot knows is over, and none is still to appear."""
         return len(self.knowledge.over) == len(self.knowledge.tasks)
@@ -161,7 +166,7 @@ class Agent:
             return
         if sender == self.me:
             if type(body) is Beat:
-                self._meet_namesake(body, now)
+                self.voice.meet_namesake(body, now)
         elif type(body) is Beat:
             self._hear_beat(body, sender, now, notices)
         elif type(body) is PlanNote:
@@ -199,6 +204,7 @@ class Agent:
                 old = membership.hear(word, now)
                 if old is None:
                     continue
+                self._mates_changes += self.gate.hear(word, now)
                 if old.is_fit and not word.is_fit:
                     self.voice.hurry()  # it may only not have heard anybody
                 if goal != NOBODY and goal in (word.goal, old.goal):
@@ -214,15 +220,11 @@ class Agent:
         differs = beat.digest != self.knowledge.digest
         self.voice.tell(sender, has_older_plan, differs, now, notices)
 
-    def _meet_namesake(self, beat: Beat, now: float) -> None:
-        """Give way to another process that speaks for this robot, if that one is older."""
-        if beat.nonce != self.voice.nonce and beat.uptime > self.voice.uptime(now):
-            self._namesakes += 1
-            self.is_refused = self._namesakes >= NAMESAKES
-
     def _sense(self, report: Report, now: float, notices: list[Notice]) -> None:
-        self._place = (report.x, report.y)
-        self.service.has_served = self._has_served
+        self.place = (report.x, report.y)
+        if self._spends_more(report, now):
+            self.keeper.note_shortage()
+        self.service.has_served = self.has_served
         if report.leg != self.command.leg or self.command.task not in self.knowledge.tasks:
             return
         task, knowledge = self.command.task, self.knowledge
@@ -233,14 +235,21 @@ class Agent:
         if is_done and knowledge.mark_done(task, now):
             self.voice.hurry()
         elif task in self.mission.hidden:
-            is_news |= note_place(knowledge, task, report, self._is_at(task))
-        elif self._has_load(task):
+            is_news |= note_place(knowledge, task, report, self.is_at(task))
+        elif self.has_load(task):
             is_held = report.is_busy or self.service.is_in_hands(task, now)
-            is_news |= note_load(knowledge, task, report, not is_held and self._is_at(task))
-        if not is_done and not report.is_gone and self._is_at(task):
+            is_news |= note_load(knowledge, task, report, not is_held and self.is_at(task))
+        if not is_done and not report.is_gone and self.is_at(task):
             self.keeper.note_look(task)
         if is_news:
             notices.append(Notice(EVERYBODY, knowledge.note()))
+
+    def _spends_more(self, report: Report, now: float) -> bool:
+        """Take in what a body tells of its battery; say whether it has less than was believed."""
+        command, is_serving = self.command, self.service.phase == SERVE
+        moves = command.place is not None or report.carries
+        is_at_task = command.task != NOBODY
+        return self.recharge.note(report.charge, self.age(now), moves, is_at_task, is_serving)
 
     def _look(self, now: float) -> None:
         """Look who is lost, and whether this robot gets on."""
@@ -249,12 +258,12 @@ class Agent:
         place = self.command.place
         if self.carries:
             place = self.knowledge.tasks[self.command.task].to
-        wants_to_move = place is not None and not self.mission.is_same_place(*place, *self._place)
-        has_way = not wants_to_move or self._leads(place)
+        wants_to_move = place is not None and not self.mission.is_same_place(*place, *self.place)
+        has_way = not wants_to_move or self.leads(place)
         wants_to_move = wants_to_move and has_way and self.knowledge.is_at_work
         if wants_to_move:
-            self._wanted = place
-        x, y = self._place
+            self.wanted = place
+        x, y = self.place
         is_unable = self._report.is_unfit or not has_way
         self.membership.judge_myself(now, x, y, wants_to_move, self._waits(now), is_unable)
 
@@ -266,7 +275,7 @@ class Agent:
     def _plan(self, now: float, notices: list[Notice]) -> None:
         self._plan_at = self.keeper.plan_at(now, self.membership)
         if now >= self._plan_at:
-            self.keeper.make(self.membership, self._place, now, self.age(now))
+            self.keeper.make(self.membership, self.place, now, self.age(now))
             self._plan_at = float("inf")
             notices.append(Notice(EVERYBODY, self.keeper.plan.note))
 
@@ -291,24 +300,26 @@ class Agent:
             if leading is None:
                 service.head_for(goal, now, self._fellows(goal))
             else:
-                leading.part(now, self._place, goal, notices)
+                leading.part(now, self.place, goal, notices)
                 service.go_along(goal, leading.team(now))
         is_for_it = report.leg == self.command.leg and self.command.task == service.goal
-        is_there = is_for_it and (self._is_bound or self._is_at(service.goal))
-        is_there = is_there and not report.is_unfit and self.knowledge.is_at_work
-        is_elsewhere = self._has_load(service.goal) or service.goal in self.mission.hidden
+        is_there = is_for_it and (self.is_bound or self.is_at(service.goal))
+        is_there = is_there and not (report.is_unfit or self.recharge.is_away)
+        is_there = is_there and self.knowledge.is_at_work
+        is_elsewhere = self.has_load(service.goal) or service.goal in self.mission.hidden
         if is_there and is_elsewhere:
             is_on_its_way = self.command.place not in (None, self.knowledge.place_of(service.goal))
             is_there = not (is_on_its_way or report.is_gone or self.membership.is_stuck)
-        chosen = None if leading is None else leading.decide(now, self._place, notices)
+        chosen = None if leading is None else leading.decide(now, self.place, notices)
         may_begin = self.mission.may_begin(service.goal, self.knowledge.over, self.age(now))
         begins = self.knowledge.begins(service.team_here(now), service.goal)
         may_begin = may_begin and begins <= self.knowledge.age
+        may_begin = may_begin and self.gate.lets_in(service.goal, now)
         service.stand_by(now, is_there, report.is_busy, may_begin, chosen)
 
-    def _leads(self, place: Place | None) -> bool:
+    def leads(self, place: Place | None) -> bool:
         """Say whether a way leads to a place from where this robot is."""
-        return place is not None and self.mission.leads(self.me, self._place, place)
+        return place is not None and self.mission.leads(self.me, self.place, place)
 
     def _fellows(self, goal: int) -> frozenset[int]:
         """Return the robots that go to the same task as this one next."""
@@ -317,80 +328,35 @@ class Agent:
         coalition = self.keeper.plan.coalition(goal)
         return frozenset(r for r in coalition if self.keeper.next_task(r) == goal)
 
-    def _is_at(self, key: int) -> bool:
+    def is_at(self, key: int) -> bool:
+        """Say whether this robot is where a task is, or its load is believed to lie."""
         if key == NOBODY:
             return False
-        return self.mission.is_same_place(*self.knowledge.place_of(key), *self._place)
+        return self.mission.is_same_place(*self.knowledge.place_of(key), *self.place)
 
     @property
     def carries(self) -> bool:
         """Say whether this robot carries the load of the task at hand, and means to go on."""
-        return self._reports_load and not self._lets_go
+        return self._reports_load and not self.lets_go
 
     @property
     def _reports_load(self) -> bool:
         return self._report.carries and self._report.leg == self.command.leg
 
     @property
-    def _has_served(self) -> bool:
+    def has_served(self) -> bool:
         """Say whether this robot has done its part of the task that it serves."""
         is_it = self._report.has_served and self._report.leg == self.command.leg
         return is_it and self.service.is_at_work_on(self.command.task)
 
     @property
-    def _is_bound(self) -> bool:
+    def is_bound(self) -> bool:
         """Say whether it is with its task: it carries or has brought it."""
-        return self.carries or self._has_served
+        return self.carries or self.has_served
 
-    def _has_load(self, key: int) -> bool:
+    def has_load(self, key: int) -> bool:
+        """Say whether a task has a load."""
         return key != NOBODY and self.knowledge.tasks[key].to is not None
-
-    def _steer(self, now: float) -> None:
-        """Turn the state of the service into a command; only a new place or task is a new leg."""
-        service, command = self.service, self.command
-        place, leg, duration, pace = self._place_to_be(now), command.leg, 0.0, 0.0
-        if service.goal != command.task or (place != command.place and not self._is_bound):
-            leg += 1
-        if service.goal != NOBODY:
-            duration = self.knowledge.tasks[service.goal].duration
-        is_serving = service.phase == SERVE
-        self._lets_go = self._lets_go or (self.carries and not is_serving)
-        if is_serving and self._has_load(service.goal):
-            pace = min(self.mission.paces[robot] for robot in service.team_here(now))
-        new = Command(
-            leg=leg,
-            place=place,
-            task=service.goal,
-            team=service.team,
-            serve=is_serving,
-            duration=duration,
-            pace=pace,
-        )
-        self.command = command if new == command else new
-
-    def _place_to_be(self, now: float) -> Place | None:
-        """Return where to go; None for staying where it is, or with the load that it carries."""
-        service, command, goal = self.service, self.command, self.service.goal
-        if self.carries and command.task == goal:
-            return None
-        place: Place | None = None
-        if self._has_served and command.task == goal:
-            return command.place
-        if self._has_load(goal) and now < service.promised:
-            return command.place  # it stays with the load, or where it has let it go
-        is_idle = goal == NOBODY or self._has_load(goal)
-        if self.membership.is_stuck and is_idle and self._leads(self._wanted):
-            place = self._wanted  # it goes on trying
-        elif goal == NOBODY:
-            is_home_bound = self.is_over and self.mission.ends
-            missed = {} if is_home_bound else self.meeting.missed(now, self.ears.watched)
-            place = self.meeting.place(self._place, missed, self.age(now))
-        elif now >= service.formed:
-            is_here = command.task == goal and command.place is None and self._is_at(goal)
-            place = None if is_here else self.knowledge.place_of(goal)
-        if place is None and goal == command.task != NOBODY:
-            return command.place  # forming where it stands
-        return place
 
     def _next_time(self, now: float) -> float:
         """Return when something is to be decided, even if nothing is heard until then."""

@@ -311,6 +311,11 @@ class Knowledge:
             task, load = self.tasks[key], self.loads.get(key)
             yield task if load is None else replace(task, x=load.x, y=load.y)
 
+    def located(self, key: int) -> TaskFact | None:
+        """Return a task with its load where that lies now; None for NOBODY."""
+        task, load = self.tasks.get(key), self.loads.get(key)
+        return task if task is None or load is None else replace(task, x=load.x, y=load.y)
+
     @property
     def is_at_work(self) -> bool:
         """Say whether this robot is in one of its shifts."""

@@ -7,11 +7,16 @@ else robots whose radios do not reach far would for ever set out together and tu
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from msgspec.structs import replace
 
 from teamformer.fleet.agent.knowledge import Knowledge
-from teamformer.fleet.fleet_mission import Timers
+from teamformer.fleet.fleet_mission import FleetMission, Timers
 from teamformer.fleet.messages import LIFE, LOST, Word
+
+if TYPE_CHECKING:
+    from teamformer.fleet.agent.planning import FleetPlan
 
 LONG_PAUSE = 2.5
 """Seconds between two ticks from which on this robot was itself away, not the others."""
@@ -184,3 +189,28 @@ def neighbours(robot: int, robots: int) -> frozenset[int]:
         near |= {(robot + away) % robots, (robot - away) % robots}
         away *= 2
     return frozenset(near - {robot})
+
+
+class Ears:
+    """The robots that one robot, `me`, listens to: those `watched`.
+
+    In a small fleet that is everybody, in a large one neighbours and partners. Where there are
+    zones all have to agree on who enters, so there it is everybody, too.
+    """
+
+    def __init__(self, mission: FleetMission, me: int) -> None:
+        self._is_small = mission.robots <= HEARS_ALL or bool(mission.source.zones)
+        self._me = me
+        self._neighbours = neighbours(me, mission.robots)
+        others = frozenset(range(mission.robots)) - {me}
+        self.watched = others if self._is_small else self._neighbours
+        self._watched_for = (-1, -1)  # the goal and the plan that it listens for
+
+    def listen_for(self, goal: int, plan: FleetPlan, membership: Membership, now: float) -> None:
+        """In a large fleet, listen to neighbours and to those that this robot is to meet."""
+        if self._is_small or (goal, plan.note.epoch) == self._watched_for:
+            return
+        self._watched_for = (goal, plan.note.epoch)
+        watched = self._neighbours | frozenset(plan.coalition(goal)) - {self._me}
+        membership.watch(watched - self.watched, now)
+        self.watched = watched

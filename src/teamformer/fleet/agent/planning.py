@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 from teamformer.fleet.agent.knowledge import NEVER, Knowledge
 from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.fleet_mission import FleetMission
-from teamformer.fleet.in_shifts import can_still_do
-from teamformer.fleet.messages import SERVE, PlanNote, TaskFact
-from teamformer.fleet.planner import FleetPlanner, FleetSituation
+from teamformer.fleet.in_shifts import can_still_do, who_can
+from teamformer.fleet.messages import SERVE, PlanNote, TaskFact, Terms
+from teamformer.fleet.planner import FleetPlanner, FleetSituation, Stop
+from teamformer.mission.precedence import keep_precedence
 from teamformer.world.rules.constants import NOBODY
 
 
@@ -81,19 +82,38 @@ def make_plan(
     able = [task for task in able if can_still_do(mission, task, places, situation.age)]
     able = _without_waiting(mission, able, situation.over)
     left_out = tuple(task.key for task in situation.tasks if task not in able)
-    stops: Sequence[tuple[int, tuple[int, ...]]] = ()
+    stops: Sequence[Stop] = ()
     if able:
         stops = planner.plan(mission, situation._replace(tasks=tuple(able)))
+        stops = _by_who_has_time(mission, situation, stops)
     planned = {key for key, _ in stops}
     given_up = tuple(task.key for task in able if task.key not in planned)
-    stops = [*stops, *_looks(mission, situation)]
-    order, coalitions = tuple(key for key, _ in stops), tuple(who for _, who in stops)
+    who = dict([*stops, *_looks(mission, situation)])
+    order = tuple(keep_precedence(list(who), mission.before))
+    coalitions = tuple(who[key] for key in order)
     return PlanNote(epoch, maker, robots, order, coalitions, left_out, given_up)
 
 
-def _looks(
-    mission: FleetMission, situation: FleetSituation
-) -> Iterable[tuple[int, tuple[int, ...]]]:
+def _by_who_has_time(
+    mission: FleetMission, situation: FleetSituation, stops: Sequence[Stop]
+) -> list[Stop]:
+    """Return stops with others for those whose shifts leave no time for a task, if there are any.
+
+    Who is at work on it goes on until its shift is over.
+    """
+    if not mission.has_shifts:
+        return list(stops)
+    tasks, places, age = {it.key: it for it in situation.tasks}, situation.places, situation.age
+    found = list[Stop]()
+    for key, who in stops:
+        is_at_work = situation.serving.get(key) == who
+        is_at_work = is_at_work and all(mission.is_at_work(robot, age) for robot in who)
+        has_time = is_at_work or mission.fits(tasks[key], who, age) < NEVER
+        found.append((key, who if has_time else who_can(mission, tasks[key], places, age) or who))
+    return found
+
+
+def _looks(mission: FleetMission, situation: FleetSituation) -> Iterable[Stop]:
     """Yield the tasks that robots cannot do and others come after, each with who is to look."""
     places = situation.places
     known = {task.key for task in situation.tasks}
@@ -122,14 +142,16 @@ class PlanKeeper:
     def __init__(self, knowledge: Knowledge, plan: FleetPlan, planner: FleetPlanner) -> None:
         self.plan = plan
         self.since = float("-inf")  # when the plan was made or taken
+        self.dropped_at = float("-inf")  # when it last took one that counts on fewer robots
         self.made = 0
         self._knowledge = knowledge
         self._planner = planner
         self._reason_since: float | None = None
         self.changes = 0  # grows with every plan that is followed
-        self._looked_at = -1  # the changes after which it last looked for a reason
+        self._looked_at = -1, frozenset[int]()  # after what it last looked for a reason
         self._next = 0
         self._late = frozenset[int]()  # planned tasks that cannot begin any more, as it was planned
+        self._is_short = False  # it has less in its battery than was believed
         self._looked = set[int]()  # tasks at which it has looked whether they are done
 
     def take(self, note: PlanNote, now: float) -> None:
@@ -141,18 +163,31 @@ class PlanKeeper:
             self._follow(plan, now)
 
     def _follow(self, plan: FleetPlan, now: float) -> None:
+        if self.plan.live - plan.live:
+            self.dropped_at = now
         self.plan, self.since, self._next = plan, now, 0
         self._looked.clear()
+        self._is_short = False
         self._late = self._too_late()
         self.changes += 1
 
     def _too_late(self) -> frozenset[int]:
-        """Return the planned tasks whose robots' shifts leave no time for them any more."""
+        """Return the planned tasks whose robots' shifts leave no time for them any more.
+
+        What robots are at work on has begun in time.
+        """
         knowledge = self._knowledge
         if not knowledge.mission.has_shifts:
             return frozenset()
-        open_stops = ((key, who) for key, who in self.plan.stops if key in knowledge.undone)
+        begun = {word.goal for word in knowledge.words if word.phase == SERVE and not word.is_lost}
+        left = knowledge.undone - begun
+        open_stops = ((key, who) for key, who in self.plan.stops if key in left)
         return frozenset(key for key, who in open_stops if knowledge.begins(who, key) == NEVER)
+
+    def note_shortage(self) -> None:
+        """Note that this robot has less in its battery than was believed: it makes a new plan."""
+        self._is_short = True
+        self.changes += 1
 
     def note_look(self, key: int) -> None:
         """Note that this robot sees that a task is not done to which it only went to look."""
@@ -210,8 +245,9 @@ class PlanKeeper:
         tasks = tuple(knowledge.open_tasks())
         at_work = {key: tuple(robots) for key, robots in serving.items()}
         situation = FleetSituation(places, tasks, at_work, self.plan.stops, age)
+        terms = {robot: words[robot].terms or Terms() for robot in places}
         situation = situation._replace(
-            over=frozenset(knowledge.over), seen=frozenset(knowledge.seen)
+            over=frozenset(knowledge.over), seen=frozenset(knowledge.seen), terms=terms
         )
         epoch = self.plan.note.epoch + 1
         note = make_plan(knowledge.mission, self._planner, situation, epoch, knowledge.me)
@@ -222,8 +258,8 @@ class PlanKeeper:
     def _look(self, now: float, membership: Membership) -> None:
         """Look for a reason to plan, where anything has changed since the last look."""
         knowledge = self._knowledge
-        looked = knowledge.changes + membership.changes + self.changes  # all of which grow
-        looked += len(self._too_late())
+        grown = knowledge.changes + membership.changes + self.changes
+        looked = grown, self._too_late()
         if looked == self._looked_at:
             return
         self._looked_at = looked
@@ -237,7 +273,7 @@ class PlanKeeper:
         undone = self._knowledge.undone
         if undone and (live != self.plan.live or not undone <= self.plan.listed):
             return True
-        if self._too_late() > self._late:
+        if self._too_late() - self._late or (self._is_short and undone):
             return True
         left_out = self.plan.note.left_out
         return any(self._needs_more(key) for key in self._knowledge.seen if key in undone) or any(

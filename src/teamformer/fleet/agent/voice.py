@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from teamformer.fleet.messages import EVERYBODY, MOST_RELAYED, Beat, Notice, Word
+from teamformer.fleet.messages import EVERYBODY, MOST_RELAYED, Beat, Notice, Terms, Word
 
 if TYPE_CHECKING:
     from teamformer.fleet.agent.agent import Agent
@@ -14,6 +14,10 @@ AGAIN = 0.7
 
 PATIENCE = 0.4
 """Seconds for which others must lack something before they are told: most is on its way."""
+
+
+NAMESAKES = 3
+"""Messages of another process in this robot's name from which on the younger one gives up."""
 
 
 class Voice:
@@ -30,10 +34,21 @@ class Voice:
         nobody: list[float | None] = [None] * agent.mission.robots
         self._differs = nobody  # since when somebody's facts differ from these
         self._turn = 0
+        self._namesakes = 0
 
     def uptime(self, now: float) -> float:
         """Return for how long this process has been speaking."""
         return now - self._begun
+
+    @property
+    def is_refused(self) -> bool:
+        """Say whether an older process speaks for this robot."""
+        return self._namesakes >= NAMESAKES
+
+    def meet_namesake(self, beat: Beat, now: float) -> None:
+        """Give way to another process that speaks for this robot, if that one is older."""
+        if beat.nonce != self.nonce and beat.uptime > self.uptime(now):
+            self._namesakes += 1
 
     def hurry(self) -> None:
         """Speak at the next chance: something happened that others wait for."""
@@ -75,6 +90,7 @@ class Voice:
         """Say a heartbeat if it is time, or if what others act upon has changed."""
         service, membership = self._agent.service, self._agent.membership
         at_hand = (service.goal, service.phase, service.team, service.has_served)
+        at_hand = (*at_hand, self._agent.recharge.charger, self._agent.recharge.since)
         state = (*at_hand, membership.is_fit, membership.life)
         if now < self.next_beat and state == self._said and not at_once:
             return
@@ -100,6 +116,7 @@ class Voice:
             hold=service.hold,
             echoes=service.echoes(now),
             has_served=service.has_served,
+            terms=self._terms(),
         )
         knowledge.words[agent.me] = word
         service.said(word.version, now)
@@ -113,6 +130,13 @@ class Voice:
             nonce=self.nonce,
             uptime=self.uptime(now),
         )
+
+    def _terms(self) -> Terms | None:
+        """Return what others have to know of this robot where there are zones or batteries."""
+        mission = self._agent.mission
+        if not mission.source.zones and mission.charging is None:
+            return None
+        return self._agent.recharge.terms(self._agent.keeper.plan.version[2])
 
     def _others(self) -> tuple[Word, ...]:
         """Return words that are newer than when they were relayed last, taking turns."""

@@ -18,6 +18,7 @@ class Command(NamedTuple):
     serve: bool = False
     duration: float = 0.0  # seconds that the service of the task takes
     pace: float = 0.0  # of its team with a load, cells or metres a second; 0 for no load
+    charge: bool = False  # it is at a charger and is to charge
 
 
 class Report(NamedTuple):
@@ -48,6 +49,16 @@ class Report(NamedTuple):
     is_unfit: bool = False  # it cannot do what it is told, and nobody is to count on it for now
     has_served: bool = False  # its own part of the task is over
     needs: tuple[float, ...] | None = None  # of the task, where it stands there and can see them
+    charge: float | None = None  # how full its battery is, 0 to 1; None if it does not know
+
+
+FULL = 0.98
+"""A real battery that says that it has so much is as full as it gets."""
+
+
+def charge_of(share: float) -> float:
+    """Return how full a real battery is that says so, 0 to 1."""
+    return 1.0 if share >= FULL else max(0.0, share)
 
 
 class Body(Protocol):

@@ -27,6 +27,7 @@ class BodyCommand(Struct, array_like=True):
     task: int
     team: int
     serve: bool
+    charge: bool = False
 
 
 class Line(Protocol):
@@ -47,7 +48,7 @@ decode_order = Decoder(BodyCommand).decode
 Load = tuple[float, float] | None
 Needs = tuple[float, ...] | None
 decode_report = Decoder(
-    tuple[float, float, int, bool, bool, int, bool, Load, bool, bool, bool, Needs]
+    tuple[float, float, int, bool, bool, int, bool, Load, bool, bool, bool, Needs, float | None]
 ).decode
 
 
@@ -66,7 +67,8 @@ class RemoteBody:
         now = time.monotonic()
         if command != self._command or now - self._sent > AGAIN:
             self._command, self._sent = command, now
-            self._line.send_body("orders", encode(BodyCommand(self._robot, *command[:5])))
+            order = BodyCommand(self._robot, *command[:5], command.charge)
+            self._line.send_body("orders", encode(order))
 
     def report(self) -> Report | None:
         """Return the newest report that has come; None before the first."""
@@ -85,4 +87,6 @@ class RemoteBody:
 
     def close(self) -> None:
         """Stop."""
-        self.command(self._command._replace(leg=self._command.leg + 1, place=None, serve=False))
+        self.command(
+            self._command._replace(leg=self._command.leg + 1, place=None, serve=False, charge=False)
+        )

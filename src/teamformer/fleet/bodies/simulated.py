@@ -22,6 +22,7 @@ class SimulatedRobot:
     command: Command = field(default_factory=Command)
     is_dead: bool = False
     is_stuck: bool = False
+    is_dry: bool = False  # its battery is empty
     carries: int = NOBODY  # the task whose load it carries or unloads
 
 

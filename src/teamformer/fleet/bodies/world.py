@@ -10,6 +10,7 @@ import heapq
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from teamformer.fleet.bodies.batteries import BatteryWorld
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.simulated import (
@@ -19,7 +20,7 @@ from teamformer.fleet.bodies.simulated import (
     Done,
     WorkUnderWay,
 )
-from teamformer.fleet.bodies.walking import NEVER, Lifted, WalkingWorld
+from teamformer.fleet.bodies.walking import NEVER, Lifted
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.model import Mission
@@ -38,7 +39,7 @@ AFTER_ALL = 1 << 63
 """Stands for the task of what comes after all that happens to tasks at the same moment."""
 
 
-class FleetWorld(WalkingWorld):
+class FleetWorld(BatteryWorld):
     """All robots and tasks; `advance` lets time pass, which must never run backwards.
 
     `truth` is the mission as it really is, where something of it is uncertain.
@@ -89,30 +90,37 @@ class FleetWorld(WalkingWorld):
 
     @property
     def next_event(self) -> float:
-        """Return when a robot arrives or a task is done next; inf for never."""
-        return self._events[0][0] if self._events else NEVER
+        """Return when a robot arrives, a task is done or a battery is full next; inf for never."""
+        return min(self._events[0][0] if self._events else NEVER, self.next_of_batteries)
 
     def advance(self, now: float) -> set[int]:
         """Let time pass; return the robots that sense something new."""
         touched: set[int] = set()
-        while self._events and self._events[0][0] <= now:
-            self.now, robot, task, stamp = heapq.heappop(self._events)
-            if robot != NOBODY:
-                if self.robots[robot].journey.end == stamp:
-                    touched.add(robot)
-                    self._look_at_services(self.robots[robot].command.task)
-            elif stamp == OPENS:
-                self._look_at_services(task)
-            elif stamp == OFF:
-                self.call_off(task)
-            elif stamp == CLOSE:
-                self._close(touched)
-            elif stamp == BORDER:
-                self._pass_border(task, touched)
-            elif task in self._services and self._services[task].end == stamp:
-                self._go_on(task, touched)
-        self.now = now
+        while (due := self.next_event) <= now:
+            self.pass_to(due, touched)
+            if self._events and self._events[0][0] <= due:
+                self._happen(touched)
+            self.plug(touched)
+        self.pass_to(now, touched)
         return touched
+
+    def _happen(self, touched: set[int]) -> None:
+        """Let the next event happen."""
+        _, robot, task, stamp = heapq.heappop(self._events)
+        if robot != NOBODY:
+            if self.robots[robot].journey.end == stamp:
+                touched.add(robot)
+                self._look_at_services(self.robots[robot].command.task)
+        elif stamp == OPENS:
+            self._look_at_services(task)
+        elif stamp == OFF:
+            self.call_off(task)
+        elif stamp == CLOSE:
+            self._close(touched)
+        elif stamp == BORDER:
+            self._pass_border(task, touched)
+        elif task in self._services and self._services[task].end == stamp:
+            self._go_on(task, touched)
 
     def _close(self, touched: set[int]) -> None:
         """Let all be missed that is not over, and break off what is under way."""
@@ -164,10 +172,16 @@ class FleetWorld(WalkingWorld):
             touched.add(robot)
         for task in {old.task, command.task}:
             self._look_at_services(task)
+        self.plug(touched)
         return touched
 
     def report(self, robot: int) -> Report:
         """Return what a robot senses now."""
+        is_dry = self.robots[robot].is_dry
+        return self._sensed(robot)._replace(charge=self.charge(robot), is_unfit=is_dry)
+
+    def _sensed(self, robot: int) -> Report:
+        """Return what a robot senses around it."""
         body = self.robots[robot]
         x, y = self.place(robot)
         command = body.command
@@ -221,7 +235,7 @@ class FleetWorld(WalkingWorld):
 
     def let_go(self, robot: int) -> None:
         """Let a robot move again, on to where it was told to go."""
-        self.robots[robot].is_stuck = False
+        self.robots[robot].is_stuck = self.robots[robot].is_dry
         if self.robots[robot].carries != NOBODY:
             self._carry(self.robots[robot].carries)
         elif not self.robots[robot].is_dead:
@@ -241,7 +255,8 @@ class FleetWorld(WalkingWorld):
     def _is_at_work(self, robot: int, key: int) -> bool:
         """Say whether a robot serves a task, and has a way on with its load, if it has one."""
         body, to = self.robots[robot], self.tasks[key].to
-        is_told = body.command.serve and body.command.task == key and not body.is_dead
+        is_told = body.command.serve and body.command.task == key
+        is_told = is_told and not (body.is_dead or body.is_dry)
         is_told = is_told and self.mission.is_at_work(robot, self.now)
         return is_told and (to is None or self.mission.leads(robot, self.place_of(key), to))
 
@@ -255,7 +270,21 @@ class FleetWorld(WalkingWorld):
         elif body.carries != NOBODY:
             self._carry(body.carries)
         self._look_at_services(body.command.task)
+        self.plug(touched)
         return touched
+
+    def at_carry(self, key: int) -> list[int]:
+        """Return those who carry a load."""
+        return [robot for robot, body in enumerate(self.robots) if body.carries == key]
+
+    def is_at_task(self, robot: int, key: int) -> bool:
+        """Say whether a robot stands at a task that is not over."""
+        is_open = key in self.tasks and key not in self.over
+        return is_open and self.mission.is_same_place(*self.place(robot), *self.place_of(key))
+
+    def is_in_team(self, robot: int, key: int) -> bool:
+        """Say whether a robot is of the team that is at work on a task."""
+        return key in self._services and robot in self.at_work(key)
 
     def _carry(self, key: int) -> None:
         """Have those who carry a load go on with it from where it is."""
@@ -284,7 +313,7 @@ class FleetWorld(WalkingWorld):
         key, body = self.robots[robot].carries, self.robots[robot]
         body.carries = NOBODY
         self.stop(robot)
-        who = [other for other, each in enumerate(self.robots) if each.carries == key]
+        who = self.at_carry(key)
         touched.update((robot, *who))
         if self.mission.covers(who, self.tasks[key].needs):
             self._carry(key)
@@ -367,6 +396,5 @@ class FleetWorld(WalkingWorld):
 
     def _touch(self, place: Place, touched: set[int]) -> None:
         """Let all sense something new who are at a place."""
-        for robot in range(len(self.robots)):
-            if self.mission.is_same_place(*self.place(robot), *place):
-                touched.add(robot)
+        here = (self.mission.is_same_place(*self.place(r), *place) for r in range(len(self.robots)))
+        touched.update(robot for robot, is_here in enumerate(here) if is_here)

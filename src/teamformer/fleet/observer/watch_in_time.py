@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from teamformer.fleet.fleet_mission import FleetMission
-from teamformer.fleet.messages import HERE, SERVE, Word
+from teamformer.fleet.messages import HERE, LONGEST, SERVE, Terms, Word
 from teamformer.fleet.observer.watch import Watch
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
@@ -32,6 +32,7 @@ class WatchInTime(Watch):
         starts = enumerate(mission.source.robots)
         self._last = {robot: Passed(0.0, at.at) for robot, at in starts}  # where each was seen
         self._shown = dict.fromkeys(range(mission.robots), (NOBODY, True))  # its task, is it there
+        self._charging = set[int]()
 
     @property
     def made(self) -> int:
@@ -92,7 +93,10 @@ class WatchInTime(Watch):
     def _tell_robot(self, now: float, robot: int, word: Word) -> None:
         """Tell that a robot sets out, or is there; while it carries, its team is told of."""
         task = self._number.get(word.goal, NOBODY)
-        task = NOBODY if task in self.seen.over else task
+        if word.terms is not None and self._tell_charging(now, robot, word.terms):
+            return
+        is_charger = word.terms is not None and word.terms.charger != NOBODY
+        task = NOBODY if is_charger or task in self.seen.over else task
         is_there = task != NOBODY and word.phase >= HERE
         if word.phase == SERVE and word.goal in self._carried:
             return
@@ -106,6 +110,36 @@ class WatchInTime(Watch):
         self._shown[robot] = (task, is_there)
         if place == (word.x, word.y):  # and not between two places of roads
             self._last[robot] = Passed(now, place)
+
+    def _tell_charging(self, now: float, robot: int, terms: Terms) -> bool:
+        """Say whether a robot charges, and tell if it has begun to, or is full."""
+        is_charging = terms.charger != NOBODY and self._is_first(robot, terms)
+        if is_charging and robot not in self._charging:
+            battery, charger = self.source.robots[robot].battery, self.source.chargers
+            assert battery is not None, "only those with one charge"
+            until = now + battery.time_to_full(terms.charge * battery.lasts)
+            place = charger[terms.charger].at
+            self._tell_free(now, robot, place)
+            self.seen.tell(now, "charge", (robot,), place=place, until=until)
+            self._last[robot], self._shown[robot] = Passed(now, place), (NOBODY, True)
+            self._charging.add(robot)
+        elif not is_charging and robot in self._charging:
+            self._charging.discard(robot)
+            if terms.charge == 1.0:
+                self.seen.tell(now, "charged", (robot,), place=self._last[robot].place)
+        return is_charging
+
+    def _is_first(self, robot: int, own: Terms) -> bool:
+        """Say whether a robot is at its charger, and not too many were there before it."""
+        said = ((other, word.terms) for other, word in self.words.items() if not word.is_lost)
+        ahead = [
+            other
+            for other, terms in said
+            if terms is not None
+            and terms.charger == own.charger
+            and (terms.since, other) < (own.since, robot)
+        ]
+        return own.since < LONGEST and len(ahead) < self.source.chargers[own.charger].room
 
     def _tell_free(self, now: float, robot: int, place: Place) -> None:
         """Tell where a robot has come that goes to no task."""

@@ -112,7 +112,7 @@ class WorldServer:
             return set()
         self._heard[order.robot] = self.now
         command = Command(order.leg, place, order.task, order.team, order.serve)
-        return self.world.command(order.robot, command)
+        return self.world.command(order.robot, command._replace(charge=order.charge))
 
     def _stop_the_mindless(self) -> set[int]:
         """Let bodies stop whose minds have fallen silent."""

@@ -139,7 +139,8 @@ class EndingWatch:
     def _able(self) -> list[int]:
         """Return the robots that are, or will be, able to work."""
         robots = enumerate(self._world.robots)
-        return [r for r, body in robots if not body.is_dead and r not in self._stuck]
+        able = [r for r, body in robots if not (body.is_dead or body.is_dry)]
+        return [robot for robot in able if robot not in self._stuck]
 
     def _lost_orders(self, now: float, held: Set[int]) -> set[int]:
         """Return the accepted tasks that all who held them have lost with their memory.

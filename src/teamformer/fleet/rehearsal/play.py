@@ -25,6 +25,7 @@ from teamformer.fleet.rehearsal.agenda import Agenda
 from teamformer.fleet.rehearsal.checking.trace import (
     Broke,
     Finished,
+    Followed,
     Said,
     Sent,
     Trace,
@@ -169,7 +170,7 @@ class Rehearsal:
         if robot in self._touched or clock >= agent.due:
             self._touched.discard(robot)
             self._sensed[robot] = self._report(robot)
-        before, plans = agent.command, agent.keeper.made
+        before, plans, plan = agent.command, agent.keeper.made, agent.keeper.plan
         command, notices = agent.tick(clock, self._sensed[robot], inbox)
         if agent.memory_version != self._saved_version[robot]:
             self._saved_version[robot] = agent.memory_version
@@ -178,6 +179,8 @@ class Rehearsal:
             self.trace.note_knowledge(self.now, robot, known.called_off, known.seen.keys())
             for key in self.mission.hidden.keys() & known.loads.keys():
                 self.trace.note_place(self.now, known.loads[key])
+        if agent.keeper.plan is not plan:
+            self.trace.events.append(Followed(self.now, robot, agent.keeper.plan.live))
         if command is not before:
             self._note_work(robot, command)
             for other in self.world.command(robot, command):
@@ -341,6 +344,7 @@ class Rehearsal:
         self._saved_version[robot] = (-1, -1)
         self._reports[robot].forget()
         self.trace.forget(robot)
+        self.trace.events.append(Followed(self.now, robot, self.plan.live))
         saved = self._saved[robot] if keeps_facts else None
         self.agents[robot] = self._start(robot, saved and saved.read_at(self._clock(robot)))
 

@@ -96,6 +96,8 @@ def deadline(mission: FleetMission, faults: Faults) -> float:
     walks += across * sum(len(tour) for tour in mission.hidden.values())
     walks += across * mission.ends
     walks += 2 * turn_time(mission) * len(turns(mission))
+    fills = sum(robot.battery.fills for robot in mission.source.robots if robot.battery)
+    walks += (fills * mission.step + across * (mission.charging is not None)) * len(tasks)
     begins = max([*mission.opens.values(), *(task.appears for task in tasks)])
     if mission.until < math.inf:
         begins = max(begins, mission.until)

@@ -51,10 +51,13 @@ def update(
     gain = (learned.gain - learned.gain.mean()) / (learned.gain.std() + 1e-6)
     bonus = settings.entropy + progress * (settings.last_entropy - settings.entropy)
     set_rate(learner, settings.learning_rate, settings.last_learning_rate, progress)
+    prepared = learner.policy.prepare(rollout.tokens, rollout.action)  # type: ignore[operator]
     seen, value_losses = [], []
     for _ in range(settings.epochs):
         for rows in minibatches(len(gain), settings.minibatch, generator, learner.device):
-            loss, about = _policy_loss(learner, rollout, rows, gain[rows], settings, bonus)
+            said = _said(learner, prepared, rows)
+            before = rollout.log_prob[rows].to(learner.device)
+            loss, about = _policy_loss(said, before, gain[rows].to(learner.device), settings, bonus)
             descend(loss, learner.policy, learner.policy_optimizer, settings.largest_gradient)
             seen.append(about)
         states = len(learned.target)
@@ -71,19 +74,19 @@ def clipped_loss(ratio: Tensor, gain: Tensor, clip: float) -> Tensor:
     return -torch.minimum(ratio * gain, ratio.clamp(1 - clip, 1 + clip) * gain)
 
 
+def _said(learner: Learner, prepared: tuple[Tensor, ...], rows: Tensor) -> tuple[Tensor, Tensor]:
+    """Return how likely decisions are now, and the entropies, both (rows,)."""
+    given = tuple(part[rows].to(learner.device) for part in prepared)
+    said: tuple[Tensor, Tensor] = learner.policy.evaluate(given)  # type: ignore[operator]
+    return said
+
+
 def _policy_loss(
-    learner: Learner,
-    rollout: Rollout,
-    rows: Tensor,
-    gain: Tensor,
-    settings: PpoSettings,
-    bonus: float,
+    said: tuple[Tensor, Tensor], before: Tensor, gain: Tensor, settings: PpoSettings, bonus: float
 ) -> tuple[Tensor, Tensor]:
-    tokens = tuple(part[rows].to(learner.device) for part in rollout.tokens)
-    action = rollout.action[rows].to(learner.device)
-    log_prob, entropy = learner.policy.evaluate(tokens, action)  # type: ignore[operator]
-    ratio = (log_prob - rollout.log_prob[rows].to(learner.device)).exp()
-    loss = clipped_loss(ratio, gain.to(learner.device), settings.clip).mean()
+    log_prob, entropy = said
+    ratio = (log_prob - before).exp()
+    loss = clipped_loss(ratio, gain, settings.clip).mean()
     clipped = ((ratio - 1).abs() > settings.clip).float().mean()
     about = torch.stack([loss.detach(), entropy.mean().detach(), clipped])
     return loss - bonus * entropy.mean(), about.cpu()

@@ -102,7 +102,7 @@ def _rollout(env: TeamFormation, record: _Record, reward: TrainingReward) -> Rol
     *global_state, value_of = _concatenate(record.states)
     return Rollout(
         tokens=tuple(tokens),
-        action=torch.from_numpy(np.concatenate(_as_long(record.actions))),
+        action=torch.from_numpy(np.concatenate(record.actions)),
         log_prob=log_prob,
         state=state,
         share=share,
@@ -120,23 +120,12 @@ def sampler(network: Actor, generator: torch.Generator | None, device: str = "cp
     """Return a chooser that samples from a network; without a generator, the likeliest."""
 
     def choose(tokens: tuple[Array, ...]) -> tuple[Array, Array]:
-        with torch.no_grad():
+        with torch.inference_mode():
             given = tuple(torch.from_numpy(part).to(device) for part in tokens)
             action, log_prob = network.act(given, generator)
         return action.cpu().numpy(), log_prob.cpu().numpy()
 
     return choose
-
-
-def _as_long(actions: list[Array]) -> list[Array]:
-    """Return sequences of actions padded with -1 to the longest; single actions as they are."""
-    if all(action.ndim == 1 for action in actions):
-        return actions
-    longest = max(action.shape[1] for action in actions)
-    return [
-        np.pad(action, ((0, 0), (0, longest - action.shape[1])), constant_values=-1)
-        for action in actions
-    ]
 
 
 def _concatenate(rows: list[tuple[Array, ...]]) -> tuple[Tensor, ...]:

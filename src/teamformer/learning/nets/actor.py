@@ -23,12 +23,18 @@ class Actor(Protocol):
         """
         ...
 
-    def evaluate(self, tokens: tuple[Tensor, ...], action: Tensor) -> tuple[Tensor, Tensor]:
+    def prepare(self, tokens: tuple[Tensor, ...], action: Tensor) -> tuple[Tensor, ...]:
+        """Return what `evaluate` reads of actions made earlier, each (teams, ...).
+
+        No weight changes it, so it is worked out once for all passes over the same actions.
+        """
+        ...
+
+    def evaluate(self, prepared: tuple[Tensor, ...]) -> tuple[Tensor, Tensor]:
         """Return log-probability and entropy, both (teams,), of actions made earlier.
 
         The entropy is exact where an action is one choice; where it is a sequence, it is the sum
-        of the entropies of its steps along the action taken. Sequences of a batch are padded with
-        -1 at the end.
+        of the entropies of its steps along the action taken.
         """
         ...
 
@@ -47,8 +53,13 @@ class OneChoice(nn.Module):
             action = torch.multinomial(log_probs.exp(), 1, generator=generator)[:, 0]
         return action, log_probs.gather(1, action.unsqueeze(1))[:, 0]
 
-    def evaluate(self, tokens: tuple[Tensor, ...], action: Tensor) -> tuple[Tensor, Tensor]:
+    def prepare(self, tokens: tuple[Tensor, ...], action: Tensor) -> tuple[Tensor, ...]:
+        """Return the tokens and the choices."""
+        return (*tokens, action)
+
+    def evaluate(self, prepared: tuple[Tensor, ...]) -> tuple[Tensor, Tensor]:
         """Return log-probability and entropy in nats, both (teams,)."""
+        *tokens, action = prepared
         log_probs = torch.log_softmax(self(*tokens), dim=-1)  # (teams, actions)
         entropy = -(log_probs.exp() * log_probs).sum(dim=-1)
         return log_probs.gather(1, action.unsqueeze(1))[:, 0], entropy

@@ -6,6 +6,7 @@ import torch
 from torch import Tensor, nn
 
 from teamformer.learning.nets.actor import REFUSED
+from teamformer.learning.nets.packed_attention import Packing, attend
 
 Memory = tuple[Tensor, Tensor]
 """Keys and values, each (teams, heads, tokens, d / heads)."""
@@ -42,6 +43,21 @@ class Attention(nn.Module):
         out: Tensor = self.out(found.transpose(1, 2).flatten(2))
         return out
 
+    def packed(
+        self,
+        asking: Tensor,
+        tokens: Tensor,
+        of_asking: Packing,
+        of_tokens: Packing,
+        is_causal: bool,
+    ) -> Tensor:
+        """Return what packed tokens (asking, d) find in others of their team (tokens, d)."""
+        query, key_value = self.query(asking), self.key_value(tokens)
+        out: Tensor = self.out(
+            attend(query, key_value, of_asking, of_tokens, self.heads, is_causal)
+        )
+        return out
+
     def _by_head(self, tokens: Tensor) -> Tensor:
         by_head = tokens.view(*tokens.shape[:2], self.heads, -1)
         return by_head.transpose(1, 2)
@@ -61,6 +77,13 @@ class EncoderLayer(nn.Module):
         normed = self.norm(tokens)
         memory = self.attention.memory(normed)
         tokens = tokens + self.attention(normed, memory, is_there[:, None, None])
+        out: Tensor = tokens + self.feed(tokens)
+        return out
+
+    def packed(self, tokens: Tensor, packing: Packing) -> Tensor:
+        """Return the same of packed tokens (packed, d)."""
+        normed = self.norm(tokens)
+        tokens = tokens + self.attention.packed(normed, normed, packing, packing, is_causal=False)
         out: Tensor = tokens + self.feed(tokens)
         return out
 
@@ -92,6 +115,18 @@ class DecoderLayer(nn.Module):
         across = self.cross_attention(self.cross_norm(steps), tokens, is_there[:, None, None])
         steps = steps + across
         return steps + self.feed(steps), memory
+
+    def packed(
+        self, steps: Tensor, tokens: Tensor, of_steps: Packing, of_tokens: Packing
+    ) -> Tensor:
+        """Return the same of packed steps (steps, d), all of a team at once."""
+        normed = self.norm(steps)
+        steps = steps + self.attention.packed(normed, normed, of_steps, of_steps, is_causal=True)
+        asking = self.cross_norm(steps)
+        across = self.cross_attention.packed(asking, tokens, of_steps, of_tokens, is_causal=False)
+        steps = steps + across
+        out: Tensor = steps + self.feed(steps)
+        return out
 
 
 def _feed_forward(d: int, hidden: int) -> nn.Sequential:

@@ -20,14 +20,18 @@ from teamformer.learning.nets.action_mask import (
     changes,
     grammar_of,
     legal_symbols,
+    one_hot,
     sole_targets,
     spell,
     steps_with_a_choice,
 )
 from teamformer.learning.nets.actor import REFUSED
 from teamformer.learning.nets.blocks import Attention, DecoderLayer, EncoderLayer, Memory
+from teamformer.learning.nets.packed_attention import Packing, packed, packing_of, padded
 
 KEY_FEATURES = 7
+CHUNK = 2048
+"""Of decisions that are spelled at a time."""
 
 
 class Tokens(NamedTuple):
@@ -61,6 +65,15 @@ class TeamformerSettings:
     encoder_layers: int = 1
     decoder_layers: int = 1
     maintain_bias: float = 3.0  # what the symbols that go on to maintain begin with
+
+
+class Spelling(NamedTuple):
+    """How wanted counts are spelled, up to where the rest is certain."""
+
+    symbol: Tensor  # (teams, steps)
+    is_there: Tensor  # (teams, steps) False for padding
+    is_legal: Tensor  # (teams, steps, symbols) which symbols could come here
+    maintain: Tensor  # (teams, steps) the symbol that goes on to maintain, or -1
 
 
 class Encoded(NamedTuple):
@@ -132,18 +145,15 @@ class Teamformer(nn.Module):
 
     def encode(self, tokens: Tokens) -> Encoded:
         """Return what the decoder needs, made once for all its steps."""
-        have = tokens.team_counts @ self.capability  # (teams, seen, d)
-        needs = self.needs_in(tokens.task_needs @ self.capability)  # (teams, tasks, d)
-        encoded = torch.cat(
-            [self.team_in(tokens.teams) + have, self.task_in(tokens.tasks) + needs], dim=1
-        )  # (teams, tokens, d)
+        teams = self._team_tokens(tokens.teams, tokens.team_counts)  # (teams, seen, d)
+        tasks = self._task_tokens(tokens.tasks, tokens.task_needs)  # (teams, tasks, d)
+        encoded = torch.cat([teams, tasks], dim=1)  # (teams, tokens, d)
         is_there = torch.cat([tokens.is_team, tokens.is_task], dim=1)  # (teams, tokens)
         for layer in self.encoder:
             encoded = layer(encoded, is_there)
         encoded = self.encoded_norm(encoded)
-        keys = self.capability + self.key_in(key_features(tokens))  # (teams, caps, d)
         memories = tuple(layer.cross_attention.memory(encoded) for layer in self.decoder)  # type: ignore[union-attr, operator]
-        return Encoded(is_there, keys, memories)
+        return Encoded(is_there, self._keys(tokens), memories)
 
     def decode(
         self, encoded: Encoded, change: Tensor, spelled: Tensor, before: tuple[Memory, ...] | None
@@ -153,15 +163,13 @@ class Teamformer(nn.Module):
         `change` (teams, steps, caps) is what the symbol before each step changed, nothing at the
         first; `spelled` is the sum of the changes up to there.
         """
-        is_first = (spelled == 0).all(dim=-1, keepdim=True)  # (teams, steps, 1)
-        steps = change @ self.capability + self.so_far(spelled @ self.capability)
-        steps = steps + is_first.to(steps.dtype) * self.first_step  # (teams, steps, d)
-        memories = []
+        steps, memories = self._steps(change, spelled), list[Memory]()
         for number, layer in enumerate(self.decoder):
             kept = None if before is None else before[number]
             steps, memory = layer(steps, kept, encoded.memories[number], encoded.is_there)
             memories.append(memory)
-        return self._scores(self.out_norm(steps), encoded.keys), tuple(memories)
+        steps = self.out_norm(steps)
+        return self._scores(self.out(steps), self.end(steps), encoded.keys), tuple(memories)
 
     def act(
         self, tokens: tuple[Tensor, ...], generator: torch.Generator | None
@@ -191,25 +199,57 @@ class Teamformer(nn.Module):
             spellers = self._go_on(spellers, now + change, change, memories, has_ended)
         return self._wanted(given, spelled), log_prob
 
-    def evaluate(self, tokens: tuple[Tensor, ...], action: Tensor) -> tuple[Tensor, Tensor]:
+    def prepare(self, tokens: tuple[Tensor, ...], action: Tensor) -> tuple[Tensor, ...]:
+        """Return the views, and how the wanted counts are spelled (`Spelling`)."""
+        chunks = zip(*(torch.split(part, CHUNK) for part in (*tokens, action)), strict=True)
+        spelled = [self._spelling(Tokens(*some), wanted) for *some, wanted in chunks]
+        longest = max(said.symbol.shape[1] for said in spelled)
+        with_steps = ([_with_steps(part, longest) for part in said] for said in spelled)
+        return (*tokens, *(torch.cat(parts) for parts in zip(*with_steps, strict=True)))
+
+    def evaluate(self, prepared: tuple[Tensor, ...]) -> tuple[Tensor, Tensor]:
         """Return log-probability and entropy (teams,) of wanted counts, in one pass.
 
         The entropy is the sum over the steps of the spelling; those that are certain are left out.
         """
-        given = Tokens(*tokens)
-        spelling, caps = self.settings.spelling, action.shape[1]
-        grammar = self.grammar(given)
+        given, said = Tokens(*prepared[:-4]), Spelling(*prepared[-4:])
+        steps = int(said.is_there.any(dim=0).sum())  # nothing is computed beyond the longest
+        said = Spelling(*(part[:, :steps] for part in said))
+        change = changes(self.settings.spelling, said.symbol, given.team_counts.shape[2])
+        change = nn.functional.pad(change[:, :-1], (0, 0, 1, 0))  # (teams, steps, caps)
+        if change.is_cuda:
+            scores, _ = self.decode(self.encode(given), change, change.cumsum(dim=1), None)
+        else:
+            scores = self._scores_of_packed(given, change, said.is_there)
+        is_maintain = one_hot(said.maintain, scores.shape[-1])
+        log_probs = self.log_probs(scores, said.is_legal, is_maintain)  # (teams, steps, symbols)
+        log_prob = log_probs.gather(2, said.symbol.unsqueeze(2))[..., 0] * said.is_there
+        entropy = -(log_probs.exp() * log_probs).sum(dim=-1) * said.is_there
+        return log_prob.sum(dim=1), entropy.sum(dim=1)
+
+    def _spelling(self, tokens: Tokens, action: Tensor) -> Spelling:
+        spelling, grammar = self.settings.spelling, self.grammar(tokens)
         steps = steps_with_a_choice(spelling, grammar, action)  # (teams,)
         symbol, is_there = spell(spelling, grammar.own, action, steps)  # (teams, steps)
-        change = changes(spelling, symbol, caps)[:, :-1]  # (teams, steps - 1, caps)
-        change = nn.functional.pad(change, (0, 0, 1, 0))  # (teams, steps, caps)
-        spelled = change.cumsum(dim=1)
+        change = changes(spelling, symbol, action.shape[1])[:, :-1]  # (teams, steps - 1, caps)
+        spelled = nn.functional.pad(change, (0, 0, 1, 0)).cumsum(dim=1)  # (teams, steps, caps)
         is_legal, is_maintain = legal_symbols(spelling, grammar, spelled)
-        scores, _ = self.decode(self.encode(given), change, spelled, None)
-        said = self.log_probs(scores, is_legal, is_maintain)  # (teams, steps, symbols)
-        log_prob = said.gather(2, symbol.unsqueeze(2))[..., 0] * is_there
-        entropy = -(said.exp() * said).sum(dim=-1) * is_there
-        return log_prob.sum(dim=1), entropy.sum(dim=1)
+        maintain = torch.where(is_maintain.any(dim=2), is_maintain.long().argmax(dim=2), -1)
+        return Spelling(symbol, is_there, is_legal, maintain)
+
+    def _scores_of_packed(self, tokens: Tokens, change: Tensor, is_there: Tensor) -> Tensor:
+        """Return what `decode` of `encode` does, with nothing computed for padding.
+
+        The scores of steps that are not there mean nothing.
+        """
+        encoded, of_tokens = self._encode_packed(tokens)
+        of_steps = packing_of(is_there.numpy())
+        steps = self._steps(*packed((change, change.cumsum(dim=1)), is_there))
+        for layer in self.decoder:
+            steps = layer.packed(steps, encoded, of_steps, of_tokens)  # type: ignore[operator]
+        steps = self.out_norm(steps)
+        said = padded(torch.cat([self.out(steps), self.end(steps)], dim=1), is_there)
+        return self._scores(said[..., :-1], said[..., -1:], self._keys(tokens))
 
     def grammar(self, tokens: Tokens) -> Grammar:
         """Return what the teams may want."""
@@ -249,12 +289,39 @@ class Teamformer(nn.Module):
         has_ended = has_ended | ~legal[0][:, 0, :-1].any(dim=-1)
         return _only(spellers, ~has_ended) if has_ended.any() else spellers
 
-    def _scores(self, steps: Tensor, keys: Tensor) -> Tensor:
-        asking = self.out(steps).unflatten(-1, (self.directions, -1))  # (teams, steps, ways, d)
-        of_caps = (asking.flatten(1, 2) @ keys.transpose(1, 2)).unflatten(
-            1, (-1, self.directions)
-        )  # (teams, steps, ways, caps)
-        return torch.cat([of_caps.flatten(2), self.end(steps)], dim=-1)
+    def _encode_packed(self, tokens: Tokens) -> tuple[Tensor, Packing]:
+        """Return encoded tokens that are there, (packed, d), and how they are packed."""
+        packing = packing_of(tokens.is_team.numpy(), tokens.is_task.numpy())
+        seen = packed((tokens.teams, tokens.team_counts), tokens.is_team)
+        wanted = packed((tokens.tasks, tokens.task_needs), tokens.is_task)
+        encoded = torch.cat([self._team_tokens(*seen), self._task_tokens(*wanted)])
+        for layer in self.encoder:
+            encoded = layer.packed(encoded, packing)  # type: ignore[operator]
+        return self.encoded_norm(encoded), packing
+
+    def _team_tokens(self, teams: Tensor, counts: Tensor) -> Tensor:
+        return self.team_in(teams) + counts @ self.capability  # type: ignore[no-any-return]
+
+    def _task_tokens(self, tasks: Tensor, needs: Tensor) -> Tensor:
+        return self.task_in(tasks) + self.needs_in(needs @ self.capability)  # type: ignore[no-any-return]
+
+    def _keys(self, tokens: Tokens) -> Tensor:
+        """Return the keys of the capabilities, as each team sees them, (teams, caps, d)."""
+        return self.capability + self.key_in(key_features(tokens))  # type: ignore[no-any-return]
+
+    def _steps(self, change: Tensor, spelled: Tensor) -> Tensor:
+        """Return the tokens of steps (..., d) after the changes and their sums (..., caps)."""
+        is_first = (spelled == 0).all(dim=-1, keepdim=True)  # (..., 1)
+        steps = change @ self.capability + self.so_far(spelled @ self.capability)
+        steps = steps + is_first.to(steps.dtype) * self.first_step
+        return steps  # type: ignore[no-any-return]
+
+    def _scores(self, asking: Tensor, end: Tensor, keys: Tensor) -> Tensor:
+        ways = self.directions
+        asking = torch.unflatten(asking, -1, (ways, -1))  # (teams, steps, ways, d)
+        of_caps = asking.flatten(1, 2) @ keys.transpose(1, 2)  # (teams, steps * ways, caps)
+        of_caps = torch.unflatten(of_caps, 1, (-1, ways))  # (teams, steps, ways, caps)
+        return torch.cat([of_caps.flatten(2), end], dim=-1)
 
     def _wanted(self, tokens: Tokens, spelled: Tensor) -> Tensor:
         if self.settings.spelling == EDIT:
@@ -280,6 +347,12 @@ def key_features(tokens: Tokens) -> Tensor:
         lacks.sum(dim=1) / open_tasks,
     ]
     return torch.stack(features, dim=-1)
+
+
+def _with_steps(part: Tensor, steps: int) -> Tensor:
+    """Return (teams, some steps, ...) with zeros, or False, up to so many steps."""
+    padding = part.new_zeros(len(part), steps - part.shape[1], *part.shape[2:])
+    return torch.cat([part, padding], dim=1)
 
 
 def _pick(said: Tensor, generator: torch.Generator | None) -> Tensor:

@@ -46,7 +46,7 @@ class PlanPlayer:
         self._near = 0.0 if isinstance(world, Grid) else world.arrival_radius
         self._reach = max(mission.join_radius, self._near)
         self._kind = [
-            repr((sorted(r.can.items()), r.speed, r.flies, r.absences, r.rota))
+            repr((sorted(r.can.items()), r.speed, r.flies, r.absences, r.rota, r.battery))
             for r in mission.robots
         ]
         self._rotas = [robot.rota for robot in mission.robots]
@@ -70,6 +70,7 @@ class PlanPlayer:
         waiting: dict[int, int] = {}  # the team at its next task that nobody joins yet, by task
         steps = int(env.worlds.count["steps"][0])
         serves, x, y = (teams[field].tolist() for field in ("serves", "x", "y"))
+        is_charging = (teams["charger"] != NOBODY).tolist()
         for slot in slots:
             ways = self._ways(members[slot])
             if serves[slot] > 0 or not ways:
@@ -77,8 +78,10 @@ class PlanPlayer:
             parted = self._part(members[slot], ways)
             if parted is not None:
                 wanted[slot] = parted
-            elif self._is_at(ways[0], x[slot], y[slot]) and fits_now(
-                [self._rotas[robot] for robot in members[slot]], steps, 1
+            elif (
+                not is_charging[slot]
+                and self._is_at(ways[0], x[slot], y[slot])
+                and fits_now([self._rotas[robot] for robot in members[slot]], steps, 1)
             ):
                 other = waiting.setdefault(ways[0], slot)
                 if other != slot and self._is_in_reach(x[slot] - x[other], y[slot] - y[other]):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from teamformer.methods.coordinators.carried_out import best_carried_out, may_be_carried_out
 from teamformer.mission.coordination import Known, Plan
 from teamformer.planning.continuous.present import plan_present
 from teamformer.planning.steps.free_looks import with_free_looks
@@ -26,5 +27,6 @@ class SharedPlan:
         old = plan if plan is not None and plan.order else None
         if known.mission.time == "continuous":
             return plan_present(known, old)
-        found = plan_mission(known, old, self.is_brief and old is not None)
+        choose = best_carried_out if may_be_carried_out(known) else None
+        found = plan_mission(known, old, self.is_brief and old is not None, choose)
         return with_free_looks(known, found) if self.scouts else found

@@ -10,6 +10,7 @@ from teamformer.mission.keys.charging_keys import MOST_ROOM, MOST_SPENT
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
 from teamformer.mission.parts.charging import Charger, has_batteries
+from teamformer.mission.parts.reach import can_reach
 
 if TYPE_CHECKING:
     from teamformer.mission.model import Mission
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 REMEDY = "put a charger nearer, or give batteries that last longer"
 
 
-def find_battery_problems(mission: Mission, places_are_good: bool) -> Iterator[Problem]:
+def find_battery_problems(mission: Mission, are_ways_good: bool) -> Iterator[Problem]:
     """Return what is wrong with batteries and chargers, but for where these are."""
     problems = [*_problems_of_batteries(mission), *_problems_of_rooms(mission.chargers)]
     yield from problems
@@ -27,7 +28,7 @@ def find_battery_problems(mission: Mission, places_are_good: bool) -> Iterator[P
         number, name = _first_with_battery(mission)
         message = f"robot '{name}' has a battery, but there is no charger; add chargers, or drop it"
         yield Problem(("robots", number, "battery"), message)
-    elif places_are_good and not problems:
+    elif are_ways_good and not problems:
         yield from _problems_of_reach(mission)
 
 
@@ -64,7 +65,10 @@ def _problems_of_rooms(chargers: tuple[Charger, ...]) -> Iterator[Problem]:
 
 
 def _problems_of_reach(mission: Mission) -> Iterator[Problem]:
-    """Return which robots get to no charger, or not home, and which tasks nobody can do."""
+    """Return which robots get to no charger, or not home, and which tasks nobody can do.
+
+    Optional tasks that nobody can do are missed.
+    """
     charging = mission.charging
     assert charging is not None, "somebody has a battery"
     for number, robot in enumerate(mission.robots):
@@ -77,12 +81,37 @@ def _problems_of_reach(mission: Mission) -> Iterator[Problem]:
         elif mission.ends is not None and not charging.gets_home(number):
             message = f"robot '{robot.name}' does not get from a charger to where the mission ends"
             yield Problem(where, f"{message}; {REMEDY}")
+    if mission.time == "steps":
+        yield from _problems_of_steps(mission)
+        return
     for number, task in enumerate(mission.tasks):
         needs = {cap: n for cap, n in task.needs.items() if cap in mission.capabilities}
         everybody = total(robot.can for robot in mission.robots)
         able = charging.able(range(len(mission.robots)), number)
         have = total(mission.robots[robot].can for robot in able)
-        if covers(everybody, needs) and not covers(have, needs):
+        if not task.optional and covers(everybody, needs) and not covers(have, needs):
             short = describe(missing(have, needs))
             message = f"task '{task.name}' is too far from chargers for full batteries of robots"
             yield Problem(("tasks", number, "at"), f"{message} that bring {short}; {REMEDY}")
+
+
+def _problems_of_steps(mission: Mission) -> Iterator[Problem]:
+    """Return which robots may not go along everywhere: in steps teams walk as one."""
+    charging = mission.charging
+    assert charging is not None, "somebody has a battery"
+    for number, robot in enumerate(mission.robots):
+        if robot.battery is None:
+            continue
+        if robot.flies and mission.world.rows:
+            message = f"robot '{robot.name}' flies over obstacles with a battery"
+            remedy = "in steps only who walks may have one; drop the battery, or moves"
+            yield Problem(("robots", number, "battery"), f"{message}; {remedy}")
+            continue
+        for entry, task in enumerate(mission.tasks):
+            if can_reach(mission.world, robot, task.at) and not charging.is_able(number, entry):
+                message = f"task '{task.name}' is too far from chargers for a full battery"
+                which = (
+                    f"{message} of robot '{robot.name}'; in steps teams walk as one, so {REMEDY}"
+                )
+                yield Problem(("tasks", entry, "at"), which)
+                break

@@ -57,17 +57,24 @@ def find_problems(mission: Mission) -> Iterator[Problem]:
     yield from spatial
     yield from _problems_of_names(mission)
     yield from _problems_of_rules(mission)
-    yield from _problems_of_robots(mission)
+    yield from (robots := list(_problems_of_robots(mission)))
     yield from _problems_of_totals(mission)
     yield from _problems_of_teams(mission)
     yield from _problems_of_tasks(mission, places_are_good=not spatial)
     if mission.arrivals is not None and mission.robots and not spatial:
         yield from _problems_of_what_appears(mission)
-    yield from find_battery_problems(mission, places_are_good=not spatial)
+    are_ways_good = not spatial and not robots and _have_roads(mission)
+    yield from find_battery_problems(mission, are_ways_good=are_ways_good)
     yield from find_rule_problems(mission)
     yield from find_surprise_problems(mission)
-    yield from find_shift_problems(mission)
+    yield from find_shift_problems(mission, are_ways_good=are_ways_good)
     yield from find_zone_problems(mission)
+
+
+def _have_roads(mission: Mission) -> bool:
+    """Say whether there are roads for all robots, where robots go by roads."""
+    world = mission.world
+    return not isinstance(world, Roads) or all(r.moves in world.times for r in mission.robots)
 
 
 def _problems_of_world(world: World) -> Iterator[Problem]:

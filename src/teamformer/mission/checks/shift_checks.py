@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING
 from teamformer.base.errors import Problem
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.parts.capabilities import Counts, covers, total
+from teamformer.mission.parts.charging import lengths
+from teamformer.mission.parts.grid import Grid
+from teamformer.mission.parts.roads import AIR
 from teamformer.mission.parts.shifts import SAME, Rota
 
 if TYPE_CHECKING:
-    from teamformer.mission.model import Mission, Robot
+    from teamformer.mission.model import Mission, Robot, Task
 
 TURNS_LOOKED_AT = 100
 """How often the shifts of each rota come again that are compared, unless all do so together."""
@@ -23,7 +26,7 @@ MOST_LOOKED_AT = 1000
 """So many sets of capabilities that tasks at random need are looked at."""
 
 
-def find_shift_problems(mission: Mission) -> Iterator[Problem]:
+def find_shift_problems(mission: Mission, are_ways_good: bool) -> Iterator[Problem]:
     """Return which shifts are no time or overlap, and what fits into none that robots share."""
     faults = [p for n, robot in enumerate(mission.robots) for p in _problems_of_rota(robot, n)]
     if mission.time == "steps":
@@ -31,7 +34,7 @@ def find_shift_problems(mission: Mission) -> Iterator[Problem]:
     yield from faults
     if not faults and any(robot.shifts for robot in mission.robots):
         yield from _linked_tasks(mission)
-        yield from _problems_of_tasks(mission)
+        yield from _problems_of_tasks(mission, are_ways_good)
 
 
 def _linked_tasks(mission: Mission) -> Iterator[Problem]:
@@ -83,39 +86,47 @@ def _fractions(robot: Robot, number: int) -> Iterator[Problem]:
         yield Problem(("robots", number, "every"), f"{message}; in steps use a whole number")
 
 
-def _problems_of_tasks(mission: Mission) -> Iterator[Problem]:
-    """Return which tasks fit into no shift that able robots have in common."""
-    robots_of: dict[Rota, list[Robot]] = {}
-    for robot in mission.robots:
-        robots_of.setdefault(robot.rota, []).append(robot)
-    brings = {rota: total(r.can for r in robots) for rota, robots in robots_of.items()}
-    first = 1.0 if mission.time == "steps" else 0.0  # nothing begins before the first step is made
-    left = _what_is_left(list(robots_of), first)
-    everybody = total(brings.values())
+def _problems_of_tasks(mission: Mission, are_ways_good: bool) -> Iterator[Problem]:
+    """Return which tasks fit into no shift that able robots have in common.
 
-    def fits(needs: Counts, takes: float) -> bool:
+    Optional ones are missed. Where ways are good those there and those of loads count, too.
+    """
+    rotas = list(dict.fromkeys(robot.rota for robot in mission.robots))
+    first = 1.0 if mission.time == "steps" else 0.0  # nothing begins before the first step is made
+    left = _what_is_left(rotas, first)
+    everybody = total(robot.can for robot in mission.robots)
+
+    def fits(needs: Counts, takes: Sequence[float]) -> bool:
+        """Say whether a task fits that takes each robot so long, infinitely if it cannot do it."""
+        brings = _brought(mission.robots, takes)
         at_work = (
-            [brings[rota] for rota, room in zip(brings, row, strict=True) if room >= takes]
-            for row in left
+            [can for (rota, spent), can in brings if room[rota] >= spent]
+            for room in (dict(zip(rotas, row, strict=True)) for row in left)
         )
         return any(covers(total(some), needs) for some in at_work)
 
     for number, task in enumerate(mission.tasks):
-        if not covers(everybody, task.needs):
+        if task.optional or not covers(everybody, task.needs):
             continue  # which has been told
-        takes = task.duration + task.unload  # its load may be carried no way at all
+        takes = [task.duration + task.unload] * len(mission.robots)
         may_need = [cap for cap, chance in task.may_need.items() if chance > 0]
         most = total([task.needs, dict.fromkeys(may_need, 1)])
-        if not fits(most if covers(everybody, most) else task.needs, takes):
+        needs = most if covers(everybody, most) else task.needs
+        if not fits(needs, takes):
             key = "duration" if task.duration or not task.unload else "unload"
             yield Problem(
                 ("tasks", number, key),
-                f"task '{task.name}' takes {takes:g}, but robots that can do it have no shift that "
-                "long in common; lengthen their shifts, or shorten the task",
+                f"task '{task.name}' takes {takes[0]:g}, but robots that can do it have no shift "
+                "that long in common; lengthen their shifts, or shorten the task",
             )
+        elif are_ways_good and not task.within:
+            with_ways = takes_with_ways(mission, task)
+            if with_ways != takes and not fits(needs, with_ways):
+                least = _least_time(mission.robots, with_ways, needs)
+                yield from _problem_of_ways(task, number, least)
     arrivals = mission.arrivals
     if arrivals and not all(
-        fits(dict.fromkeys(caps, 1), arrivals.duration)
+        fits(dict.fromkeys(caps, 1), [arrivals.duration] * len(mission.robots))
         for caps in _appearing(everybody, arrivals.most_needs)
     ):
         yield Problem(
@@ -123,6 +134,60 @@ def _problems_of_tasks(mission: Mission) -> Iterator[Problem]:
             f"tasks that appear take {arrivals.duration:g}, but robots that can do them have no "
             "shift that long in common; lengthen their shifts, shorten the tasks, or lower needs",
         )
+
+
+def _brought(
+    robots: Sequence[Robot], takes: Sequence[float]
+) -> list[tuple[tuple[Rota, float], Counts]]:
+    """Return what robots bring together that have the same shifts and take equally long."""
+    alike: dict[tuple[Rota, float], list[Counts]] = {}
+    for robot, spent in zip(robots, takes, strict=True):
+        alike.setdefault((robot.rota, spent), []).append(robot.can)
+    return [(key, total(cans)) for key, cans in alike.items()]
+
+
+def takes_with_ways(mission: Mission, task: Task) -> list[float]:
+    """Return how long a task takes each robot at least, with the way of its load.
+
+    It takes for ever if the robot is not there with enough of a shift left before its shifts are
+    over. Walls count for nothing: around them it is no shorter.
+    """
+    world, goals = mission.world, [task.at, *([task.to] if task.to else [])]
+    far = {
+        (robot.moves, robot.at): lengths(world, robot.moves, [robot.at, task.at], goals)
+        if not isinstance(world, Grid)
+        else lengths(world, AIR, [robot.at, task.at], goals)
+        for robot in mission.robots
+    }
+    takes = []
+    for robot in mission.robots:
+        (there, *_), (_, *carried) = far[robot.moves, robot.at]
+        spent = task.duration + task.unload + sum(carried) / robot.speed
+        comes = robot.rota.walked(0.0, there / robot.speed)
+        is_late = spent <= robot.rota.longest and math.isinf(robot.rota.fits(comes, spent))
+        takes.append(math.inf if is_late or math.isinf(comes) else spent)
+    return takes
+
+
+def _least_time(robots: Sequence[Robot], takes: Sequence[float], needs: Counts) -> float:
+    """Return what a task takes robots at least that can do it together, by what it takes each."""
+    for most in sorted(set(takes)):
+        quick = (robot.can for robot, spent in zip(robots, takes, strict=True) if spent <= most)
+        if covers(total(quick), needs):
+            return most
+    return math.inf
+
+
+def _problem_of_ways(task: Task, number: int, takes: float) -> Iterator[Problem]:
+    """Return that a task fits into no shift because of the ways there, or that of its load."""
+    if task.to is None or math.isinf(takes):
+        message = f"robots that can do task '{task.name}' do not get there within their shifts"
+        remedy = "lengthen these, have them come again (every), or move it"
+        yield Problem(("tasks", number, "at"), f"{message}; {remedy}")
+        return
+    message = f"task '{task.name}' takes {takes:g} or more with the way of its load, but robots"
+    message = f"{message} that can do it have no shift that long in common"
+    yield Problem(("tasks", number, "to"), f"{message}; lengthen their shifts, or shorten the way")
 
 
 def _appearing(have: Counts, most: int) -> Iterator[tuple[str, ...]]:

@@ -216,6 +216,6 @@ MISSION_KEYS = (
         without="none",
         example={"dock": {"area": [[2, 3], [6, 8]], "room": 2}},
         since=NEW,
-        unknown=Unknown((FLEETS, ROBOTARIUM), "the mission has zones"),
+        unknown=Unknown((FLEETS_IN_STEPS, ROBOTARIUM), "the mission has zones"),
     ),
 )

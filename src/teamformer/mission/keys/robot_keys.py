@@ -5,10 +5,8 @@ from __future__ import annotations
 from teamformer.mission.keys.charging_keys import BATTERY_KEYS, NEW
 from teamformer.mission.keys.key import (
     CONTINUOUS,
-    FLEETS,
     FLEETS_IN_STEPS,
     ROBOTARIUM,
-    STEPS,
     Key,
     Unknown,
 )
@@ -148,7 +146,7 @@ ROBOT_KEYS = (
         default=None,
         without="it never has to charge",
         since=NEW,
-        unknown=Unknown((STEPS, FLEETS, ROBOTARIUM), "has a battery"),
+        unknown=Unknown((FLEETS_IN_STEPS, ROBOTARIUM), "has a battery"),
     ),
     Key(
         "count",

@@ -100,14 +100,18 @@ class Charging:
         assert battery is not None
         left = battery.starts * battery.lasts
         start = ways.from_start[number]
-        found = {c for c, way in enumerate(start) if battery.suffices(left, way / robot.speed)}
+        found = {
+            c
+            for c, way in enumerate(start)
+            if battery.suffices(left, way / walks_at(self.mission, robot))
+        }
         fresh = set(found)
         while fresh:
             fresh = {
                 other
                 for charger in fresh
                 for other, way in enumerate(ways.between[charger])
-                if battery.suffices(battery.lasts, way / robot.speed)
+                if battery.suffices(battery.lasts, way / walks_at(self.mission, robot))
             } - found
             found |= fresh
         return found
@@ -129,7 +133,7 @@ class Charging:
             there = min((ways.to_spot[charger][spot] for charger in chargers), default=math.inf)
             way = there + min(ways.from_spot[spot], default=math.inf)
             spent = battery.spent_on(self.mission.tasks[task], self._carried[spot])
-            if not battery.suffices(battery.lasts, way / robot.speed + spent):
+            if not battery.suffices(battery.lasts, way / walks_at(self.mission, robot) + spent):
                 undoable.add(task)
         return set(range(len(self.mission.tasks))) - undoable
 
@@ -153,7 +157,7 @@ class Charging:
 
         def way(robot: int, here: Place, goal: Place) -> float:
             mover = self.mission.robots[robot]
-            return float(far(mover.moves, here, goal)) / mover.speed
+            return float(far(mover.moves, here, goal)) / walks_at(self.mission, mover)
 
         tasks = self.mission.tasks
         return [longest_carry(self.mission, tasks[k], at, way) for k, at, _ in self._spots]
@@ -167,6 +171,22 @@ class Charging:
         """Say whether a robot can do a task and get to a charger, if it begins with a full one."""
         return task in self._able[robot]
 
+    def wanted(self, number: int) -> list[float]:
+        """Return what a robot has to have left at each task, wherever it is, to do it and charge.
+
+        All is 0 for one without a battery.
+        """
+        robot, tasks = self.mission.robots[number], self.mission.tasks
+        least = [0.0] * len(tasks)
+        if robot.battery is None:
+            return least
+        ways, pace = self._ways[robot.moves], walks_at(self.mission, robot)
+        spots = zip(self._spots, self._carried, ways.from_spot, strict=True)
+        for (task, _, _), carried, away in spots:
+            spent = robot.battery.spent_on(tasks[task], carried)
+            least[task] = max(least[task], spent + min(away, default=math.inf) / pace)
+        return least
+
     def able(self, robots: Iterable[int], task: int) -> list[int]:
         """Return those of some robots that can do a task."""
         return [robot for robot in robots if self.is_able(robot, task)]
@@ -178,7 +198,14 @@ class Charging:
         assert battery is not None
         home = 0 if isinstance(self.mission.ends, tuple) else number
         ways = (homes[charger][home] for charger in self.in_reach(number))
-        return any(battery.suffices(battery.lasts, way / robot.speed) for way in ways)
+        return any(
+            battery.suffices(battery.lasts, way / walks_at(self.mission, robot)) for way in ways
+        )
+
+
+def walks_at(mission: Mission, robot: Robot) -> float:
+    """Return how far a robot walks in a unit of time, or in a step."""
+    return mission.world.pace(robot.speed) if mission.time == "steps" else robot.speed
 
 
 @dataclass(frozen=True)
@@ -222,6 +249,14 @@ def lengths(
     cells = [(int(x), int(y)) for x, y in ends]
     table = [walks(world.rows, FREE, (int(x), int(y)), cells) for x, y in begins]
     return [list(column) for column in zip(*table, strict=True)] if is_turned else table
+
+
+def who_is_able(mission: Mission, robots: Sequence[int], task: int) -> Sequence[int]:
+    """Return those of some robots whose batteries suffice for a task; in steps those of all do."""
+    charging = mission.charging
+    if charging is None or mission.time == "steps":
+        return robots
+    return charging.able(robots, task)
 
 
 def has_batteries(robots: Iterable[Robot]) -> bool:

@@ -25,7 +25,6 @@ from teamformer.planning.continuous.posing.ticks import (
 )
 from teamformer.planning.continuous.posing.times import TaskClock, clock_of
 from teamformer.planning.continuous.solve import Solution
-from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import (
     CoalitionPlan,
     empty_plan,
@@ -145,18 +144,21 @@ class ContinuousMission:
 
         In that order they enter zones. Optional tasks that would be missed are not in it.
         """
-        is_so = have_weights(self.problem.links) or are_charged(self.problem.batteries)
-        if self.clock.rooms and not is_so:
+        if self.clock.rooms and not have_weights(self.problem.links):  # else it is so already
             starts = schedule_of(self.problem, plan).start[plan.order]
             order = plan.order[np.argsort(starts, kind="stable")]
             plan = plan._replace(order=order)
         return self.in_time(without_permits(self.problem, plan))
 
     def in_time(self, plan: CoalitionPlan) -> CoalitionPlan:
-        """Return a plan without optional tasks that would be missed, be it by a rounding."""
+        """Return a plan without optional tasks that would be missed, be it by a rounding.
+
+        So are those that come after one that is left out.
+        """
         misses, until = self.problem.misses, self.source.until
         if not can_miss(misses):
             return plan
+        plan = without_tasks(self.problem, plan, np.flatnonzero(plan.size == 0).tolist())
         ends = {stop.task: stop.end for route in self.time(plan).routes for stop in route.stops}
         late = [k for k, end in ends.items() if misses.optional[k] and not is_in_time(end, until)]
         return self.in_time(without_tasks(self.problem, plan, late)) if late else plan

@@ -23,7 +23,8 @@ from teamformer.planning.dispatch.groups import (
     time_next,
 )
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
-from teamformer.planning.problem.schedule import arrival, empty_schedule
+from teamformer.planning.problem.rotas import fits, fits_all, have_shifts
+from teamformer.planning.problem.schedule import arrival, empty_schedule, stand_at_start
 from teamformer.world.rules.chance import draw
 
 if TYPE_CHECKING:
@@ -105,8 +106,7 @@ def leg_of(problem: CoalitionProblem) -> int:
 @entry
 def begin_dispatch(problem: CoalitionProblem, schedule: Schedule) -> None:
     """Open all tasks, with all robots where they start."""
-    for robot in range(len(problem.origin)):
-        schedule.last[0, robot] = problem.origin[robot]
+    stand_at_start(problem, schedule)
     take_back(schedule, 0)
 
 
@@ -199,7 +199,8 @@ def call(
 ) -> None:
     """Find who would do a task next: those who are there first, none of them spare; and when.
 
-    Who carries a load more slowly counts as coming so much later, and so does who is held back.
+    Who carries a load more slowly counts as coming so much later, and so does who is held back. Who
+    works in shifts is there once the task fits into one.
     """
     calls.is_stale[task], calls.size[task], calls.begin[task] = False, 0, NEVER
     begin = opens(problem, schedule, task)
@@ -214,6 +215,9 @@ def call(
                 if robot == NOBODY:
                     break
                 comes = arrival(problem, schedule, robot, task, position)
+                if have_shifts(problem.rotas):
+                    takes = problem.duration[task] + problem.slower[problem.pace[robot], task]
+                    comes = fits(problem.rotas, problem.kind[robot], comes, takes)
                 comes += problem.slower[problem.pace[robot], task] + calls.reserve[robot]
                 is_first = comes < earliest or (comes == earliest and robot < best)
                 if not is_first or _is_called(calls, task, robot):
@@ -231,7 +235,9 @@ def call(
         if calls.short[cap] > 0:
             return
     _drop_spare(problem, calls, task)
-    calls.begin[task] = begin
+    team, size = calls.team[task], calls.size[task]
+    takes = problem.duration[task]
+    calls.begin[task] = fits_all(problem.rotas, problem.kind, team, size, begin, takes)
 
 
 @kernel

@@ -9,8 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.graph.charging import go_charged, in_ticks, is_charged
+from teamformer.planning.graph.arc_problem import is_permit
+from teamformer.planning.graph.charging import is_charged, leave_charged
 from teamformer.planning.graph.pauses import walked_by
+from teamformer.planning.problem.charged_ways import in_ticks
 from teamformer.planning.problem.rotas import worked
 
 if TYPE_CHECKING:
@@ -30,7 +32,7 @@ def arrive(
     way = problem.ways_to[pace, task, place]
     if is_charged(problem):
         wanted = problem.batteries.spends[kind, task] + problem.batteries.nearest[pace, task]
-        return go_charged(problem, graph, kind, tail, task, way, wanted)
+        return leave_charged(problem, graph, kind, tail, task, way, wanted)
     return walked_by(problem, kind, graph.nodes[place].end, way), 0, 0
 
 
@@ -41,7 +43,7 @@ def arrive_home(problem: ArcProblem, graph: Graph, home: int) -> tuple[int, int,
     place = graph.seats[tail].node
     way = problem.home[kind, place]
     if is_charged(problem):
-        return go_charged(problem, graph, kind, tail, len(problem.near), way, 0)
+        return leave_charged(problem, graph, kind, tail, len(problem.near), way, 0)
     return walked_by(problem, kind, graph.nodes[place].end, way), 0, 0
 
 
@@ -49,10 +51,12 @@ def arrive_home(problem: ArcProblem, graph: Graph, home: int) -> tuple[int, int,
 def left_after(problem: ArcProblem, graph: Graph, seat: int, start: int) -> tuple[int, int]:
     """Return what who takes a seat of a task has left when it ends, and by how much it goes round.
 
-    It is less than 0 if the robot has too little.
+    It is less than 0 if the robot has too little. When the task starts has been worked out before.
     """
     kind, task = graph.seats[seat].kind, graph.seats[seat].node
-    comes, left, detour = arrive(problem, graph, kind, graph.seats[seat].prev, task)
+    if is_permit(problem, kind):
+        return problem.batteries.lasts[kind], 0
+    comes, left, detour = graph.came[seat, 0], graph.came[seat, 1], graph.came[seat, 2]
     waits = worked(problem.rotas, kind, comes, start)
     waiting = in_ticks(problem.batteries.waiting[kind] * waits)
     carried = graph.nodes[task].duration - problem.batteries.services[task]

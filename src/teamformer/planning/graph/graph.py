@@ -97,6 +97,8 @@ class Graph(NamedTuple):
     worth: Records  # (tasks,) WORTH
     left: Ints  # (seats,) what who leaves a seat has in its battery; empty if nobody has one
     detour: Ints  # (seats,) by how much the way to a seat is longer as its robot charges; the same
+    came: Ints  # (seats, 3) when its robot is there, what it has left then, by how much it goes
+    # round: as found when the start of its task was last worked out; the same
     together: Int32s  # (seats of a node,) room for the kinds of those whose shifts are looked at
 
 
@@ -149,6 +151,7 @@ def empty_graph(problem: CoalitionProblem, steps: StepRules | None = None) -> Gr
         worth=worth,
         left=np.zeros(charged, np.int64),
         detour=np.zeros(charged, np.int64),
+        came=np.zeros((charged, 3), np.int64),
         together=np.zeros(widest, np.int32),
     )
 
@@ -174,7 +177,9 @@ def start_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> i
         if is_permit(problem, kind):
             room = max(room, graph.nodes[place].end)
             continue
-        comes, _, _ = arrive(problem, graph, kind, tail, task)
+        comes, left, detour = arrive(problem, graph, kind, tail, task)
+        if is_charged(problem):
+            graph.came[seat, 0], graph.came[seat, 1], graph.came[seat, 2] = comes, left, detour
         there = max(there, comes)
         first_site = problem.site[place] if first_site == NOBODY else first_site
         comes_apart |= problem.site[place] != first_site

@@ -11,12 +11,12 @@ import numpy as np
 
 from teamformer.planning.dispatch.futures import first_plan
 from teamformer.planning.graph.arc_problem import StepRules, pose_arcs
-from teamformer.planning.graph.charging import RESCUE
 from teamformer.planning.graph.graph import COST, LEADS, empty_graph, lay, plan_of
 from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledger, room_for_change
 from teamformer.planning.operators.room import empty_room
 from teamformer.planning.operators.table import shares_of
 from teamformer.planning.problem.batteries import are_charged
+from teamformer.planning.problem.charged_ways import RESCUE
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, with_seats, without_tasks
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 from teamformer.planning.problem.links import have_weights

@@ -29,7 +29,8 @@ class Crossings(NamedTuple):
 
     What lies on the way from a place to a task is at `first[place * tasks + task]` and on; what
     lies under that way in the air, if robots fly over walls, is `places * tasks` ways later. The
-    last cell counts and the first does not, except on the way from a task to itself.
+    last cell counts. The first does on the way from a task to itself, and where a robot starts,
+    which may still be there after a step.
     """
 
     first: Array  # (movers * places * tasks + 1,)
@@ -116,7 +117,7 @@ def list_crossings(
                 is_same = place == task
                 count = _walk(
                     fields, head, following, spots[place], goals, task, found, count, is_final,
-                    is_same,
+                    is_same, place >= tasks,
                 )  # fmt: skip
         first[len(spots) * tasks] = count
     return found
@@ -125,7 +126,7 @@ def list_crossings(
 @kernel
 def _walk(
     fields: Array, head: Array, following: Array, spot: Array, goals: Array, task: int,
-    found: Crossings, count: int, is_final: bool, is_same: bool,
+    found: Crossings, count: int, is_final: bool, is_same: bool, is_start: bool,
 ) -> int:  # fmt: skip
     """Walk one way; count the tasks on it and, in the end, write them down."""
     x, y = spot[0], spot[1]
@@ -133,6 +134,8 @@ def _walk(
     if has_walls and fields[task, y, x] >= UNREACHABLE:
         return count
     cells = 0
+    if is_start and (x != goals[task, 0] or y != goals[task, 1]):
+        count = _note(head, following, x, y, task, cells, found, count, is_final)
     if is_same:
         return _note(head, following, x, y, task, cells, found, count, is_final)
     while x != goals[task, 0] or y != goals[task, 1]:

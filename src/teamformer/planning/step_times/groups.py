@@ -32,6 +32,7 @@ class Groups(NamedTuple):
     touched: Array  # (robots,) groups that take part in the task at hand
     arrive: Array  # (robots,) when they get there
     is_done: Array  # (tasks,)
+    slot: Array  # (tasks,) the lowest robot of those who do it
     passed_to: Array  # (tasks,) the task that a group headed for when it did this one, or NOBODY
     passed_from: Array  # (tasks,) that group
     passes: Array  # (1,) how many tasks are done on the way to others
@@ -64,6 +65,7 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
         touched=np.zeros(by_robot, np.int32),
         arrive=np.zeros(by_robot, np.int32),
         is_done=np.zeros(by_task, np.bool_),
+        slot=np.zeros(by_task, np.int32),
         passed_to=np.zeros(by_task, np.int32),
         passed_from=np.zeros(by_task, np.int32),
         passes=np.zeros(1, np.int32),
@@ -159,9 +161,33 @@ def is_crew(plan: CoalitionPlan, groups: Groups, group: int, task: int, other: i
 
 
 @kernel
-def do_on_the_way(groups: Groups, group: int, task: int, other: int, start: int, end: int) -> None:
-    """Have a group on its way to a task do another one."""
-    groups.is_done[other] = True
+def slot_of(plan: CoalitionPlan, groups: Groups, group: int, task: int) -> int:
+    """Return the lowest robot of a group that goes to a task, or of one that is there."""
+    slot = len(groups.of)
+    for seat in range(plan.size[task]):
+        robot = plan.coalition[task, seat]
+        if groups.of[robot] == group:
+            slot = min(slot, robot)
+    return slot
+
+
+@kernel
+def is_begun(groups: Groups, task: int, step: int, slot: int) -> bool:
+    """Say whether others have begun a task before a team could in a step.
+
+    Of two teams that could begin it in one step that of the lower slot does.
+    """
+    is_before = groups.start[task] < step
+    is_before |= groups.start[task] == step and groups.slot[task] <= slot
+    return bool(groups.is_done[task] and is_before)
+
+
+@kernel
+def do_on_the_way(
+    groups: Groups, group: int, task: int, other: int, start: int, end: int, slot: int
+) -> None:
+    """Have a group on its way to a task do another one; `slot` is its lowest robot."""
+    groups.is_done[other], groups.slot[other] = True, slot
     groups.start[other], groups.end[other] = start, end
     groups.passed_to[other], groups.passed_from[other] = task, group
 

@@ -10,9 +10,11 @@ from teamformer.planning.step_times.groups import (
     Groups,
     can_do,
     do_on_the_way,
+    is_begun,
     is_crew,
     may_begin,
     note_too_early,
+    slot_of,
 )
 from teamformer.planning.step_times.shifts import fitted
 
@@ -39,6 +41,7 @@ def serve(
     groups.size[task] = plan.size[task]
     for seat in range(plan.size[task]):
         groups.of[plan.coalition[task, seat]] = task
+    groups.slot[task] = slot_of(plan, groups, task, task)
     if len(crossings.task) > 0:
         _do_what_is_here(problem, crossings, plan, groups, task)
 
@@ -57,12 +60,11 @@ def _do_what_is_here(
     problem: Relaxed, crossings: Crossings, plan: CoalitionPlan, groups: Groups, task: int
 ) -> None:
     """Let the team that does a task do all else that it can do there, at the same time."""
-    start = groups.start[task]
+    start, slot = groups.start[task], groups.slot[task]
     way = task * len(plan.order) + task
     for index in range(crossings.first[way], crossings.first[way + 1]):
         other = crossings.task[index]
-        is_late = groups.is_done[other] and groups.start[other] <= start
-        if is_late or not may_begin(problem, groups, other, start):
+        if is_begun(groups, other, start, slot) or not may_begin(problem, groups, other, start):
             continue
         if not can_do(problem, plan, groups, task, task, other):
             continue
@@ -73,5 +75,5 @@ def _do_what_is_here(
             continue
         groups.passes[0] += not is_crew(plan, groups, task, task, other)
         end = start + problem.duration[other]
-        do_on_the_way(groups, task, task, other, start, end)
+        do_on_the_way(groups, task, task, other, start, end, slot)
         groups.free[task] = max(groups.free[task], end)

@@ -14,9 +14,11 @@ from teamformer.planning.step_times.groups import (
     Groups,
     can_do,
     do_on_the_way,
+    is_begun,
     is_crew,
     may_begin,
     note_too_early,
+    slot_of,
 )
 from teamformer.planning.step_times.shifts import begins_in_passing, walked_by
 from teamformer.world.rules.constants import NOBODY, ROUNDING
@@ -48,16 +50,18 @@ def walk(
             rank -= speeds
             way += len(plan.order) * len(groups.end)
         cells = problem.lengths[int(pace >= speeds), cells]
+    slot = slot_of(plan, groups, group, task)
     since, passed = leave, 0  # it walks on from the cell after so many, since then
     here, came, until = NOBODY, leave, leave  # the cell where it does something, and until when
     if len(crossings.task) > 0:
         for index in range(crossings.first[way], crossings.first[way + 1]):
             other, away = crossings.task[index], crossings.cells[index]
+            if away == 0 and crossings.speeds[rank] >= 1:
+                continue  # it leaves the cell in the first step
             if away != here:
-                steps = _steps_of(problem, crossings, rank, away - passed)
+                steps = max(1, _steps_of(problem, crossings, rank, away - passed))
                 came = walked_by(problem, plan, groups, group, task, since, steps)
-            is_late = groups.is_done[other] and groups.start[other] <= came
-            if is_late or not may_begin(problem, groups, other, came):
+            if is_begun(groups, other, came, slot) or not may_begin(problem, groups, other, came):
                 continue
             if away != cells and not _is_stop(crossings.speeds[rank], away - passed):
                 continue
@@ -69,11 +73,12 @@ def walk(
             if groups.is_done[other]:
                 note_too_early(groups, group, task, other, start)
                 continue
-            do_on_the_way(groups, group, task, other, start, start + problem.duration[other])
+            end = start + problem.duration[other]
+            do_on_the_way(groups, group, task, other, start, end, slot)
             is_planned = away == cells and is_crew(plan, groups, group, task, other)
             groups.passes[0] += not is_planned
             if problem.duration[other] > 0:
-                until = max(until, start + problem.duration[other])
+                until = max(until, end)
                 since, passed, here = until, away, away
     groups.until[group] = until
     if here == cells:

@@ -236,13 +236,13 @@ def _passes(problem: Relaxed, crossings: Crossings, leaders: Ints) -> tuple[Int3
     tasks = len(problem.appears)
     if not len(crossings.task):
         return np.zeros(1, np.int32), np.zeros(0, np.int32)
-    takes_time = problem.duration[crossings.task] > 0
-    number = np.concatenate([[0], np.cumsum(takes_time)])
+    is_passed = (problem.duration[crossings.task] > 0) & (crossings.cells > 0)
+    number = np.concatenate([[0], np.cumsum(is_passed)])
     first = number[crossings.first]  # of all places
     places = np.concatenate([np.arange(tasks), tasks + leaders])
     begin = first[:-1].reshape(-1, tasks)[places].ravel()
     end = first[1:].reshape(-1, tasks)[places].ravel()
-    kept = crossings.task[takes_time]
+    kept = crossings.task[is_passed]
     passes = np.concatenate([kept[a:b] for a, b in zip(begin, end, strict=True)] or [kept[:0]])
     passed = np.concatenate([[0], np.cumsum(end - begin)])
     return passed.astype(np.int32), passes.astype(np.int32)

@@ -6,7 +6,7 @@ whole numbers. So all robots, on any processor, find the same plan.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -105,12 +105,18 @@ def is_too_large(mission: Mission) -> bool:
     return tasks * (tasks + len(mission.robots)) > MOST_AT_ONCE
 
 
-def plan_mission(known: Known, old: Plan | None = None, is_brief: bool = False) -> Plan:
+def plan_mission(
+    known: Known,
+    old: Plan | None = None,
+    is_brief: bool = False,
+    choose: Callable[[Known, Iterator[Plan]], Plan] | None = None,
+) -> Plan:
     """Return the plan from the present on; never worse by its own count than the old one.
 
     Robots that will be lost or back and tasks that have not appeared play no part; what the robots
     that are left cannot do is not in the plan. `is_brief` is for those who plan again often: fewer
-    searches, and shorter ones.
+    searches, and shorter ones. At the start another rule than the count may `choose` among good
+    plans, the best of which by that count comes first.
     """
     if not known.possible_tasks:
         return Plan(made_from="nothing")
@@ -119,7 +125,12 @@ def plan_mission(known: Known, old: Plan | None = None, is_brief: bool = False) 
     if is_brief:
         rounds = Rounds(rounds.crews // BRIEF, rounds.coalition, rounds.arcs // BRIEF, 1)
     if old is None:
-        return shared_plan_of(situation, *search(situation, rounds, known.step))
+        seen: list[Named] = []
+        best_found = search(situation, rounds, known.step, seen=seen)
+        if choose is not None:
+            named = (best_found, *sorted(seen, key=_rank_of))
+            return choose(known, (shared_plan_of(situation, *it) for it in named))
+        return shared_plan_of(situation, *best_found)
     kept = time_team_plan(situation, kept_plan(situation, old))
     name, best = search(situation, rounds, known.step, kept)
     is_better = best.makespan + (kept.makespan - known.step) // SMALLEST_GAIN < kept.makespan
@@ -134,10 +145,17 @@ Named = tuple[str, TimedPlan]
 """A plan, and what it was made from."""
 
 
-def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | None = None) -> Named:
+def search(
+    situation: Situation,
+    rounds: Rounds,
+    step: int,
+    old: TimedPlan | None = None,
+    seen: list[Named] | None = None,
+) -> Named:
     """Return the best plan found, and what it was made from.
 
-    `step` is the present, and `old` what is left of a plan from before.
+    `step` is the present, and `old` what is left of a plan from before. Other good plans of a
+    mission that is not large are put into `seen`.
     """
     arcs = TeamArcs(situation)
     priced = has_prices(situation.problem)
@@ -149,22 +167,25 @@ def search(situation: Situation, rounds: Rounds, step: int, old: TimedPlan | Non
     if not priced:
         plans = _hopeful(plans, step)
     more = MORE_IF_PRICED if priced else MORE
-    name, best = _by_halving(arcs, plans, rounds.arcs * (len(plans) + more))
+    kept = [] if seen is None else seen
+    name, best = _by_halving(arcs, plans, rounds.arcs * (len(plans) + more), kept)
     problem = situation.problem
     timed = partial(time_team_plan, situation)
     return name, without_riders(problem.counts, problem.needs, best, timed, is_strict=True)
 
 
-def _by_halving(arcs: TeamArcs, plans: list[Named], rounds: int) -> Named:
+def _by_halving(arcs: TeamArcs, plans: list[Named], rounds: int, seen: list[Named]) -> Named:
     """Improve plans by successive halving (Karnin, Koren and Somekh 2013); return the best one.
 
     The rounds are cut into equal parts. All plans share the first part, the better half of them
-    shares the next part, and so on; the last plan that is left has the last part for itself.
+    shares the next part, and so on; the last plan that is left has the last part for itself. All
+    that come by are put into `seen`.
     """
     parts = 1 + (len(plans) - 1).bit_length()
     while True:
         share = rounds // parts // len(plans)
         plans = [(name, arcs.improve(plan, share)) for name, plan in plans]
+        seen += plans
         if len(plans) == 1:
             return plans[0]
         plans = sorted(plans, key=_lead_of)[: (len(plans) + 1) // 2]

@@ -35,6 +35,7 @@ WORK = ("serve", "lift", "unload", "done")
 ALLOWED = {
     *("plan", "walk", "arrive", "serve", "lift", "unload", "done", "broken"),
     *("lost", "back", "appear", "cancel", "missed", "know", "found", "moved", "over"),
+    *("charge", "charged", "empty"),
 }
 """Kinds of events that a fleet tells."""
 
@@ -68,6 +69,7 @@ class _Seen:
         self._works: dict[int, Event] = {}  # the event with which the part at hand began, by task
         self._began: dict[int, float] = {}
         self._lost: set[int] = set()
+        self._charging: dict[int, Place] = {}  # by robot
         self._over: dict[int, float] = {}
         self._done: set[int] = set()
         self._missed: set[int] = set()
@@ -86,6 +88,8 @@ class _Seen:
         for robot in event.robots:
             if robot in self._lost and event.kind != "back":
                 yield f"{self._names.robot(robot)} is lost, and {event.kind}s"
+        for robot in event.robots:  # whatever it does, it charges no more
+            self._charging.pop(robot, None)
         if event.kind == "walk":
             yield from self._walk(event)
         elif event.kind == "arrive":
@@ -103,6 +107,10 @@ class _Seen:
             yield from self._miss(event)
         elif event.kind == "lost":
             yield from self._lose(event)
+        elif event.kind == "charge":
+            yield from self._charge(event)
+        elif event.kind == "empty":
+            self._lost.update(event.robots)
         elif event.kind == "back":
             self._lost.difference_update(event.robots)
 
@@ -118,6 +126,16 @@ class _Seen:
         self._over[task] = event.at
         self._missed.add(task)
         self._works.pop(task, None)
+
+    def _charge(self, event: Event) -> Iterator[str]:
+        """Check that a robot charges at a charger with room for it."""
+        [robot], place = event.robots, event.place
+        assert place is not None, "it has been read"
+        room = sum(it.room for it in self._mission.chargers if it.at == place)
+        yield from self._is_there(robot, place, event.at)
+        self._charging[robot] = place
+        if list(self._charging.values()).count(place) > room:
+            yield f"{self._names.robot(robot)} charges where there is no room to"
 
     def _lose(self, event: Event) -> Iterator[str]:
         """Note that a robot is lost where it is; on roads perhaps not yet at the place told."""

@@ -16,14 +16,13 @@ from teamformer.record.events.runs import Runs
 from teamformer.record.phases import (
     AT_WORK,
     CARRYING,
-    CHARGING,
     FORMING,
     LOST,
     OFF,
-    QUEUEING,
     UNLOADING,
     WAITING,
     WALKING,
+    WHY_AT_CHARGER,
 )
 from teamformer.record.told.zones import held_in
 from teamformer.world.continuous.events import Event, PlanMade
@@ -90,10 +89,8 @@ class Explainer:
             return ("its team brings all that the load takes, and stays until it is unloaded",)
         if phase in AT_WORK:
             return ("its team brings all that the task needs, and stays until that is done",)
-        if phase == CHARGING:
-            return ("it charges until it is full: else it could not do what comes next",)
-        if phase == QUEUEING:
-            return ("others charge there, and there is no room for one more",)
+        if phase in WHY_AT_CHARGER:
+            return (WHY_AT_CHARGER[phase],)
         if phase == WAITING:
             return (self._why_waiting(task),)
         if task == NOBODY:

@@ -37,6 +37,7 @@ from teamformer.record.files.values import (
     time_of,
     whole_number,
 )
+from teamformer.record.phases import CHARGE
 from teamformer.record.record import (
     FLEET,
     HEARD,
@@ -317,7 +318,17 @@ def _step(tree: Any, robots: int, tasks: int, along: Coordinate, heads_for: dict
             (number_below(task, tasks), _why_missed(why))
             for task, why in rows_of(tree.get("missed", []), 2)
         ),
+        charge=tuple(
+            (number_below(robot, robots), _at_charger(doing))
+            for robot, doing in rows_of(tree.get("charge", []), 2)
+        ),
     )
+
+
+def _at_charger(doing: Any) -> str:
+    if text_of(doing) not in CHARGE:
+        raise DamageError(f"what is done at a charger is {short(doing)}, not one of {[*CHARGE]}")
+    return text_of(doing)
 
 
 def _why_missed(why: Any) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.grid import Place
+from teamformer.record.phases import CHARGING, QUEUEING
 from teamformer.record.record import TeamAt
 from teamformer.record.referee.told import KINDS, Earlier, Rows
 from teamformer.world.reference.state import PlainWorld
@@ -114,6 +115,10 @@ def _difference_of_teams(
     return "the rows of teams are not in order of their slots, one for each"
 
 
+AT_CHARGER = {CHARGING: "charges", QUEUEING: "waits for a charger", "": "is done at a charger"}
+"""What robots do there, in words."""
+
+
 class Wording:
     """Robots, teams, tasks, places and rows of a mission in words."""
 
@@ -137,6 +142,7 @@ class Wording:
             "pursued": lambda row: f"{self.led_by(row[0])} pursued task {task(row[1])}",
             "took": lambda row: f"{self.robots(row)} exchange their parts of the plan",
             "missed": lambda number: f"task {task(number)} is missed",
+            "charge": lambda row: f"robot {robot(row[0])} {AT_CHARGER[row[1]]}",
             "heard": lambda row: f"robot {robot(row[1])} hears robot {robot(row[0])}",
         }
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from teamformer.mission.parts.grid import Place
+from teamformer.record.phases import CHARGING, QUEUEING
 from teamformer.record.record import Record, TaskAt, TeamAt
 from teamformer.world.reference.state import PlainTeam, PlainWorld, Robots
 
@@ -14,7 +15,8 @@ Rows = Mapping[str, tuple[Any, ...]]
 
 KINDS = (
     *("splits", "joins", "named", "lost", "back", "teams", "found", "moved"),
-    *("shown", "taken", "left", "served", "unloads", "done", "pursued", "took", "missed", "heard"),
+    *("shown", "taken", "left", "served", "unloads", "done", "pursued", "took", "missed"),
+    *("charge", "heard"),
 )
 """All kinds of rows, what leads to something else first."""
 
@@ -32,6 +34,7 @@ class Earlier:
     def __init__(self, world: PlainWorld) -> None:
         self.teams = {slot: _row(slot, team) for slot, team in world.teams.items()}
         self._served = _who_serves(world)
+        self._at_chargers = _at_chargers(world)
 
     def told_by_rules(self, world: PlainWorld) -> Rows:
         """Return what there is to tell of the step that a world has made since.
@@ -56,6 +59,7 @@ class Earlier:
             "unloads": tuple(sorted(_unloads(world))),
             "done": tuple(happened.done.items()),
             "pursued": tuple(self._pursued(world)),
+            "charge": tuple(self._charge(world)),
             "heard": (),
         }
 
@@ -67,6 +71,13 @@ class Earlier:
             if team.pursued is not None and team.task is None
             if slot not in self.teams or self.teams[slot].task != team.pursued
         ]
+
+    def _charge(self, world: PlainWorld) -> Iterator[tuple[int, str]]:
+        """Yield the robots that do something else at chargers than in the step before."""
+        was, now = self._at_chargers, _at_chargers(world)
+        for robot in sorted(was.keys() | now.keys()):
+            if was.get(robot) != now.get(robot):
+                yield robot, now.get(robot, "")
 
     def _changed_services(self, world: PlainWorld) -> Iterator[tuple[int, Robots]]:
         """Yield tasks that are no longer served, though not done, and by whom others are now."""
@@ -82,6 +93,12 @@ class Earlier:
 
 def _who_serves(world: PlainWorld) -> dict[int, Robots]:
     return {task: team.robots for team in world.teams.values() for task in team.serving}
+
+
+def _at_chargers(world: PlainWorld) -> dict[int, str]:
+    """Return what robots did at chargers in the latest step."""
+    happened = world.happened
+    return dict.fromkeys(happened.queued, QUEUEING) | dict.fromkeys(happened.charged, CHARGING)
 
 
 def _unloads(world: PlainWorld) -> Iterator[int]:

@@ -61,7 +61,7 @@ class EventsSeen:
 
     def _is_due(self, kind: str, robots: tuple[int, ...], task: int) -> bool:
         """Say whether there is something to tell of an event."""
-        if kind in ("lost", "walk", "arrive", "back"):
+        if kind in ("lost", "walk", "arrive", "back", "charge", "charged", "empty"):
             return bool(robots) and (kind != "back" or robots[0] in self.lost)
         if kind in ("done", "cancel", "missed", *WORKS):
             return task not in self.over and (kind not in WORKS or bool(robots))
@@ -81,7 +81,7 @@ class EventsSeen:
             self.missed.add(event.task)
         if event.kind == "done":
             self.done.add(event.task)
-        if event.kind == "lost":
+        if event.kind in ("lost", "empty"):
             self.lost.update(event.robots)
         elif event.kind == "back":
             self.lost.difference_update(event.robots)

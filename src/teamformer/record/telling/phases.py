@@ -88,12 +88,13 @@ class Phases:
         work: Mapping[int, str],
         goals: Sequence[Place],
         off: Set[int],
+        at_chargers: Mapping[int, str],
     ) -> list[int]:
         """Take in a step that the teams have made; return which of some do something else.
 
         `formed` are the teams that have parted or joined, `work` is what teams do for tasks,
         `goals` where each task is believed to be, or is brought to, `off` are the robots outside
-        their shifts.
+        their shifts, `at_chargers` what robots do there.
         """
         told, others, self.apart = dict(step.pursued), [], {}
         for slot in sorted(slots):
@@ -108,7 +109,11 @@ class Phases:
                 task=task,
                 is_there=task != NOBODY and is_same_place(mission, place, goals[task]),
             )
-            if phase in MAY_BE_OFF and not off.isdisjoint(teams.robots[slot]):
+            if not at_chargers.keys().isdisjoint(teams.robots[slot]):
+                does = {r: at_chargers.get(r, WAITING) for r in teams.robots[slot]}
+                phase = does[slot]
+                self.apart |= {r: (own, task) for r, own in does.items() if own != phase}
+            elif phase in MAY_BE_OFF and not off.isdisjoint(teams.robots[slot]):
                 stands = IDLE if task == NOBODY else WAITING
                 does = {r: OFF if r in off else stands for r in teams.robots[slot]}
                 phase = does[slot]

@@ -19,6 +19,7 @@ from teamformer.record.phases import (
     OFF,
     UNLOADING,
     WAITING,
+    WHY_AT_CHARGER,
 )
 from teamformer.record.telling.unrolled import Unrolled
 from teamformer.record.told.zones import held_in
@@ -79,6 +80,8 @@ class Narrator:
             return (self._why_at_work(phase),)
         if phase == OFF:
             return (self._why_off(slot),)
+        if phase in WHY_AT_CHARGER:
+            return (WHY_AT_CHARGER[phase],)
         if phase == IDLE:
             return (self._why_idle(self._now.teams.robots[slot]),)
         if phase == WAITING:
@@ -117,6 +120,8 @@ class Narrator:
         short = missing(can, now.mission.tasks[task].needs)
         if not short and self._does_not_fit(mates, task):
             return "the task does not fit into what is left of the shifts of its robots"
+        if now.at_chargers.keys() & set(mates):
+            return "others of its team charge"
         if not short:
             return self._held_in_a_zone(task) or "its team brings all that the task needs"
         coming = [

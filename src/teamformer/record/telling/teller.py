@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from teamformer.record.critical_path.stretches import Stretch
 from teamformer.record.phases import LOST, WAITING
 from teamformer.record.record import Record
+from teamformer.record.telling.charge_levels import LevelsInSteps
 from teamformer.record.telling.reasons import Narrator
 from teamformer.record.telling.unrolled import Unrolled
 from teamformer.record.told.told_record import Run, ToldOfStep, ToldRecord
@@ -21,6 +22,7 @@ class Teller:
         self._narrator = Narrator(self.unrolled)
         self._runs: list[list[Run]] = [[] for _ in record.mission.robots]
         self._texts: dict[str, int] = {}
+        self._levels = LevelsInSteps(record, self.unrolled) if record.mission.charging else None
         self._apart: set[int] = set()  # the teams whose robots did not all do the same before
 
     @property
@@ -33,6 +35,8 @@ class Teller:
         now, known = self.unrolled, len(self._texts)
         now.go_on(record)
         self._narrator.go_on()
+        if self._levels is not None:
+            self._levels.go_on(now)
         runs = tuple(self._added())
         self._apart = self._teams_apart()
         rows = now.services.rows
@@ -43,7 +47,8 @@ class Teller:
         """Return all that has been told, with the critical path."""
         services = tuple(self.unrolled.services.rows)
         runs = tuple(tuple(row) for row in self._runs)
-        return ToldRecord(self.steps, services, runs, tuple(self._texts), path)
+        levels = tuple(map(tuple, self._levels.rows)) if self._levels else ()
+        return ToldRecord(self.steps, services, runs, tuple(self._texts), path, levels=levels)
 
     def _added(self) -> Iterator[tuple[int, Run]]:
         """Add what robots do since the latest step to their runs, and yield it, if it is other."""

@@ -48,6 +48,7 @@ class Unrolled:
         self.formed: set[int] = set()  # teams with other robots than before the latest step
         self._changed = set(self.teams.robots)  # teams for which the step before changed something
         self._heading: dict[int, list[int]] | None = None
+        self.at_chargers: dict[int, str] = {}  # what robots do there in the latest step
         self.off: set[int] = set()  # robots outside their shifts in the latest step
         rotas = enumerate(robot.rota for robot in record.mission.robots)
         self._rotas = [(robot, rota) for robot, rota in rotas if rota]
@@ -94,14 +95,27 @@ class Unrolled:
         changed = self.formed | self._slots_of(step.back) | set(self._who_heads_elsewhere(step))
         changed |= {row.slot for row in step.teams} | {slot for slot, _ in step.pursued}
         off = self._who_is_off()
-        changed |= self._slots_of(off | self.off)
+        changed |= self._slots_of(
+            off | self.off | self.at_chargers.keys() | dict(step.charge).keys()
+        )
         self.off = off
+        at_chargers = {**self.at_chargers, **dict(step.charge)}
+        self.at_chargers = {robot: doing for robot, doing in at_chargers.items() if doing}
         work = self.services.by_slot(self.teams)
         walking = before.walking - self.formed - work.keys() - set(step.back)
         slots = ((changed | self._changed) & self.teams.robots.keys()) - walking
         self._complete(step)
         self.others = self.phases.follow(
-            self.mission, self.teams, step, slots, before, formed, work, self.goals, off
+            self.mission,
+            self.teams,
+            step,
+            slots,
+            before,
+            formed,
+            work,
+            self.goals,
+            off,
+            self.at_chargers,
         )
         self._changed = changed | self._slots_of(self.services.touched)
 

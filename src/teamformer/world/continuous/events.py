@@ -61,6 +61,7 @@ WHY_MISSED = {
     "too late": "its team was there too late",
     "nobody able": "the robots do not bring what it needs",
     "too far": "nobody gets there in time",
+    "too far for its battery": "it is too far from chargers for full batteries",
     "not worth it": "it was not worth what it costs",
     "nobody free": "those who could do it had other things to do",
 }

@@ -15,7 +15,7 @@ from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.world.guidance.parts import Parts, parts_at
 from teamformer.world.phases.assignment import find_earliest_tasks
-from teamformer.world.phases.delays import is_off
+from teamformer.world.phases.delays import may_join
 from teamformer.world.phases.formation import choose_stayers, is_in_reach
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.state.arrays import RUNNING, World, Worlds, world_at
@@ -111,7 +111,7 @@ def _find_who_parts(world: World, parts: Parts) -> None:
 def _join_who_waits(world: World, parts: Parts, team: int) -> None:
     """Let a team at its task be joined by the next in slot order that is there and in reach."""
     task = world.teams[team].next
-    if task == NOBODY or not stands_at(world, team, task) or is_off(world, team):
+    if task == NOBODY or not stands_at(world, team, task) or not may_join(world, team):
         return
     other = parts.waiting[task]
     if other == NOBODY:

@@ -14,6 +14,7 @@ from teamformer.base.errors import TeamformerError
 from teamformer.mission.coordination import NEWS, TAKEN_OVER, Coordinator, Known, Plan, heeded_by
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import Counts, covers, describe, exact, total
+from teamformer.mission.parts.charging import who_is_able
 from teamformer.mission.parts.reach import can_reach
 from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.world.guidance.following import follow_plans
@@ -215,9 +216,7 @@ def refuse_unfit(known: Known, plan: Plan) -> None:
             _refuse(f"{what}; {there_are}")
         if len(set(robots)) != len(robots):
             _refuse(f"{when} gives task '{name}' to a robot twice")
-        charging = mission.charging
-        numbers = robots if charging is None else charging.able(robots, task)
-        able = (mission.robots[r] for r in numbers)
+        able = (mission.robots[r] for r in who_is_able(mission, robots, task))
         at = mission.tasks[task].at
         have = total(robot.can for robot in able if can_reach(mission.world, robot, at))
         if robots and not covers(have, mission.tasks[task].needs):
@@ -274,6 +273,7 @@ def _make_parts(worlds: Worlds, missions: Sequence[Mission]) -> Parts:
         kinds: dict[tuple[object, ...], int] = {}
         for r, robot in enumerate(mission.robots):
             region = mission.world.region(robot.at)
-            kind = (*sorted(robot.can.items()), robot.speed, robot.flies, region, robot.rota)
+            moves = (robot.speed, robot.flies, region, robot.rota, robot.battery)
+            kind = (*sorted(robot.can.items()), *moves)
             parts.kind[w, r] = kinds.setdefault(kind, r)
     return parts

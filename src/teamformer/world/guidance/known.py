@@ -46,7 +46,14 @@ def known_of(worlds: Worlds, w: int, mission: Mission, news: int) -> Known:
         unseen_needs=frozenset(np.flatnonzero(tasks["hides_needs"]).tolist()),
         unseen_places=frozenset(np.flatnonzero(tasks["hides_place"]).tolist()),
         news=words_of(news),
+        left=_left(robots, len(mission.robots)),
     )
+
+
+def _left(robots: Array, count: int) -> tuple[float, ...]:
+    """Return what the first so many robots have left; infinite for who has no battery."""
+    left = np.where(robots["lasts"] > 0, robots["left"], np.inf)  # (robots,)
+    return tuple(left[:count].tolist())
 
 
 def words_of(news: int) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ wanted capabilities one by one and then ends, |C| + 1 symbols.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 
 import numpy as np
 
@@ -43,14 +44,21 @@ def wanted_from_actions(counts: Array, actions: Array) -> Array:
 
     Raises ValueError for a number that is no action.
     """
-    caps = counts.shape[1]
-    if not ((actions >= 0) & (actions < count_actions(caps))).all():
-        wrong = next(it for it in actions.tolist() if not 0 <= it < count_actions(caps))
-        raise ValueError(f"action {wrong} is not among 0 to {count_actions(caps) - 1}")
-    named = (actions[:, None] >> np.arange(caps)) & 1  # (teams, caps)
-    removes = (actions >> caps)[:, None] == 1
-    wanted: Array = counts + np.where(removes, -named, named)
+    changes = _changes_of_actions(counts.shape[1])
+    if len(actions) and not 0 <= actions.min() <= actions.max() < len(changes):
+        wrong = next(it for it in actions.tolist() if not 0 <= it < len(changes))
+        raise ValueError(f"action {wrong} is not among 0 to {len(changes) - 1}")
+    wanted: Array = counts + changes[actions]
     return wanted
+
+
+@cache
+def _changes_of_actions(caps: int) -> Array:
+    """Return what each original action changes of the counts, (actions, caps)."""
+    actions = np.arange(count_actions(caps))
+    named = (actions[:, None] >> np.arange(caps)) & 1
+    removes = (actions >> caps)[:, None] == 1
+    return np.where(removes, -named, named).astype(np.int8)
 
 
 def action_from_wanted(counts: Array, wanted: Array) -> int | None:

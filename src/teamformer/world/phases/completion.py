@@ -15,6 +15,7 @@ from teamformer.world.phases.carrying import (
     note_place,
 )
 from teamformer.world.phases.delays import is_in_shift
+from teamformer.world.phases.energy import has_enough
 from teamformer.world.phases.room import count_services, has_room, take_room
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.state.arrays import (
@@ -38,12 +39,15 @@ def complete_tasks(world: World, step: int) -> None:
         if world.tasks[task].server != NOBODY:
             _serve(world, world.tasks[task].server, task, step)
     for team in range(world.rules.robots):
-        if world.teams[team].size == 0 or (world.rules.has_loads and _is_loaded(world, team, step)):
+        if world.teams[team].size == 0 or world.teams[team].charger != NOBODY:
+            continue
+        if world.rules.has_loads and _is_loaded(world, team, step):
             continue
         for i in range(find_tasks_here(world, team)):
             task = world.here[i]
             is_bound = world.tasks[task].is_load or world.tasks[task].is_in_zone
             is_free = not is_bound and _is_free(world, task, step)
+            is_free = is_free and (task == world.teams[team].task or has_enough(world, team, task))
             if is_free and can_do_alone(world, team, task) and _fits(world, team, task, step):
                 _begin(world, team, task, step)
     if len(world.zones) > 0:
@@ -81,6 +85,8 @@ def _who_enters(world: World, task: int, step: int) -> int:
         return NOBODY
     for team in range(world.rules.robots):
         if world.teams[team].size == 0 or world.teams[team].task != task:
+            continue
+        if world.teams[team].charger != NOBODY:
             continue
         is_able = stands_at(world, team, task) and can_do_alone(world, team, task)
         if is_able and _fits(world, team, task, step):

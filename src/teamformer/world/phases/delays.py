@@ -30,7 +30,7 @@ def delay_teams(world: World) -> None:
     if world.rules.has_shifts:
         for robot in range(world.rules.robots):
             team = world.robots[robot].team
-            if team != NOBODY and not _is_at_work(world, robot):
+            if team != NOBODY and is_robot_off(world, robot):
                 world.teams[team].is_delayed = True
 
 
@@ -59,8 +59,9 @@ def is_in_shift(world: World, team: int, begin: int, end: int) -> bool:
 
 @kernel
 def may_join(world: World, team: int) -> bool:
-    """Say whether a team serves nothing, and none of its robots is outside its shifts."""
-    return bool(world.teams[team].serves == 0) and not is_off(world, team)
+    """Say whether a team serves and charges nothing, and all its robots are in their shifts."""
+    is_free = world.teams[team].serves == 0 and world.teams[team].charger == NOBODY
+    return bool(is_free) and not is_off(world, team)
 
 
 @kernel
@@ -71,6 +72,9 @@ def is_off(world: World, team: int) -> bool:
 
 
 @kernel
-def _is_at_work(world: World, robot: int) -> bool:
+def is_robot_off(world: World, robot: int) -> bool:
+    """Say whether a robot is outside its shifts in the step that is made next, or now."""
+    if not world.rules.has_shifts:
+        return False
     steps, every = world.count.steps, world.robots[robot].every
-    return is_within_shift(world.shifts[robot], every, steps, steps + 1)
+    return not is_within_shift(world.shifts[robot], every, steps, steps + 1)

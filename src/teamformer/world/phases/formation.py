@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
-from teamformer.world.phases.delays import is_off, may_join
+from teamformer.world.phases.delays import may_join
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.rules.splitting import fits
 from teamformer.world.state.arrays import ANYWHERE
@@ -60,7 +60,7 @@ def _intent(world: World, team: int, wanted: Array, prefers_mates: bool) -> tupl
         return MAINTAIN, True
     if (asks_more and asks_less) or world.teams[team].serves > 0:
         return MAINTAIN, False
-    if asks_more and is_off(world, team):
+    if asks_more and not may_join(world, team):
         return MAINTAIN, False
     if asks_less:
         if choose_stayers(world, team, wanted) == 0:
@@ -204,6 +204,7 @@ def join_teams(world: World, joiner: int, partner: int) -> None:
     world.teams[slot].is_detour = False
     world.teams[slot].task = task
     world.teams[slot].credit = 0.0
+    world.teams[slot].charger, world.teams[slot].has_walked = NOBODY, False
     for robot in range(other, world.rules.robots):
         if world.robots[robot].team == other:
             add_robot(world, slot, robot)
@@ -255,6 +256,8 @@ def clear_slot(world: World, slot: int) -> None:
     world.teams[slot].task = NOBODY
     world.teams[slot].is_detour = False
     world.teams[slot].serves = 0
+    world.teams[slot].charger = NOBODY
+    world.teams[slot].has_walked = False
 
 
 @kernel

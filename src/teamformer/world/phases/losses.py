@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
+from teamformer.world.phases.energy import is_dry
 from teamformer.world.phases.formation import add_robot, clear_slot
-from teamformer.world.rules.constants import NOBODY
+from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.state.arrays import BACK, LOST
 
 if TYPE_CHECKING:
@@ -15,12 +16,16 @@ if TYPE_CHECKING:
 
 @kernel
 def lose_robots(world: World, step: int) -> bool:
-    """Take the robots that are lost in this step out of their teams; say whether any was."""
+    """Take the robots that are lost or dry in this step out of their teams; say whether any was."""
     any_lost = False
     for robot in range(world.rules.robots):
         world.robots[robot].formed = world.robots[robot].team
     for robot in range(world.rules.robots):
-        if world.robots[robot].lost == step and world.robots[robot].team != NOBODY:
+        if world.robots[robot].team == NOBODY:
+            continue
+        if is_dry(world, robot):  # it stands still for good
+            world.robots[robot].lost, world.robots[robot].back = step, NEVER
+        if world.robots[robot].lost == step:
             any_lost = True
             world.count.news |= LOST
             team = world.robots[robot].team
@@ -72,6 +77,7 @@ def _take_out(world: World, robot: int) -> None:
     team = world.teams[old]
     x, y, credit, serves = team.x, team.y, team.credit, team.serves
     task, is_detour, pursued = team.task, team.is_detour, team.pursued
+    charger, charges_for = team.charger, team.charges_for
     clear_slot(world, old)
     if slot != NOBODY:
         clear_slot(world, slot)
@@ -82,6 +88,7 @@ def _take_out(world: World, robot: int) -> None:
         world.teams[slot].task, world.teams[slot].is_detour = task, is_detour
         world.teams[slot].serves, world.teams[slot].credit = serves, credit
         world.teams[slot].pursued = pursued
+        world.teams[slot].charger, world.teams[slot].charges_for = charger, charges_for
     for served in range(world.rules.tasks):
         if world.tasks[served].server == old:
             world.tasks[served].server = slot

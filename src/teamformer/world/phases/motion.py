@@ -14,6 +14,7 @@ from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import allocating_kernel, kernel
 from teamformer.world.phases.carrying import is_carrying
 from teamformer.world.phases.delays import delay_teams
+from teamformer.world.phases.energy import spend_walking
 from teamformer.world.phases.formation import JOIN, is_in_same_place, join_teams
 from teamformer.world.rules.constants import MICROMETRES, NOBODY, ROUNDING
 from teamformer.world.rules.distances import UNREACHABLE, fill_field
@@ -30,6 +31,7 @@ def move_teams(world: World) -> None:
     if world.rules.has_delays:
         delay_teams(world)
     for team in range(world.rules.robots):
+        world.teams[team].has_walked = False
         if _can_walk(world, team) and world.teams[team].intent != JOIN:
             _walk_to_task(world, team)
     for team in range(world.rules.robots):
@@ -54,6 +56,9 @@ def _walk_to_task(world: World, team: int) -> None:
     if task == NOBODY:
         world.teams[team].credit = 0.0
         return
+    if world.rules.has_batteries and world.teams[team].charger != NOBODY:
+        _walk_to_charger(world, team, world.teams[team].charger)
+        return
     if world.rules.is_plane:
         _walk_straight(world, team, world.tasks[task].x, world.tasks[task].y)
         return
@@ -62,6 +67,24 @@ def _walk_to_task(world: World, team: int) -> None:
     for _ in range(_cells_to_walk(world, team, to_go)):
         x, y = advance(world, world.teams[team].x, world.teams[team].y, task, flies)
         world.teams[team].x, world.teams[team].y = x, y
+
+
+@kernel
+def _walk_to_charger(world: World, team: int, charger: int) -> None:
+    goal_x, goal_y = world.chargers[charger].x, world.chargers[charger].y
+    if world.rules.is_plane:
+        _walk_straight(world, team, goal_x, goal_y)
+        return
+    x, y = world.teams[team].x, world.teams[team].y
+    to_go = int(abs(goal_x - x) + abs(goal_y - y))
+    if world.rules.has_walls:
+        to_go = world.to_charger[charger, int(y), int(x)]
+    for _ in range(_cells_to_walk(world, team, to_go)):
+        if world.rules.has_walls:
+            x, y = _go_downhill(world.to_charger[charger], x, y, goal_x, goal_y)
+        else:
+            x, y = _go_straight(x, y, goal_x, goal_y)
+    world.teams[team].x, world.teams[team].y = x, y
 
 
 @allocating_kernel
@@ -114,7 +137,10 @@ def _merge_on_the_way(world: World, team: int, partner: int) -> None:
 def _walk_straight(world: World, team: int, goal_x: float, goal_y: float) -> None:
     """Walk what the team walks in a step towards a point of a plane, or onto it if that is less."""
     x, y, pace = world.teams[team].x, world.teams[team].y, world.teams[team].pace
-    world.teams[team].x, world.teams[team].y = straight_on(x, y, goal_x, goal_y, pace)
+    to_x, to_y = straight_on(x, y, goal_x, goal_y, pace)
+    world.teams[team].x, world.teams[team].y = to_x, to_y
+    away_x, away_y = to_x - x, to_y - y
+    spend_walking(world, team, np.sqrt(away_x * away_x + away_y * away_y))
 
 
 @kernel
@@ -152,8 +178,10 @@ def _cells_to_walk(world: World, team: int, to_go: int) -> int:
     cells = int(world.teams[team].credit + ROUNDING)
     if cells >= to_go:
         world.teams[team].credit = 0.0
-        return to_go
-    world.teams[team].credit -= cells
+        cells = to_go
+    else:
+        world.teams[team].credit -= cells
+    spend_walking(world, team, cells)
     return cells
 
 

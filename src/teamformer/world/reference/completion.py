@@ -6,6 +6,7 @@ from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.reach import can_reach
 from teamformer.world.reference.carrying import carry, steps_to_go, take_up
+from teamformer.world.reference.charging import has_enough
 from teamformer.world.reference.state import PlainTeam, PlainWorld
 
 
@@ -15,11 +16,13 @@ def complete_tasks(world: PlainWorld) -> None:
         for task in sorted(team.serving):
             _serve(world, slot, team, task)
     for slot, team in world.in_slot_order():
-        if _is_with_load(world, slot, team):
+        if team.charger is not None or _is_with_load(world, slot, team):
             continue
         for task in world.tasks_at(team.at):
             is_bound = world.mission.tasks[task].to is not None or task in world.in_zones
-            if not is_bound and _is_ready(world, team, task) and _fits(world, team, task):
+            is_ready = not is_bound and _is_ready(world, team, task)
+            is_ready = is_ready and (task == team.task or has_enough(world, team, task))
+            if is_ready and _fits(world, team, task):
                 _begin(world, slot, team, task)
     _enter_zones(world)
     world.happened.done = dict(sorted(world.happened.done.items()))
@@ -40,7 +43,7 @@ def _enter_zones(world: PlainWorld) -> None:
         able = [
             (slot, team)
             for slot, team in world.in_slot_order()
-            if team.task == task and world.is_same(team.at, world.at[task])
+            if team.task == task and team.charger is None and world.is_same(team.at, world.at[task])
             if _is_ready(world, team, task) and _fits(world, team, task)
         ]
         if able and all(taken[room.zone] < room.room for room in rooms):
@@ -136,7 +139,7 @@ def may_give_up(world: PlainWorld) -> bool:
     tasks = world.truth.tasks
     left = [task for task in range(len(tasks)) if world.over_in(task) is None]
     is_quiet = not world.served and world.open.isdisjoint(world.next)
-    is_due = any(world.truth.robots[robot].is_due(world.steps) for robot in world.lost_at)
+    is_due = any(world.is_due(robot) for robot in world.lost_at)
     return (
         world.is_coordinated
         and world.mission.until is not None
@@ -239,8 +242,8 @@ def blocked_tasks(world: PlainWorld) -> list[str]:
     mission = world.truth
     robots = [
         robot
-        for robot, slot in zip(mission.robots, world.slot_of, strict=True)
-        if (slot is not None or robot.is_due(world.steps)) and robot.rota.over > world.steps
+        for number, (robot, slot) in enumerate(zip(mission.robots, world.slot_of, strict=True))
+        if (slot is not None or world.is_due(number)) and robot.rota.over > world.steps
     ]
     return [
         task.name

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import astuple
 from typing import TypeVar
 
 from teamformer.mission.parts.shifts import Shift
-from teamformer.world.reference.formation import who_stays
+from teamformer.world.reference.formation import may_join, who_stays
 from teamformer.world.reference.state import PlainTeam, PlainWorld, Robots, Units
 from teamformer.world.reference.ways import apart_squared
 
-Kind = tuple[Units, float, bool, int, tuple[Shift, ...], float]
+Kind = tuple[Units, float, bool, int, tuple[Shift, ...], float, tuple[float, ...]]
 
 Part = TypeVar("Part")
 
@@ -63,7 +64,7 @@ def follow_plan(
             continue
         task = world.next[team.robots[0]]
         is_there = task is not None and world.is_same(team.at, world.at[task])
-        if task is None or not (is_there and world.is_at_work(team.robots)):
+        if task is None or not (is_there and may_join(world, team)):
             continue
         other = waiting.setdefault(task, slot)
         if other != slot and _is_in_reach(world, team, world.teams[other]):
@@ -119,7 +120,8 @@ def _kind_of(world: PlainWorld, robot: int) -> Kind:
     """Return in what robots are alike: what they bring, how they move, where they get, and when."""
     it = world.mission.robots[robot]
     region = world.world.region(it.at)
-    return world.brings[robot], it.speed, it.flies, region, it.shifts, it.every
+    battery = () if it.battery is None else astuple(it.battery)
+    return world.brings[robot], it.speed, it.flies, region, it.shifts, it.every, battery
 
 
 def _exchange(

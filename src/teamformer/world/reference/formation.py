@@ -37,7 +37,7 @@ def read_decisions(
             is_more = all(w >= h for w, h in zip(want, team.has, strict=True))
             if is_less and not team.serving:
                 robots = who_stays(world, team.robots, want)
-            elif is_more and _may_join(world, team):
+            elif is_more and may_join(world, team):
                 partner = _find_partner(world, slot, want, by_counts, wish.task is None)
             if robots:
                 stays[slot] = robots
@@ -62,9 +62,10 @@ def who_stays(world: PlainWorld, robots: Robots, want: Units) -> Robots:
     return tuple(staying)
 
 
-def _may_join(world: PlainWorld, team: PlainTeam) -> bool:
-    """Say whether a team serves nothing, and none of its robots is outside its shifts."""
-    return not team.serving and world.is_at_work(team.robots)
+def may_join(world: PlainWorld, team: PlainTeam) -> bool:
+    """Say whether a team serves and charges nothing, and all its robots are in their shifts."""
+    is_free = not team.serving and team.charger is None
+    return is_free and world.is_at_work(team.robots)
 
 
 def _find_partner(
@@ -85,7 +86,7 @@ def _find_partner(
     for other_slot in by_counts.get(more, ()):
         other = world.teams[other_slot]
         away = apart_squared(team.at, other.at)
-        if other_slot == slot or not _may_join(world, other) or away > world.join_radius**2:
+        if other_slot == slot or not may_join(world, other) or away > world.join_radius**2:
             continue
         shares = team.task is not None and team.task == other.task
         is_mate = mine is not None and mine == next_task(world, other)

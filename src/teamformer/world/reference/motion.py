@@ -6,9 +6,10 @@ import math
 
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
+from teamformer.world.reference.charging import spend_walking
 from teamformer.world.reference.formation import Joins, unite
 from teamformer.world.reference.state import PlainTeam, PlainWorld
-from teamformer.world.reference.ways import ROUNDING, UNREACHABLE, after_metres
+from teamformer.world.reference.ways import ROUNDING, UNREACHABLE, after_metres, apart
 
 
 def move_teams(world: PlainWorld, walks: Joins) -> None:
@@ -22,11 +23,14 @@ def move_teams(world: PlainWorld, walks: Joins) -> None:
     still |= {r for r, _ in enumerate(world.rotas) if not world.is_at_work([r])}
     delayed = {world.slot_of[robot] for robot in still}
     for slot, team in world.in_slot_order():
+        team.has_walked = False
         is_busy = team.serving and not world.carried & team.serving.keys()
         if slot in walks or is_busy or (team.has_formed and waits) or slot in delayed:
             continue
         if team.task is None:
             team.credit = 0.0
+        elif team.charger is not None:
+            _walk(world, team, world.mission.chargers[team.charger].at)
         else:
             _walk(world, team, world.at[team.task])
     for slot, partner in sorted(walks.items()):
@@ -48,7 +52,8 @@ def _walk(world: PlainWorld, team: PlainTeam, goal: Place) -> None:
     there is no way.
     """
     if isinstance(world.world, Plane):
-        team.at = after_metres(team.at, goal, team.pace)
+        before, team.at = team.at, after_metres(team.at, goal, team.pace)
+        spend_walking(world, team, apart(before, team.at))
         return
     to_go = world.ways.length(team.at, goal, team.flies)
     if to_go in (0, UNREACHABLE):
@@ -58,6 +63,7 @@ def _walk(world: PlainWorld, team: PlainTeam, goal: Place) -> None:
     cells = math.floor(team.credit + ROUNDING)
     team.credit = 0.0 if cells >= to_go else team.credit - cells
     team.at = world.ways.after_cells(team.at, goal, min(cells, to_go), team.flies)
+    spend_walking(world, team, min(cells, to_go))
 
 
 def draw_delays(world: PlainWorld) -> set[int]:

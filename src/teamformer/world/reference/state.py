@@ -52,6 +52,9 @@ class PlainTeam:
     is_commanded: bool = False  # its decision names a task in this step
     named: int | None = None  # the task that it names; None for who leaves such a team
     pursued: int | None = None  # what it headed for in this step
+    charger: int | None = None  # where it charges before it goes on
+    charges_for: int | None = None  # the task that it then goes on to
+    has_walked: bool = False  # in this step
 
 
 @dataclass
@@ -74,6 +77,8 @@ class Happenings:
     missed: list[int] = field(default_factory=list)  # tasks that are not done any more
     known: list[int] = field(default_factory=list)  # tasks that appeared
     opened: list[int] = field(default_factory=list)  # tasks that may begin from now on
+    charged: set[int] = field(default_factory=set)  # robots that charged
+    queued: set[int] = field(default_factory=set)  # robots that waited for room at a charger
     is_elsewhere: bool = False  # a task was found elsewhere than it was believed to be
     any_broken_off: bool = False
     any_overdue: bool = False
@@ -111,6 +116,12 @@ class PlainWorld:
         self.slot_of: list[int | None] = [None] * len(mission.robots)
         for robots in mission.starting_teams:
             self.found_team(robots, mission.robots[robots[0]].at)
+        self.with_battery = {r: own for r, it in enumerate(mission.robots) if (own := it.battery)}
+        self.left = {r: own.starts * own.lasts for r, own in self.with_battery.items()}
+        self.wanted = {r: mission.charging.wanted(r) for r in self.with_battery if mission.charging}
+        self.queued: dict[int, int] = {}  # robots at chargers, and when they came there
+        self.charging: set[int] = set()  # those of them who have a place
+        self.dry: set[int] = set()
         self.lost_at: dict[int, Place] = {}
         self.order: list[int] = []
         self.next: list[int | None] = [None] * len(mission.robots)
@@ -173,13 +184,21 @@ class PlainWorld:
             robots=members,
             at=at,
             has=self.sum_of(members),
-            pace=min(self.world.pace(robot.speed) for robot in fleet),
+            pace=min(self.pace_of(robot) for robot in members),
             flies=all(robot.flies for robot in fleet),
         )
         for robot in members:
             self.slot_of[robot] = members[0]
         self.teams[members[0]] = team
         return team
+
+    def pace_of(self, robot: int) -> float:
+        """Return how many cells or metres a robot walks in a step."""
+        return self.world.pace(self.mission.robots[robot].speed)
+
+    def is_due(self, robot: int) -> bool:
+        """Say whether a robot that is lost will be back."""
+        return robot not in self.dry and self.truth.robots[robot].is_due(self.steps)
 
     def is_in_shift(self, robots: Iterable[int], begin: int, end: int) -> bool:
         """Say whether one shift of each robot has all the time between two numbers of steps."""

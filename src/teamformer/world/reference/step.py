@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from teamformer.mission.model import Mission
 from teamformer.world.reference.allocation import allocate_tasks
 from teamformer.world.reference.carrying import put_down
+from teamformer.world.reference.charging import charge, spend_standing
 from teamformer.world.reference.completion import (
     complete_tasks,
     drop_assignments,
@@ -44,7 +45,9 @@ def make_step(world: PlainWorld, wishes: Mapping[int, Wish]) -> Happenings:
     split_teams(world, stays)
     walks = join_teams(world, joins)
     allocate_tasks(world)
+    charge(world, walks)
     move_teams(world, walks)
+    spend_standing(world)
     happened.named = [slot for slot, team in world.in_slot_order() if team.is_commanded]
     call_off(world)
     lose_robots(world)

@@ -17,9 +17,14 @@ def why_left_out(truth: Mission, task: int, comes: Iterable[tuple[float, int]]) 
     the step, and its number. A task is too far if not even those who are there first could end it
     in time.
     """
-    wanted, at = truth.tasks[task], _earliest_start(truth, task, comes)
-    if at is None:
+    wanted, there = truth.tasks[task], sorted(comes)
+    if _earliest_start(truth, task, there) is None:
         return "nobody able"
+    if truth.charging is not None:
+        able = truth.charging.able(range(len(truth.robots)), task)
+        there = [one for one in there if one[1] in able]
+    if (at := _earliest_start(truth, task, there)) is None:
+        return "too far for its battery"
     begins = opening_step(wanted) + 1 if truth.time == "steps" else release_of(wanted)
     if not is_in_time(max(at, begins) + wanted.duration + wanted.unload, truth.until):
         return "too far"
@@ -29,9 +34,9 @@ def why_left_out(truth: Mission, task: int, comes: Iterable[tuple[float, int]]) 
 
 
 def _earliest_start(truth: Mission, task: int, comes: Iterable[tuple[float, int]]) -> float | None:
-    """Return when enough robots can be at a task, or None."""
+    """Return when enough robots can be at a task, of those who come in turn, or None."""
     there: list[int] = []
-    for at, number in sorted(comes):
+    for at, number in comes:
         there.append(number)
         if covers(total(truth.robots[robot].can for robot in there), truth.tasks[task].needs):
             return at

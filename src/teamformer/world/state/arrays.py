@@ -61,6 +61,8 @@ RULES = np.dtype(
         ("cells_per_length", np.float64),  # 1 on a grid
         ("until", np.int32),  # the step after which the mission is over, or NEVER
         ("has_shifts", np.bool_),  # some robots work in shifts only
+        ("has_batteries", np.bool_),  # some robots have to charge
+        ("chargers", np.int32),
     ],
     align=True,
 )
@@ -97,6 +99,13 @@ ROBOT = np.dtype(
         ("pace", np.float64),  # cells a step, on a plane metres a step
         ("every", np.int32),  # steps after which its shifts come again, or 0
         ("over", np.int32),  # steps made when its last shift ends, or NEVER
+        ("lasts", np.float64),  # what its battery holds, in steps that it walks alone; 0: has none
+        ("left", np.float64),  # what it has left
+        ("filled", np.float64),  # what it charges in a step
+        ("serving", np.float64),  # what a step of service takes
+        ("waiting", np.float64),  # what a step of waiting at a task takes
+        ("queued", np.int32),  # steps made when it came to its charger, or NOBODY
+        ("charges", np.bool_),  # it has a place at its charger
     ],
     align=True,
 )
@@ -110,9 +119,12 @@ TEAM = np.dtype(
         ("region", np.int32),  # of its robots on the ground; ANYWHERE if all fly over walls
         ("task", np.int32),  # assignment, or NOBODY
         ("serves", np.int32),  # how many tasks it is serving
+        ("charger", np.int32),  # where it charges before it goes on, or NOBODY
+        ("charges_for", np.int32),  # the task that it then goes on to
         ("is_detour", np.bool_),  # the assignment was taken out of order
         # What follows lasts for one step.
         ("is_delayed", np.bool_),  # one of its robots stands still
+        ("has_walked", np.bool_),
         ("has_formed", np.bool_),
         ("is_commanded", np.bool_),  # its decision names tasks: the allocator leaves it alone
         ("intent", np.int32),  # MAINTAIN, SPLIT or JOIN
@@ -189,6 +201,15 @@ SPOT = np.dtype(
     ],
     align=True,
 )
+CHARGER = np.dtype(
+    [
+        ("x", np.float64),
+        ("y", np.float64),
+        ("room", np.int32),  # robots that charge at once
+        ("onward", np.float64),  # how far it is from here to where a team is going, by others
+    ],
+    align=True,
+)
 
 
 class Worlds(NamedTuple):
@@ -224,6 +245,9 @@ class Worlds(NamedTuple):
     here: Array  # (worlds, tasks) tasks found where a team is
     shifts: Array  # (worlds, robots, most, 2) when each shift begins and ends, then NEVER; or
     # (worlds, robots, 0, 2) if everybody always works
+    chargers: Array  # (worlds, chargers) CHARGER
+    wanted: Array  # (worlds, robots, tasks) what each has to have left there, or (worlds, 0, 0)
+    to_charger: Array  # (worlds, chargers, height, width) distances, or (worlds, 0, 0, 0)
     zones: Array  # (worlds, zones) ZONE, none if no world has any
     inside: Array  # (worlds, zones, tasks) which tasks are in which zone
 

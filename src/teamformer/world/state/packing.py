@@ -23,6 +23,7 @@ from teamformer.world.rules.distances import UNREACHABLE, blocked_cells, distanc
 from teamformer.world.state.arrays import (
     ANYWHERE,
     CELL,
+    CHARGER,
     COUNT,
     LATEST,
     ROBOT,
@@ -61,6 +62,8 @@ def pack_worlds(
         worlds.rules["is_coordinated"][w] = is_coordinated[w]
         _pack_robots(worlds, w, truth)
         _pack_tasks(worlds, w, mission, truth, foresight)
+        if mission.charging:
+            _pack_batteries(worlds, w, mission)
         _pack_zones(worlds, w, mission)
         if isinstance(mission.world, Grid) and mission.world.rows:
             places = [believed_place(mission.world, task) for task in mission.tasks]
@@ -81,6 +84,7 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
     precedes = (count, tasks, tasks) if has_precedence else (count, 0, 0)
     times = max(len(robot.absences) for truth in truths for robot in truth.robots)
     shifts = max(len(robot.shifts) for s in missions for robot in s.robots)
+    chargers = max(len(s.chargers) if s.charging else 0 for s in missions)
     zones = max(len(mission.zones) for mission in missions)
     hides_needs = any(task.may_need for s in missions for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
@@ -115,12 +119,16 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
         room=np.zeros((count, caps), dtype=np.int32),
         here=np.zeros((count, tasks), dtype=np.int32),
         shifts=np.full((count, robots, shifts, 2), NEVER, dtype=np.int32),
+        chargers=np.zeros((count, chargers), dtype=CHARGER),
+        wanted=np.zeros((count, robots, tasks) if chargers else (count, 0, 0)),
+        to_charger=np.full((count, chargers, *walls), UNREACHABLE, dtype=np.int32),
         zones=np.zeros((count, zones), dtype=ZONE),
         inside=np.zeros((count, zones, tasks), dtype=np.bool_),
     )
     worlds.robots["team"] = NOBODY
     worlds.robots["lost"] = worlds.robots["back"] = worlds.robots["over"] = NEVER
-    worlds.teams["task"] = NOBODY
+    worlds.robots["queued"] = NOBODY
+    worlds.teams["task"] = worlds.teams["charger"] = worlds.teams["charges_for"] = NOBODY
     worlds.cells["first_team"] = worlds.cells["first_task"] = NOBODY
     worlds.tasks["appears"] = worlds.tasks["cancelled"] = NEVER
     for field in ("next_here", "server", "done_at", "done_by", "missed_at"):
@@ -147,6 +155,8 @@ def _pack_rules(worlds: Worlds, w: int, mission: Mission) -> None:
         "hides_needs": any(task.may_need for task in mission.tasks),
         "has_delays": any(robot.delays or robot.shifts for robot in mission.robots),
         "has_shifts": any(robot.shifts for robot in mission.robots),
+        "has_batteries": mission.charging is not None,
+        "chargers": len(mission.chargers) if mission.charging else 0,
         "hides_places": any(task.within for task in mission.tasks),
         "has_loads": any(task.to is not None for task in mission.tasks),
         "has_walls": bool(mission.world.rows),
@@ -272,6 +282,24 @@ def _pack_tasks(worlds: Worlds, w: int, mission: Mission, truth: Mission, foresi
     order = np.flatnonzero(is_shared_out)
     worlds.order[w, : len(order)] = order
     worlds.count["open"][w] = worlds.count["arrived"][w] = len(order)
+
+
+def _pack_batteries(worlds: Worlds, w: int, mission: Mission) -> None:
+    charging, places = mission.charging, [charger.at for charger in mission.chargers]
+    assert charging is not None, "somebody has a battery"
+    for r, robot in enumerate(mission.robots):
+        record, battery = worlds.robots[w, r], robot.battery
+        worlds.wanted[w, r, : len(mission.tasks)] = charging.wanted(r)
+        if battery is not None:
+            record["lasts"], record["left"] = battery.lasts, battery.starts * battery.lasts
+            record["filled"] = battery.lasts / battery.fills if battery.fills else battery.lasts
+            record["serving"], record["waiting"] = battery.serving, battery.waiting
+    for c, charger in enumerate(mission.chargers):
+        record = worlds.chargers[w, c]
+        record["room"], (record["x"], record["y"]) = charger.room, charger.at
+    if isinstance(mission.world, Grid) and mission.world.rows:
+        fields = worlds.to_charger[w, : len(places), : mission.world.height, : mission.world.width]
+        fields[:] = distance_fields(mission.world, places)
 
 
 def _pack_zones(worlds: Worlds, w: int, mission: Mission) -> None:

@@ -19,7 +19,8 @@ class RosAddress:
 
     `pose` names a topic of PoseWithCovarianceStamped, such as `amcl_pose`, to use in place of the
     odometry of `odom`. Within `radius` metres of its goal a robot counts as there. `serve` names
-    the topic on which it is told to serve; without one, it serves by standing there.
+    the topic on which it is told to serve; without one, it serves by standing there. `battery`
+    names a topic of BatteryState.
     """
 
     namespace: str
@@ -28,6 +29,7 @@ class RosAddress:
     pose: str = ""
     radius: float = 0.5
     serve: str = ""
+    battery: str = "battery_state"
 
     def topic(self, name: str) -> str:
         """Return a topic's full name."""

@@ -24,7 +24,7 @@ from teamformer.fleet.bodies.ros2.goals import (
     GoalState,
     pose_at,
 )
-from teamformer.fleet.bodies.ros2.graph import RosNode, Whereabouts
+from teamformer.fleet.bodies.ros2.graph import BatteryGauge, RosNode, Whereabouts
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.saying import say
 from teamformer.mission.parts.grid import Place
@@ -69,6 +69,7 @@ class Nav2Body:
         try:
             self._where = Whereabouts(self._graph, address)
             self._where.wait()
+            self._battery = BatteryGauge(self._graph, address)
             self._goals = self._way_to_go()
             self._service = ServeCaller(self._graph, address) if address.serve else None
             self._markers = _markers(self._graph, mission, robot, address.frame)
@@ -101,7 +102,7 @@ class Nav2Body:
             self._markers.show(at, self._command)
         x, y = self._place(at)
         report = Report(x, y, self._command.leg, number=self._where.count)
-        return report._replace(has_served=self._has_served())
+        return report._replace(has_served=self._has_served(), charge=self._battery.charge)
 
     def close(self) -> None:
         """Stop the robot and leave the graph."""

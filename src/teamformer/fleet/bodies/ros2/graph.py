@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from importlib.util import find_spec
 from typing import Any
 
 import rclpy
@@ -16,6 +17,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 
 from teamformer.base.errors import TeamformerError
+from teamformer.fleet.bodies.body import charge_of
 from teamformer.fleet.bodies.ros2.address import RosAddress
 
 FIRST = 10.0
@@ -111,3 +113,24 @@ class Whereabouts:
         if at.x == at.x and at.y == at.y:
             self._newest, self._heard = (at.x, at.y), time.monotonic()
             self.count += 1
+
+
+class BatteryGauge:
+    """Hears how full a robot's battery is, if it says so; `charge` is from 0 to 1.
+
+    Nothing is heard where `sensor_msgs` is not installed.
+    """
+
+    def __init__(self, graph: RosNode, address: RosAddress) -> None:
+        self.charge: float | None = None
+        if find_spec("sensor_msgs") is None:
+            return
+        from sensor_msgs.msg import BatteryState
+
+        topic = address.topic(address.battery)
+        graph.node.create_subscription(BatteryState, topic, self._take, qos_profile_sensor_data)
+
+    def _take(self, message: Any) -> None:
+        share = message.percentage
+        if share == share:  # else it was not measured
+            self.charge = charge_of(share)

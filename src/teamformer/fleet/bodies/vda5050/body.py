@@ -38,6 +38,10 @@ from teamformer.mission.parts.grid import Place
 
 CANCEL = "cancel its order"
 
+START, STOP = "startCharging", "stopCharging"
+CHARGING = {START: "begin to charge", STOP: "stop charging"}
+"""Instant actions by which it charges, and what they are called where they fail."""
+
 FREE: Mapping[str, float] = {}
 """No limits of the way of an order."""
 
@@ -61,6 +65,7 @@ class Vda5050Body:
         self._ended = self._served = ""  # the services that were over last, and done last
         self._held: ServiceTry | None = None  # whose load it has
         self._lies: Place | None = None  # where it has set down the load of the task at hand
+        self._charges = self._stops = ""  # the actions by which it last began to charge, or stopped
         self._tries = Tries()
         self._broker = Broker(address, f"teamformer-{self._run}", self._take, self._say)
 
@@ -85,6 +90,7 @@ class Vda5050Body:
             leg = self._command.leg if self._is_on_it() else -1
             taken = self._watch.taken
             report = Report(*self._place(at), leg, number=taken, has_served=self._has_served())
+            report = report._replace(charge=self._state.charge)
             if self._load is not None:
                 has = self._held is not None and self._is_bringing()
                 report = report._replace(carries=has, load=self._lies)
@@ -168,8 +174,24 @@ class Vda5050Body:
         else:
             self._tries.answer(self._way)
             service = self._service
+            self._charge()
             if self._command.serve and service is not None and self._ended != service.name:
                 self._serve(at, service)
+
+    def _charge(self) -> None:
+        """Have the vehicle begin to charge, or stop, unless it was told so and has answered."""
+        is_wanted = self._command.charge
+        if is_wanted and not self._charges:
+            self._charges = self._another(f"{self._run}-charge")
+        elif not is_wanted and self._charges:
+            self._stops = self._another(f"{self._run}-stop")
+            self._charges = ""
+        name, kind = (self._charges, START) if self._charges else (self._stops, STOP)
+        if name and self._state.status_of(name) is None:
+            action = action_of(kind, name, {}, self._dialect.blocking)
+            self._once(CHARGING[kind], lambda: self._act(action))
+        elif name:
+            self._tries.answer(CHARGING[kind])
 
     def _go(self, at: Place) -> None:
         """Send the vehicle to the place of the command, or have it stop."""

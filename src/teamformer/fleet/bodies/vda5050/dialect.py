@@ -20,6 +20,7 @@ class Dialect(NamedTuple):
     blocking: str  # how a service blocks other actions
     deviation: Mapping[str, Any]  # by a metre from the node that a vehicle stands at
     speed: str  # at most, on an edge
+    battery: tuple[str, str]  # where a state says how full the battery is, in percent
 
 
 DIALECTS = {
@@ -34,6 +35,7 @@ DIALECTS = {
         blocking="HARD",
         deviation={"allowedDeviationXY": 1.0, "allowedDeviationXy": 1.0},
         speed="maxSpeed",
+        battery=("batteryState", "batteryCharge"),
     ),
     "3": Dialect(
         position="mobileRobotPosition",
@@ -44,6 +46,7 @@ DIALECTS = {
         blocking="NONE",
         deviation={"allowedDeviationXY": {"a": 1.0, "b": 1.0, "theta": 0.0}},
         speed="maximumSpeed",
+        battery=("powerSupply", "stateOfCharge"),
     ),
 }
 """By the first number of a version."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from teamformer.fleet.bodies.body import charge_of
 from teamformer.fleet.bodies.vda5050.dialect import Dialect
 from teamformer.mission.parts.grid import Place
 
@@ -47,6 +48,14 @@ class State:
     def _position(self) -> Mapping[str, Any]:
         at = self.content.get(self.dialect.position)
         return at if isinstance(at, dict) else {}
+
+    @property
+    def charge(self) -> float | None:
+        """Return how full its battery is, 0 to 1, if it says so."""
+        part, key = self.dialect.battery
+        said = self.content.get(part)
+        percent = _number(said.get(key)) if isinstance(said, dict) else None
+        return None if percent is None else charge_of(percent / 100)
 
     @property
     def order(self) -> str:

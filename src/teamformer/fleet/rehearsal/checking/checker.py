@@ -9,6 +9,8 @@ The promises:
   moment that a body which reports late does not know that it is done, in which nothing happens;
 - nobody begins to serve a task before those that come before it are over, nor before its window, by
   more than clocks may differ; and what is done within has its whole duration after that;
+- nobody begins in a zone without room, unless those at work there and who begins do not both count
+  on one another in the plans that they follow;
 - nobody serves a task that it knows is called off;
 - nobody begins to serve a task that could not end before the mission is over, or its shift, by more
   than clocks may differ, unless it has lost its memory in a crash;
@@ -40,11 +42,13 @@ from teamformer.fleet.rehearsal.checking.trace import (
     Broke,
     Event,
     Finished,
+    Followed,
     Noticed,
     Said,
     Worked,
 )
 from teamformer.fleet.rehearsal.checking.ways import WayChecker
+from teamformer.fleet.rehearsal.checking.zones import ZoneChecker
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.world.continuous.events import Passed
@@ -111,6 +115,7 @@ class Checker:
         ]
         self._map, self._ways = self.mission.source.world, WayChecker(self.mission)
         self._moments = MomentChecker(self.mission, self.tasks)
+        self._zones = ZoneChecker(self.mission, self.tasks)
         for key, task in self.tasks.items():
             if task.to is not None:
                 self._loads[key] = Load((task.x, task.y))
@@ -132,6 +137,8 @@ class Checker:
                 self._break(event)
             elif isinstance(event, Noticed) and event.what == OFF:
                 self._robots[event.robot].off[event.task] = event.at
+            elif isinstance(event, Followed):
+                self._zones.follow(event)
             elif isinstance(event, Accepted):
                 self._accepted[event.task] = event.at
         for key in undone:
@@ -241,6 +248,10 @@ class Checker:
         is_in_shift = self._moments.is_in_shift(event.robot, event.task, event.at, slack)
         if not robot.has_restarted and not is_in_shift:
             self._blame(f"{event.at:.2f} s: {who} serves '{task}', for which its shift has no time")
+        at_work = {n: it.work[0] for n, it in enumerate(self._robots) if not it.is_dead}
+        off = {key for it in self._robots for key in it.off}
+        if full := self._zones.full(event, at_work, off | self._done.keys()):
+            self._blame(f"{event.at:.2f} s: {who} serves '{task}' without room in {full}")
         for other in self.mission.before.get(event.task, ()):
             if other not in self._done and other not in robot.off:
                 self._blame(

@@ -31,6 +31,14 @@ class Worked(NamedTuple):
     team: int
 
 
+class Followed(NamedTuple):
+    """A robot follows another plan from now on, which counts on some robots."""
+
+    at: float
+    robot: int
+    live: frozenset[int]
+
+
 class Finished(NamedTuple):
     """A task was done."""
 
@@ -88,6 +96,7 @@ class Sent(NamedTuple):
 Event = (
     Said
     | Worked
+    | Followed
     | Walked
     | Finished
     | Lifted

@@ -20,6 +20,7 @@ from teamformer.fleet.rehearsal.records.in_steps import (
     true_tasks_of,
 )
 from teamformer.mission.model import Mission, as_believed
+from teamformer.mission.parts.grid import Place
 from teamformer.mission.truth import truth_until
 from teamformer.record.record import Record
 from teamformer.record.snapshots.events_seen import EventsSeen
@@ -29,6 +30,9 @@ from teamformer.world.rules.constants import NOBODY
 
 CLOSE = "close"
 """Stands for the kind of what lets all be missed that is not over."""
+
+CHARGES = ("charge", "charged", "empty")
+"""Kinds of events of batteries."""
 
 KINDS = {"crash": "lost", "restart": "back"}
 """What befalls robots that records tell of; who is stuck is seen not to get on."""
@@ -112,9 +116,16 @@ class _TellerInTime:
             needs = self._mission.tasks[number].needs
             self._seen.tell(event.at, "know", (event.robot,), number, needs=needs)
 
-    def _heads_for(self, robot: int) -> int:
-        """Return the task that a robot goes to by its word, while that is not over."""
-        return NOBODY if self._goals[robot] in self._seen.over else self._goals[robot]
+    def _heads_for(self, robot: int, place: Place | None) -> int:
+        """Return the task that a robot goes to by its word, while that is not over.
+
+        Who goes to a charger goes to none.
+        """
+        task = self._goals[robot]
+        is_over = task == NOBODY or task in self._seen.over
+        at_chargers = {charger.at for charger in self._mission.chargers}
+        is_charger = place in at_chargers and not is_over and place != self._mission.tasks[task].at
+        return NOBODY if is_over or is_charger else task
 
     def _tell_walk(self, walk: Walked) -> None:
         robot, way = walk.robot, walk.journey.way
@@ -122,7 +133,7 @@ class _TellerInTime:
         if len(way) == 1 and walk.at < before.way[-1].at:  # it stops on its way
             self._seen.tell(walk.at, "arrive", (robot,), NOBODY, place=way[0].place)
         elif walk.journey.end < math.inf and walk.carries == NOBODY:
-            task = self._heads_for(robot)
+            task = self._heads_for(robot, way[-1].place)
             self._seen.tell(walk.at, "walk", (robot,), task, until=way[-1].at, way=way)
 
     def _tell_service(self, event: ServiceEvent) -> None:
@@ -131,8 +142,11 @@ class _TellerInTime:
         if event.kind == CLOSE:
             self._seen.miss_the_rest(event.at, self._mission)
             return
+        if event.kind in CHARGES:
+            self._seen.tell(event.at, event.kind, robots, place=place, until=event.until)
+            return
         if event.kind == "arrive":
-            task = self._heads_for(robots[0])
+            task = self._heads_for(robots[0], place)
         elif event.kind not in ("appear", "cancel"):
             if task not in self._number:
                 return  # an operator's, which nobody has accepted

@@ -76,12 +76,14 @@ def by_ability(
     """Return counts (robots, caps) and needs (tasks, caps) that only able robots can meet.
 
     What is needed of a task that some robots are not able for is needed of those that are: that is
-    a capability of its own.
+    a capability of its own. An optional task that those who are able cannot do needs nothing: a
+    task without robots is left out.
     """
     charging = mission.charging
     if charging is None:
         return counts, needs
     is_able = np.array([[charging.is_able(robot, task) for task in chosen] for robot in numbers])
+    is_optional = np.array([mission.tasks[task].optional for task in chosen])
     more_counts, more_needs = [counts], [needs.copy()]
     for able in np.unique(is_able.T, axis=0):
         if able.all():
@@ -89,6 +91,7 @@ def by_ability(
         alike = (is_able == able[:, None]).all(axis=0)
         own = np.where(alike[:, None], needs, 0)
         more_needs[0] -= own
+        own[is_optional & (own > counts[able].sum(axis=0)).any(axis=1)] = 0
         more_needs.append(own)
         more_counts.append(counts * able[:, None])
     return np.hstack(more_counts).astype(np.int32), np.hstack(more_needs).astype(np.int32)

@@ -85,6 +85,14 @@ def test_a_service_that_takes_longer_breaks_off_when_the_shift_ends() -> None:
     assert [event.at for event in record.events if event.kind == "broken"] == [10.0]
 
 
+def test_what_fits_a_shift_with_nothing_to_spare_goes_to_others() -> None:
+    """The shifts of the first are as long as the task; agents never begin in the same instant."""
+    fleet = at_work([errand("t", 0, duration=5)], ((0.0, 5.0), (20.0, 25.0)), ())
+    outcome, record = recorded(fleet)
+    assert outcome.status == "ended"
+    assert [event.robots for event in record.events if event.kind == "serve"] == [(1,)]
+
+
 def test_a_load_is_set_down_when_the_shift_of_who_carries_it_ends() -> None:
     world = FleetWorld(at_work([errand("t", 0, to=(30, 0))], ((0.0, 10.0), (20.0, 60.0))))
     world.command(0, Command(1, (0, 0), 0, 0, True))

@@ -75,6 +75,14 @@ def test_a_body_that_has_nothing_left_stands_still_for_good() -> None:
     assert dry.at == pytest.approx(20.0)
 
 
+def test_who_runs_dry_with_a_load_sets_it_down() -> None:
+    world = FleetWorld(charged([errand("t", 0, to=(18, 0))], starts=0.25))
+    world.command(0, Command(1, (0, 0), 0, 0, True))
+    world.advance(30.0)
+    assert world.robots[0].carries == -1
+    assert world.place_of(0) == (10, 0)
+
+
 def test_who_came_first_to_a_charger_charges_first() -> None:
     """At 2 one has 18 of 40 and takes 4.4 to be full; the other, there at 5, waits until 6.4."""
     world = FleetWorld(charged([errand("t", 18)], robots=2))

@@ -244,13 +244,17 @@ class FleetMission:
         """Say whether a robot is in one of its shifts at an age of the mission."""
         return self.source.robots[robot].rota.is_at_work(age / self.step)
 
-    def fits(self, task: TaskFact, robots: Iterable[int], age: float) -> float:
-        """Return at which age a task first fits into a shift of each robot, infinite for never."""
+    def fits(self, task: TaskFact, robots: Iterable[int], age: float, spare: float = 0.0) -> float:
+        """Return at which age a task first fits into a shift of each robot, infinite for never.
+
+        So many seconds of the shift are to be left to `spare`.
+        """
         who = list(robots)
         if not self.has_shifts:
             return age
         rotas = [self.source.robots[robot].rota for robot in who]
-        return fits_all(rotas, age / self.step, self.takes(task, who) / self.step) * self.step
+        takes = self.takes(task, who) + spare
+        return fits_all(rotas, age / self.step, takes / self.step) * self.step
 
     def is_same_place(self, x: float, y: float, other_x: float, other_y: float) -> bool:
         """Say whether two places are one."""

@@ -15,6 +15,10 @@ from teamformer.fleet.planner import FleetPlanner, FleetSituation, Stop
 from teamformer.mission.precedence import keep_precedence
 from teamformer.world.rules.constants import NOBODY
 
+IN_TIME = 0.5
+"""A task is given to others if it fits into no shift of a coalition with so many seconds to spare:
+robots begin a little later than planned."""
+
 
 @dataclass(frozen=True)
 class FleetPlan:
@@ -108,8 +112,9 @@ def _by_who_has_time(
     for key, who in stops:
         is_at_work = situation.serving.get(key) == who
         is_at_work = is_at_work and all(mission.is_at_work(robot, age) for robot in who)
-        has_time = is_at_work or mission.fits(tasks[key], who, age) < NEVER
-        found.append((key, who if has_time else who_can(mission, tasks[key], places, age) or who))
+        has_time = is_at_work or mission.fits(tasks[key], who, age, IN_TIME) < NEVER
+        others = () if has_time else who_can(mission, tasks[key], places, age, IN_TIME)
+        found.append((key, others or who))
     return found
 
 

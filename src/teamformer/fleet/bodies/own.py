@@ -41,8 +41,8 @@ class OwnBody:
         if not isinstance(report, Report):
             what = f"report() returned {type(report).__name__}, not a Report"
             raise TeamformerError(f"body '{self._name}': {what}", HINT)
-        x, y, leg, is_done, is_busy, number, carries, load, is_gone, *others = report
-        is_unfit, has_served, needs, charge = others
+        x, y, leg, is_done, is_busy, number, carries, load, is_gone = report[:9]
+        is_unfit, has_served, needs, charge = report[9:]
         try:
             return Report(
                 *(float(x), float(y), int(leg), bool(is_done), bool(is_busy), int(number)),

@@ -265,7 +265,7 @@ class FleetWorld(BatteryWorld):
         touched = set[int]()
         body.is_dead, body.is_stuck = is_dead, body.is_stuck or is_stuck
         self.stop(robot)
-        if body.carries != NOBODY and is_dead:
+        if body.carries != NOBODY and (is_dead or body.is_dry):
             self._let_go(robot, touched)
         elif body.carries != NOBODY:
             self._carry(body.carries)

@@ -57,6 +57,18 @@ def test_finds_the_cheapest_schedule_of_tiny_worlds(seed: int) -> None:
         assert cost(dict(enumerate(schedule.end))) == least_cost(mission, cost)
 
 
+@pytest.mark.parametrize(("other", "is_waiting"), [(4, False), (9, True)])
+def test_what_waits_for_a_task_is_pushed_by_it(other: int, is_waiting: bool) -> None:
+    """`a` does t0 at 1 and t1 at 3, with `b`, for whom `a` has to wait if it comes from 9."""
+    drawn = make([robot("a", 0), robot("b", other)], [task("a", 1), task("ab", 3)])
+    problem = relax(replace(drawn, cost={"completion": 1.0}))
+    plan = make_plan(problem, [0, 1], [[0], [0, 1]])
+    timing = empty_timing(problem, plan)
+    start_tasks(problem, plan, timing)
+    hang_tasks(problem, plan, timing)
+    assert timing.push.tolist() == [0 if is_waiting else problem.prices.ends[1], 0]
+
+
 def test_by_what_plans_cost_a_task_that_is_due_comes_first() -> None:
     """From 8 by 5 to 13 it takes 11 steps, and 13 the other way round; what is at 13 is due in 7.
 

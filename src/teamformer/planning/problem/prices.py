@@ -77,6 +77,12 @@ def price_of_end(prices: Prices, task: int, end: int) -> int:
 
 
 @kernel
+def slope_of_price(prices: Prices, task: int, end: int) -> int:
+    """Return what it costs that a task that ends in a step does so a step later."""
+    return prices.ends[task] + (prices.late[task] if end >= prices.due[task] else 0)
+
+
+@kernel
 def price_of_ends(prices: Prices, ends: Array, until: int = NEVER) -> int:
     """Return what it costs that tasks end in such steps (tasks,), and how late the latest is.
 

@@ -123,6 +123,7 @@ def insert_task(
             cost = STEP * max(through, makespan) + through + detour
             if workspace.by_price[0]:
                 price = prices.whole[0] * max(through, makespan) + price_of_end(prices, task, own)
+                price += _price_of_delays(problem, timing, pick, size, task, own)
                 cost = STEP * price // SHARES + through + detour
             if cost < best_cost:
                 best_cost, best_gap, best_size = cost, gap, size
@@ -135,6 +136,25 @@ def insert_task(
             is_new = _pass_task(robots, visits, coalition, steps, cells, task, passed, size, end)
     if best_gap != NOBODY:
         _place_task(plan, task, best_gap, workspace.best, best_size)
+
+
+@kernel
+def _price_of_delays(
+    problem: Relaxed, timing: Timing, pick: Array, size: int, task: int, end: int
+) -> Any:
+    """Return about what it costs that who does a task is later at what it does next."""
+    robots, prices, price = timing.robots, problem.prices, np.int64(0)
+    for seat in range(size):
+        robot = pick[seat]
+        after = robots[robot].next
+        if after == NOBODY:
+            continue
+        way = problem.steps[robots[robot].pace, problem.cells[after, task]]
+        late, old = end + way - timing.start[after], timing.end[after]
+        if late > 0:
+            price += price_of_end(prices, after, old + late) - price_of_end(prices, after, old)
+            price += timing.push[after] * late
+    return price
 
 
 @kernel

@@ -12,6 +12,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.problem.prices import slope_of_price
 from teamformer.planning.problem.relaxed_problem import Relaxed, most_in_coalitions
 from teamformer.world.rules.constants import NOBODY
 
@@ -55,6 +56,7 @@ class Timing(NamedTuple):
     start: Array  # (tasks,) steps
     end: Array  # (tasks,) the same
     tail: Array  # (tasks,) steps from its start to the last end that hangs on it
+    push: Array  # (tasks,) what it costs by prices if it ends a step later, without its own price
     robots: Array  # (robots,) ROBOT
     visits: Array  # (tasks, width) VISIT: what each robot of the coalition does after the task
 
@@ -78,6 +80,7 @@ def empty_timing(problem: Relaxed, plan: RelaxedPlan) -> Timing:
         np.zeros(tasks, np.int32),
         np.zeros(tasks, np.int32),
         np.zeros(tasks, np.int32),
+        np.zeros(tasks, np.int64),
         np.zeros(robots, ROBOT).view(np.recarray),
         np.zeros(plan.coalition.shape, VISIT).view(np.recarray),
     )
@@ -194,9 +197,31 @@ def hang_tasks(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> None:
             remember_visit(robots, robot, visits, task, seat)
             longest = max(longest, _leave_backwards(robots, steps, cells, robot, task))
         timing.tail[task] = problem.duration[task] + longest
+        if len(problem.prices.due) > 0:
+            timing.push[task] = _price_pushed(problem, plan, timing, task)
         for seat in range(plan.size[task]):
             robot = plan.coalition[task, seat]
             robots[robot].here = max(robots[robot].here, timing.tail[task])
+
+
+@kernel
+def _price_pushed(problem: Relaxed, plan: RelaxedPlan, timing: Timing, task: int) -> Any:
+    """Return what a step more of a task costs by prices: of all that has to wait for its robots.
+
+    What each of them does after it has been noted.
+    """
+    price, prices, visits = np.int64(0), problem.prices, timing.visits
+    for seat in range(plan.size[task]):
+        after, is_new = visits[task, seat].next, True
+        if after == NOBODY:
+            continue
+        for other in range(seat):
+            is_new &= visits[task, other].next != after
+        pace = timing.robots[plan.coalition[task, seat]].pace
+        there = timing.end[task] + problem.steps[pace, problem.cells[after, task]]
+        if is_new and there >= timing.start[after]:
+            price += timing.push[after] + slope_of_price(prices, after, timing.end[after])
+    return price
 
 
 @kernel

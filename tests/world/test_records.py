@@ -212,7 +212,7 @@ def damage(*where: str | int, to: Any) -> Callable[[dict[str, Any]], None]:
             damage("steps", 2, "jions", to=[]),
             "step 3: the key 'jions' means nothing; "
             "known are joins, splits, lost, back, teams, done, named, took, heard, shown, found, "
-            "moved, taken, left, pursued, served, unloads, missed",
+            "moved, taken, left, pursued, served, unloads, missed, charge",
         ),
         (
             damage("steps", 2, "heard", to=[[0, 1, "song"]]),

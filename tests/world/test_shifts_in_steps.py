@@ -31,16 +31,56 @@ def walked(mission: Mission, steps: int) -> list[int]:
 def test_a_walk_pauses_between_shifts() -> None:
     """It works in steps 3, 4 and 5, and again in 8, 9 and 10; at half a cell a step it saves."""
     way = make([robot("a", 0)], [task("a", 10)])
-    assert walked(at_work(way, ((2, 5), (7, 10))), 11) == [0, 0, 1, 2, 3, 3, 3, 4, 5, 6, 6]
+    assert walked(at_work(way, ((2, 5), (7, 10), (50, 90))), 11) == [
+        0,
+        0,
+        1,
+        2,
+        3,
+        3,
+        3,
+        4,
+        5,
+        6,
+        6,
+    ]
     assert walked(at_work(way, ((2, 5),), every=5), 11) == [0, 0, 1, 2, 3, 3, 3, 4, 5, 6, 6]
     slow = make([robot("a", 0, speed=0.5)], [task("a", 10)])
-    assert walked(at_work(slow, ((2, 5), (7, 10))), 11) == [0, 0, 0, 1, 1, 1, 1, 2, 2, 3, 3]
+    assert walked(at_work(slow, ((2, 5), (7, 10), (50, 90))), 11) == [
+        0,
+        0,
+        0,
+        1,
+        1,
+        1,
+        1,
+        2,
+        2,
+        3,
+        3,
+    ]
 
 
 def test_a_team_walks_while_all_its_robots_work() -> None:
     way = make([robot("a", 0), robot("a", 0)], [task("a", 10)], teams=((0, 1),))
-    assert walked(at_work(way, ((0, 4), (6, 9)), ((2, 8),)), 9) == [0, 0, 1, 2, 2, 2, 3, 4, 4]
-    assert walked(at_work(way, ((0, 2), (2, 4)), ()), 5) == [1, 2, 3, 4, 4]  # over a border
+    assert walked(at_work(way, ((0, 4), (6, 9), (50, 90)), ((2, 8), (50, 90))), 9) == [
+        0,
+        0,
+        1,
+        2,
+        2,
+        2,
+        3,
+        4,
+        4,
+    ]
+    assert walked(at_work(way, ((0, 2), (2, 4), (50, 90)), ()), 5) == [
+        1,
+        2,
+        3,
+        4,
+        4,
+    ]  # over a border
 
 
 def test_a_task_begins_if_it_fits_into_a_shift_of_each() -> None:
@@ -105,7 +145,9 @@ def test_robots_join_while_both_work_and_part_at_any_time() -> None:
 
 
 def test_nothing_is_possible_when_the_last_shift_is_over() -> None:
-    env = TeamFormation([at_work(make([robot("a", 0)], [task("a", 9)]), ((1, 4), (5, 8)))])
+    """Three steps to each task, of six in all: there is no time for both."""
+    mission = make([robot("a", 3)], [task("a", 0), task("a", 6)])
+    env = TeamFormation([at_work(mission, ((1, 4), (5, 8)))])
     play(env, 7)
     assert env.is_running[0]
     play(env)
@@ -116,7 +158,7 @@ def test_nothing_is_possible_when_the_last_shift_is_over() -> None:
 def test_step_with_shifts_is_what_the_plain_twin_does(is_plane: bool) -> None:
     rng = np.random.default_rng(17 + is_plane)
     stood = broken = done = 0
-    for number in range(60):
+    for number in range(150):
         mission = random_world(rng, is_plane=is_plane)
         if number % 2:
             mission = with_surprises(mission, rng)

@@ -18,6 +18,7 @@ from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
+from teamformer.record.task_times import missed_tasks
 from teamformer.trials.trial import run_trial
 
 
@@ -54,6 +55,15 @@ def test_what_is_left_out_is_given_up_once_nobody_has_anything_to_do() -> None:
 def test_who_could_do_it_may_have_other_things_to_do() -> None:
     record = run(line([task("near", 5, 9, optional=False), task("other", 15)]))
     assert missed(record) == {"other": (14, "nobody free")}
+
+
+@pytest.mark.parametrize("time", ["continuous", "steps"])
+def test_shifts_may_leave_no_time(time: str) -> None:
+    """There after 5, it takes 4 of the 3 that are left of the only shift."""
+    given = line([task("near", 2, optional=False), task("x", 5, 4)])
+    robots = tuple(replace(robot, shifts=((0, 8),)) for robot in given.robots)
+    record = run(replace(given, robots=robots, time=time))
+    assert {number: why for number, (_, why) in missed_tasks(record).items()} == {1: "no shift"}
 
 
 def test_a_task_may_end_when_the_mission_does_and_no_later() -> None:

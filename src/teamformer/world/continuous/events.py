@@ -62,6 +62,7 @@ WHY_MISSED = {
     "nobody able": "the robots do not bring what it needs",
     "too far": "nobody gets there in time",
     "too far for its battery": "it is too far from chargers for full batteries",
+    "no shift": "the shifts of those who can do it leave no time for it",
     "not worth it": "it was not worth what it costs",
     "nobody free": "those who could do it had other things to do",
 }

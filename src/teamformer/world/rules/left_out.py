@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator
 
 from teamformer.mission.checks.optional import is_in_time
 from teamformer.mission.checks.windows import opening_step, release_of
@@ -26,11 +27,30 @@ def why_left_out(truth: Mission, task: int, comes: Iterable[tuple[float, int]]) 
     if (at := _earliest_start(truth, task, there)) is None:
         return "too far for its battery"
     begins = opening_step(wanted) + 1 if truth.time == "steps" else release_of(wanted)
-    if not is_in_time(max(at, begins) + wanted.duration + wanted.unload, truth.until):
+    takes = wanted.duration + wanted.unload
+    if not is_in_time(max(at, begins) + takes, truth.until):
         return "too far"
+    at = _earliest_start(truth, task, sorted(_in_shifts(truth, there, begins, takes)))
+    if at is None or not is_in_time(max(at, begins) + takes, truth.until):
+        return "no shift"
     if truth.cost is not None and wanted.optional:
         return "not worth it"
     return "nobody free"
+
+
+def _in_shifts(
+    truth: Mission, comes: Iterable[tuple[float, int]], begins: float, takes: float
+) -> Iterator[tuple[float, int]]:
+    """Yield when a task that takes so long first fits into a shift of each robot, and its number.
+
+    A task that begins in a step takes that step, too. Who has no such shift is left out.
+    """
+    step = 1 if truth.time == "steps" else 0
+    for at, number in comes:
+        rota = truth.robots[number].rota
+        fits = rota.fits(max(rota.walked(0, at), begins) - step, takes + step) + step
+        if fits < math.inf:
+            yield fits, number
 
 
 def _earliest_start(truth: Mission, task: int, comes: Iterable[tuple[float, int]]) -> float | None:

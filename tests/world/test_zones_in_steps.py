@@ -11,6 +11,7 @@ from coordinations import RandomPlans
 from random_worlds import (
     random_decision,
     random_world,
+    with_batteries,
     with_optional,
     with_precedence_and_windows,
     with_shifts,
@@ -154,13 +155,14 @@ def drawn(rng: np.random.Generator, kind: str, is_plane: bool) -> Mission:
             mission = with_optional(mission, rng)
         try:
             mission = with_shifts(mission, rng) if kind == "shifts" else mission
+            mission = with_batteries(mission, rng) if kind == "batteries" else mission
             return with_zones(mission, rng)
-        except MissionError:  # no common shift is long enough for some task
+        except MissionError:  # no shift is long enough, or there is no charger in some part
             continue
 
 
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
-@pytest.mark.parametrize("kind", ["sure", "unsure", "after", "optional", "shifts"])
+@pytest.mark.parametrize("kind", ["sure", "unsure", "after", "optional", "shifts", "batteries"])
 def test_step_with_zones_is_what_the_plain_twin_does(is_plane: bool, kind: str) -> None:
     rng = np.random.default_rng(53 + is_plane)
     full = done = 0
@@ -188,7 +190,9 @@ def test_step_with_zones_is_what_the_plain_twin_does(is_plane: bool, kind: str) 
 def test_records_of_missions_with_zones_are_legal_and_kept(name: str) -> None:
     rng = np.random.default_rng(11)
     full = 0
-    for number, kind in enumerate(("sure", "unsure", "after", "optional", "shifts") * 3):
+    for number, kind in enumerate(
+        ("sure", "unsure", "after", "optional", "shifts", "batteries") * 3
+    ):
         mission = drawn(rng, kind, number % 3 == 0)
         record = run_trial(mission, METHODS[name]).record
         assert judge(record).findings == ()

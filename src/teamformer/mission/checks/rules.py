@@ -12,7 +12,7 @@ from teamformer.mission.checks.links import find_link_problems, find_links
 from teamformer.mission.checks.loads import find_flown_loads
 from teamformer.mission.checks.optional import find_optional_problems, has_optional
 from teamformer.mission.checks.windows import find_endless_play
-from teamformer.mission.checks.zone_checks import zones_not_played, zones_not_served
+from teamformer.mission.checks.zone_checks import zones_not_served
 from teamformer.mission.keys.key import (
     BEFOREHAND,
     CONTINUOUS,
@@ -106,7 +106,7 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}; {remedy}")
     for problem in find_endless_play(mission):
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
-    yield from zones_not_played(mission)
+    yield from zones_not_served(mission)
 
 
 def _problems_of_until(mission: Mission) -> Iterator[Problem]:

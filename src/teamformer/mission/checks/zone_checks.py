@@ -110,20 +110,8 @@ def _shortest(task: Task) -> float:
     return task.duration if task.lasts is None else task.lasts[0]
 
 
-def zones_not_played(mission: Mission) -> Iterator[Problem]:
-    """Return what a mission in steps has that zones do not go with yet."""
-    found = [*_found_beside_zones(mission)]
-    found += [
-        (("robots", number, "battery"), f"robot '{robot.name}' has a battery")
-        for number, robot in enumerate(mission.robots)
-        if robot.battery is not None and mission.zones
-    ]
-    rest = "which does not go with zones in steps yet; drop one of the two"
-    yield from told_once(mission, found, lambda _: rest)
-
-
 def zones_not_served(mission: Mission) -> Iterator[Problem]:
-    """Return what a mission in continuous time has that zones do not go with yet."""
+    """Return what a mission has that zones do not go with yet."""
     if not mission.zones:
         return
     name = mission.zones[0].name

@@ -39,6 +39,9 @@ from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from twins import Twin
 
+KINDS = ("sure", "unsure", "after", "optional", "shifts", "batteries")
+"""What missions have besides zones."""
+
 METHODS: dict[str, Player] = {
     "plan": SharedPlan(),
     "crews": Crews(),
@@ -162,7 +165,7 @@ def drawn(rng: np.random.Generator, kind: str, is_plane: bool) -> Mission:
 
 
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])
-@pytest.mark.parametrize("kind", ["sure", "unsure", "after", "optional", "shifts", "batteries"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_step_with_zones_is_what_the_plain_twin_does(is_plane: bool, kind: str) -> None:
     rng = np.random.default_rng(53 + is_plane)
     full = done = 0
@@ -190,9 +193,7 @@ def test_step_with_zones_is_what_the_plain_twin_does(is_plane: bool, kind: str) 
 def test_records_of_missions_with_zones_are_legal_and_kept(name: str) -> None:
     rng = np.random.default_rng(11)
     full = 0
-    for number, kind in enumerate(
-        ("sure", "unsure", "after", "optional", "shifts", "batteries") * 3
-    ):
+    for number, kind in enumerate(KINDS * 3):
         mission = drawn(rng, kind, number % 3 == 0)
         record = run_trial(mission, METHODS[name]).record
         assert judge(record).findings == ()

@@ -109,6 +109,7 @@ def missions(
     if not (is_tiny or is_for_fleets) and now_and_then(draw):  # `plain_search` knows no shifts
         _write_shifts_in_steps(draw, fleet.robots, tasks)
     tree = _write(draw, world, caps, fleet.robots, tasks)
+    _keep_shifts_possible(tree)
     if not (is_tiny or is_for_fleets) and now_and_then(draw):
         _write_zones(draw, tree, world)
     for key, values in RULES.items():
@@ -188,6 +189,7 @@ def continuous_missions(
     if _needs_a_robot_twice(tree):
         for task in tree["tasks"]:
             task.pop("starts", None)
+    _keep_shifts_possible(tree)
     if now_and_then(draw, 3):
         _write_zones(draw, tree, world)
     return _write_details(draw, tree)
@@ -224,6 +226,14 @@ def _has_narrow_zones(tree: Tree) -> bool:
 def _needs_a_robot_twice(tree: Tree) -> bool:
     """Say whether linked tasks, which different robots do, need one robot at once."""
     return _is_refused(tree, "done by different robots")
+
+
+def _keep_shifts_possible(tree: Tree) -> None:
+    """Let everybody always work if shifts leave no time for a task, with the ways that it takes."""
+    if _is_refused(tree, "no shift that long") or _is_refused(tree, "within their shifts"):
+        for robot in tree["robots"]:
+            robot.pop("shifts", None)
+            robot.pop("every", None)
 
 
 def _is_refused(tree: Tree, because: str) -> bool:

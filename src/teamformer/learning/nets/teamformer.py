@@ -300,21 +300,23 @@ class Teamformer(nn.Module):
         return self.encoded_norm(encoded), packing
 
     def _team_tokens(self, teams: Tensor, counts: Tensor) -> Tensor:
-        return self.team_in(teams) + counts @ self.capability  # type: ignore[no-any-return]
+        embedded: Tensor = self.team_in(teams) + counts @ self.capability
+        return embedded
 
     def _task_tokens(self, tasks: Tensor, needs: Tensor) -> Tensor:
-        return self.task_in(tasks) + self.needs_in(needs @ self.capability)  # type: ignore[no-any-return]
+        embedded: Tensor = self.task_in(tasks) + self.needs_in(needs @ self.capability)
+        return embedded
 
     def _keys(self, tokens: Tokens) -> Tensor:
         """Return the keys of the capabilities, as each team sees them, (teams, caps, d)."""
-        return self.capability + self.key_in(key_features(tokens))  # type: ignore[no-any-return]
+        keys: Tensor = self.capability + self.key_in(key_features(tokens))
+        return keys
 
     def _steps(self, change: Tensor, spelled: Tensor) -> Tensor:
         """Return the tokens of steps (..., d) after the changes and their sums (..., caps)."""
         is_first = (spelled == 0).all(dim=-1, keepdim=True)  # (..., 1)
-        steps = change @ self.capability + self.so_far(spelled @ self.capability)
-        steps = steps + is_first.to(steps.dtype) * self.first_step
-        return steps  # type: ignore[no-any-return]
+        steps: Tensor = change @ self.capability + self.so_far(spelled @ self.capability)
+        return steps + is_first.to(steps.dtype) * self.first_step
 
     def _scores(self, asking: Tensor, end: Tensor, keys: Tensor) -> Tensor:
         ways = self.directions

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 import teamformer as tf
 from clock_missions import RandomPlans, draw_mission
 from teamformer.mission.model import Absence
+from teamformer.mission.parts.roads import Roads
 from teamformer.mission.truth import draw_truth
 from teamformer.planning.continuous.mission_bound import bound_in_time
 from teamformer.trials.trial import bound_of, run_trial
@@ -76,3 +78,19 @@ def test_no_run_whatever_happens_in_it_is_over_before(seed: int) -> None:
     end = run_trial(mission, RandomPlans(seed), seed, bound).record.end
     if end.makespan is not None and bound is not None:
         assert bound <= end.makespan + NEAR
+
+
+def test_a_task_that_nobody_gets_to_any_more_ends_a_mission() -> None:
+    """From the pit no way leads back, and who brings the load there is to do the rest elsewhere."""
+    rows = {"p": (0, 1, 1), "q": (1, 0, 2), "pit": (math.inf, math.inf, 0)}
+    world = Roads(tuple(rows), {"ground": tuple(rows.values())})
+    load = tf.Task("load", (0, 0), {"a": 1}, to=(2, 0))
+    rest = tuple(tf.Task(f"x{n}", (1, 0), {"a": 1}, after=("load",)) for n in range(3))
+    given = tf.Mission(
+        "pit", world, ("a",), (tf.Robot("r", (0, 0), {"a": 1}),), (load, *rest), time="continuous"
+    )
+    trial = tf.run(given)
+    assert trial.record.end.status == "infeasible"
+    assert trial.record.end.tasks_done == 1
+    assert trial.check().is_legal
+    assert bound_in_time(given) < math.inf

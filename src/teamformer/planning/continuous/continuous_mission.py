@@ -25,6 +25,7 @@ from teamformer.planning.continuous.posing.ticks import (
 )
 from teamformer.planning.continuous.posing.times import TaskClock, clock_of
 from teamformer.planning.continuous.solve import Solution
+from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import (
     CoalitionPlan,
     empty_plan,
@@ -166,14 +167,15 @@ class ContinuousMission:
     def as_plan(self, found: CoalitionPlan, made_from: str = "") -> Plan:
         """Return a plan in the numbers of the mission, with the time at which each task ends.
 
-        Tasks that are left out are not in it, nor those that end at no time as shifts are over.
+        Tasks that are left out are not in it, nor those that nobody gets to, or not before shifts
+        are over. Who runs dry is known only as it runs.
         """
         found = self.in_turn(found)
         routes = self.time(found).routes
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
-        has_shifts = len(self.clock.rotas) > 0
+        drops = len(self.clock.rotas) > 0 or not are_charged(self.problem.batteries)
         kept = [task for task in found.order.tolist() if found.size[task] > 0]
-        order = [task for task in kept if not has_shifts or math.isfinite(ends.get(task, math.inf))]
+        order = [task for task in kept if not drops or math.isfinite(ends.get(task, math.inf))]
         is_done = all(math.isfinite(ends.get(task, math.inf)) for task in order)  # nobody runs dry
         return Plan(
             order=tuple(self.tasks[task] for task in order),

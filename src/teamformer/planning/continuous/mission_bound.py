@@ -11,6 +11,7 @@ from teamformer.planning.continuous_bounds.makespan import refuter_of
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS
 from teamformer.planning.continuous_bounds.relaxations import bound_by_chains_and_work, relax
 from teamformer.planning.continuous_bounds.routes import COARSE, raise_by_routes
+from teamformer.planning.problem.coalition_problem import NEVER
 
 
 def bound_in_time(truth: Mission) -> float:
@@ -26,6 +27,8 @@ def bound_in_time(truth: Mission) -> float:
     problem = posed.problem
     relaxation = relax(problem)
     bound = bound_by_chains_and_work(problem, relaxation)
+    if bound >= NEVER:  # some task is never done
+        return 0.0
     if len(posed.tasks) < MANY_TASKS:
         bound = raise_by_routes(problem, relaxation, bound, COARSE)
         bound = refuter_of(problem, relaxation).raised(bound)

@@ -9,7 +9,7 @@ from typing import Any
 from teamformer.planning.continuous_bounds.makespan import improving_bounds
 from teamformer.planning.continuous_bounds.relaxations import bound_by_chains_and_work, relax
 from teamformer.planning.continuous_bounds.routes import COARSE, FINE, raise_by_routes
-from teamformer.planning.problem.coalition_problem import CoalitionProblem
+from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem
 from teamformer.planning.race import Race
 from teamformer.planning.search.arc_search import has_few_tasks
 
@@ -40,6 +40,8 @@ def raise_bound(problem: CoalitionProblem, race: Race[Any], makespan: Callable[[
     relaxation = relax(problem)
     bound = bound_by_chains_and_work(problem, relaxation)
     race.raise_bound(bound)
+    if bound >= NEVER:  # some task is never done
+        return
     for units in (COARSE, FINE):
         if not is_over():
             bound = raise_by_routes(problem, relaxation, bound, units, race.raise_bound, is_over)

@@ -74,14 +74,14 @@ def _kind(
     if not len(stops):
         return None
     ways, duration = relaxation.ways[problem.pace[one]], problem.duration[stops]
-    legs = duration[:, None] + ways[np.ix_(stops, stops)]
-    legs[np.arange(len(stops)), np.arange(len(stops))] = NO_LEG * unit
+    legs = (duration[:, None] + ways[np.ix_(stops, stops)]) // unit
+    np.fill_diagonal(legs, NO_LEG)
     home = duration + relaxation.home[problem.kind[one], stops]
     origin, sizes = np.unique(problem.origin[robots], return_counts=True)
     first = problem.ready[origin - tasks][:, None] + ways[np.ix_(origin, stops)]
     brought = np.minimum(problem.counts[one, cap_of], problem.needs[task_of, cap_of])
     brings = np.where(stops[:, None] == task_of, brought, 0).astype(np.int64)
     place, stay = np.arange(len(stops)), np.zeros(len(stops), np.int64)
-    times = (legs // unit, relaxation.head[stops] // unit, stay, home // unit)
+    times = (legs, relaxation.head[stops] // unit, stay, home // unit)
     made = make_stops(*times, place, memory=0)
     return Kind(sizes, place, made, first // unit, brings, 1 / unit, 2**60)

@@ -21,8 +21,8 @@ FRESH = 5.0
 """Seconds for which it holds that somebody was heard to follow a plan."""
 
 LEFT_OUT = 10.0
-"""Seconds in which those whom a plan does not count on any more may begin by the one before: for as
-long as that holds, and a message may be late."""
+"""After a plan has left robots out, nobody begins for so many seconds: those left out may
+still begin by the plan before."""
 
 
 class ZoneGate:
@@ -53,9 +53,9 @@ class ZoneGate:
         return all(self._has_room(zone, others) for zone in zones)
 
     def _is_agreed(self, now: float) -> bool:
-        """Say whether all whom the plan counts on were heard to follow it not long ago.
+        """Say whether all robots of the plan were heard to follow it not long ago.
 
-        Those on whom it does not count any more may have gone on for a while by the one before.
+        Robots that it leaves out may have gone on for a while by the plan before.
         """
         plan = self._keeper.plan
         counts_on_all = len(plan.live) == self._knowledge.mission.robots

@@ -16,8 +16,8 @@ from teamformer.mission.precedence import keep_precedence
 from teamformer.world.rules.constants import NOBODY
 
 IN_TIME = 0.5
-"""A task is given to others if it fits into no shift of a coalition with so many seconds to spare:
-robots begin a little later than planned."""
+"""A shift has to be so many seconds longer than its task, or others do the task: robots begin a
+little later than planned."""
 
 
 @dataclass(frozen=True)

@@ -35,12 +35,12 @@ def fit(
     It is that of the first pass, of decisions that the network has not been fitted to yet.
     """
     set_rate(learner, settings.learning_rate, settings.last_learning_rate, progress)
-    prepared = learner.policy.prepare(shown.tokens, shown.action)  # type: ignore[operator]
+    prepared = learner.actor.prepare(shown.tokens, shown.action)
     losses, count = 0.0, len(shown.action)
     for number in range(settings.passes):
         for rows in minibatches(count, settings.minibatch, generator, learner.device):
             given = tuple(part[rows].to(learner.device) for part in prepared)
-            log_prob, _ = learner.policy.evaluate(given)  # type: ignore[operator]
+            log_prob, _ = learner.actor.evaluate(given)
             loss = -log_prob.sum() / max(1, len(rows))
             descend(loss, learner.policy, learner.policy_optimizer, settings.largest_gradient)
             if number == 0:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import cast
 
 import torch
 from torch import Tensor, nn
 
 from teamformer.learning.algorithms import distributed
+from teamformer.learning.nets.actor import Actor
 from teamformer.learning.nets.critic import Critic
 
 
@@ -21,6 +23,11 @@ class Learner:
     policy_optimizer: torch.optim.Adam
     critic_optimizer: torch.optim.Adam
     device: str = "cpu"
+
+    @property
+    def actor(self) -> Actor:
+        """Return the policy as what is asked of it."""
+        return cast("Actor", self.policy)
 
 
 def set_rate(learner: Learner, first: float, last: float, progress: float) -> None:

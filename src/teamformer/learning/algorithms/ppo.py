@@ -51,7 +51,7 @@ def update(
     gain = (learned.gain - learned.gain.mean()) / (learned.gain.std() + 1e-6)
     bonus = settings.entropy + progress * (settings.last_entropy - settings.entropy)
     set_rate(learner, settings.learning_rate, settings.last_learning_rate, progress)
-    prepared = learner.policy.prepare(rollout.tokens, rollout.action)  # type: ignore[operator]
+    prepared = learner.actor.prepare(rollout.tokens, rollout.action)
     seen, value_losses = [], []
     for _ in range(settings.epochs):
         for rows in minibatches(len(gain), settings.minibatch, generator, learner.device):
@@ -77,7 +77,7 @@ def clipped_loss(ratio: Tensor, gain: Tensor, clip: float) -> Tensor:
 def _said(learner: Learner, prepared: tuple[Tensor, ...], rows: Tensor) -> tuple[Tensor, Tensor]:
     """Return how likely decisions are now, and the entropies, both (rows,)."""
     given = tuple(part[rows].to(learner.device) for part in prepared)
-    said: tuple[Tensor, Tensor] = learner.policy.evaluate(given)  # type: ignore[operator]
+    said: tuple[Tensor, Tensor] = learner.actor.evaluate(given)
     return said
 
 

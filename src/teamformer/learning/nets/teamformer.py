@@ -246,7 +246,8 @@ class Teamformer(nn.Module):
         of_steps = packing_of(is_there.numpy())
         steps = self._steps(*packed((change, change.cumsum(dim=1)), is_there))
         for layer in self.decoder:
-            steps = layer.packed(steps, encoded, of_steps, of_tokens)  # type: ignore[operator]
+            assert isinstance(layer, DecoderLayer), "a list of modules does not say of which"
+            steps = layer.packed(steps, encoded, of_steps, of_tokens)
         steps = self.out_norm(steps)
         said = padded(torch.cat([self.out(steps), self.end(steps)], dim=1), is_there)
         return self._scores(said[..., :-1], said[..., -1:], self._keys(tokens))
@@ -296,7 +297,8 @@ class Teamformer(nn.Module):
         wanted = packed((tokens.tasks, tokens.task_needs), tokens.is_task)
         encoded = torch.cat([self._team_tokens(*seen), self._task_tokens(*wanted)])
         for layer in self.encoder:
-            encoded = layer.packed(encoded, packing)  # type: ignore[operator]
+            assert isinstance(layer, EncoderLayer), "a list of modules does not say of which"
+            encoded = layer.packed(encoded, packing)
         return self.encoded_norm(encoded), packing
 
     def _team_tokens(self, teams: Tensor, counts: Tensor) -> Tensor:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 
 from teamformer.mission.parts.charging import Battery
 from teamformer.planning.problem.batteries import ENDLESS, Batteries
@@ -28,6 +28,9 @@ from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.charging.times import ChargedTimes, ChargeStart, time_charged
 from teamformer.world.rules.constants import NOBODY
 from teamformer.world.rules.starts import FIRST, StartRules
+
+AT_HOME = -1
+"""Stands among places, tasks and chargers for where a robot is to be in the end."""
 
 
 def charged_totals(problem: CoalitionProblem, plan: CoalitionPlan) -> tuple[float, float]:
@@ -81,19 +84,17 @@ def _battery(batteries: Batteries, kind: int) -> Battery | None:
     return Battery(lasts, float(fills) * lasts, serving=1.0, waiting=waiting)
 
 
-def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTimes:
-    """Return the times of a plan in ticks if robots charge."""
+def _ways_of(problem: CoalitionProblem) -> Callable[[int, Hashable, Hashable], float]:
+    """Return who says how long a robot takes between places, tasks, chargers and its home."""
     batteries, tasks, places = problem.batteries, len(problem.needs), problem.ways.shape[1]
-    order = [task for task in plan.order.tolist() if plan.size[task] > 0]
-    home, robots = -1, range(problem.bodies)
 
     def way(robot: int, here: Hashable, there: Hashable) -> float:
         assert isinstance(here, int), "places are numbers"
         assert isinstance(there, int), "places are numbers"
         pace, kind = problem.pace[robot], problem.kind[robot]
-        if here < places and there == home:
+        if here < places and there == AT_HOME:
             return int(problem.home[kind, here])
-        if there == home:
+        if there == AT_HOME:
             return int(batteries.fro[kind, here - places, tasks])
         if here < places and there >= places:
             return int(batteries.to[pace, here, there - places])
@@ -102,6 +103,15 @@ def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTime
         if here >= places:
             return int(batteries.fro[kind, here - places, there])
         return int(problem.ways[pace, here, there])
+
+    return way
+
+
+def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTimes:
+    """Return the times of a plan in ticks if robots charge."""
+    batteries, tasks, places = problem.batteries, len(problem.needs), problem.ways.shape[1]
+    order = [task for task in plan.order.tolist() if plan.size[task] > 0]
+    robots, way = range(problem.bodies), _ways_of(problem)
 
     def site(robot: int, before: int) -> int:
         return int(problem.site[problem.origin[robot] if before == FIRST else before])
@@ -132,7 +142,7 @@ def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTime
         taken=[(charger, until) for charger, until in batteries.taken.tolist()],
         task_places=dict(zip(order, order, strict=True)),
         task_ends=dict(zip(order, order, strict=True)),
-        homes=[home] * len(own),
+        homes=[AT_HOME] * len(own),
         spends=[batteries.spends[problem.kind[robot]].tolist() for robot in robots],
         serves=[batteries.serves[problem.kind[robot]].tolist() for robot in robots],
         services=batteries.services.tolist(),

@@ -125,6 +125,12 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
         zones=np.zeros((count, zones), dtype=ZONE),
         inside=np.zeros((count, zones, tasks), dtype=np.bool_),
     )
+    _say_nothing_yet(worlds)
+    return worlds
+
+
+def _say_nothing_yet(worlds: Worlds) -> None:
+    """Write where there is nobody, and what never was, into worlds that are all zeros."""
     worlds.robots["team"] = NOBODY
     worlds.robots["lost"] = worlds.robots["back"] = worlds.robots["over"] = NEVER
     worlds.robots["queued"] = NOBODY
@@ -138,7 +144,6 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
     worlds.robots["next"] = NOBODY
     worlds.tasks["is_planned"] = True
     worlds.count["news"] = START
-    return worlds
 
 
 def _pack_rules(worlds: Worlds, w: int, mission: Mission) -> None:

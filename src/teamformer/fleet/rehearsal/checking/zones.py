@@ -12,7 +12,7 @@ from teamformer.world.rules.constants import NOBODY
 
 
 class ZoneChecker:
-    """Knows on whom each robot counts by its plan; `tasks` are all, as they really are."""
+    """Knows which robots are in the plan of each robot; `tasks` are all, as they really are."""
 
     def __init__(self, mission: FleetMission, tasks: Mapping[int, TaskFact]) -> None:
         self._source, self._tasks = mission.source, tasks

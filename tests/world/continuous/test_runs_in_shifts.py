@@ -128,7 +128,11 @@ def test_who_is_back_between_two_cells_outside_its_shifts_goes_on_from_there() -
     """Lost a quarter of the way from 3 to 4; at 4 it is three quarters after 14, and at 6 2 later."""
     away = replace(WORKER, absences=(Absence(3.25, 12),))
     record = run(replace(mission(away), world=Grid(12, 1)))
-    assert times(record, "back", "serve", "done") == [(12, "back"), (16.75, "serve"), (21.75, "done")]
+    assert times(record, "back", "serve", "done") == [
+        (12, "back"),
+        (16.75, "serve"),
+        (21.75, "done"),
+    ]
     back = next(number for number, event in enumerate(record.events) if event.kind == "back")
     assert record.events[back + 1].way == ((11.75, (3, 0)), (14.75, (4, 0)))
 

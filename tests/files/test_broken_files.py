@@ -364,6 +364,13 @@ CASES = [
         "their shifts, or shorten the task",
     ),
     (
+        "speed: 0.5}\ntasks:\n  - {name: x,",
+        "speed: 0.5, shifts: [[0, 8]], every: 9}\ntasks:\n  - {duration: [1, 9], name: x,",
+        9,
+        "task 'x' may take 9, but robots that can do it have no shift that long in common; "
+        "lengthen their shifts, or shorten the task",
+    ),
+    (
         "speed: 0.5}",
         "speed: 0.5, shifts: [[0, 5]]}",
         9,

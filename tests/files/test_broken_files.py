@@ -337,6 +337,12 @@ CASES = [
     ("speed: 0.5", "lost: 0", 7, "robot 'b' is lost at step 0; the first step is 1"),
     ("speed: 0.5", "lost: 4, back: 4", 7, "robot 'b' is lost at step 4 and back at step 4; it"),
     (
+        "- {name: x,",
+        "- {name: x, battery: {lasts: 3},",
+        9,
+        "task 1 has no key 'battery', which is a key of robots; move it there",
+    ),
+    (
         "speed: 0.5",
         "shifts: [[9, 5]]",
         7,

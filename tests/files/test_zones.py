@@ -74,7 +74,7 @@ def test_on_roads_places_have_names() -> None:
         ({"tasks": ("x",), "places": ((1, 1),)}, ("places",), "has tasks and places; keep one"),
         ({"tasks": ("x",), "room": 0}, ("room",), "zone 'n' has room for 0 services; use 1 to"),
         ({"area": ((7, 7), (8, 8))}, ("area",), "no task is in zone 'n'; move it, or drop it"),
-        ({"area": ((1, 1),)}, ("area",), "has 1 corners; write two, [[x, y], [x, y]]"),
+        ({"area": ((1, 1),)}, ("area",), "has one corner; write two, [[x, y], [x, y]]"),
         ({"area": ((4, 1), (1, 5))}, ("area",), "goes from [4, 1] to [1, 5]; write the smaller"),
         ({"places": ((9, 1),)}, ("places", 0), "zone 'n' has a place at [9, 1], outside the map"),
     ],

@@ -281,7 +281,8 @@ def _(
     kind: kinds.NamedParts, reader: Reader, where: Where, value: Any, given: Given
 ) -> tuple[Any, ...]:
     if not isinstance(value, dict) or not value:
-        message = f"{name_of(where)} is {describe(value)}; write {{name: {{...}}}}, or drop it"
+        said = "an empty mapping" if value == {} else describe(value)
+        message = f"{name_of(where)} is {said}; write {{name: {{...}}}}, or drop it"
         reader.refuse(where, message)
         return ()
     return tuple(

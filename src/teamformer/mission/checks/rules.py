@@ -106,7 +106,6 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}; {remedy}")
     for problem in find_endless_play(mission):
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
-    yield from zones_not_served(mission)
 
 
 def _problems_of_until(mission: Mission) -> Iterator[Problem]:
@@ -178,7 +177,7 @@ def rules_of_rehearsals(mission: Mission) -> Iterator[Problem]:
     yield from rules_not_run(mission)
     if mission.time == "continuous":
         yield from find_flown_loads(mission)
-        yield from zones_not_served(mission)
+    yield from zones_not_served(mission)
     remedy = _remedy(mission, FLEETS)
     yield from told_once(mission, find_unknown(mission, FLEETS), remedy)
     if mission.time == "steps":

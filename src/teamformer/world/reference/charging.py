@@ -175,7 +175,9 @@ def spend_standing(world: PlainWorld) -> None:
         is_there = team.task is not None and world.is_same(team.at, world.at[team.task])
         if team.serving:
             is_carrying = not world.carried.isdisjoint(team.serving)
-            world.left[robot] -= 0.0 if is_carrying and not is_there else battery.serving
+            waits = not world.came.keys().isdisjoint(team.serving)
+            standing = battery.waiting if waits else battery.serving
+            world.left[robot] -= 0.0 if is_carrying and not is_there else standing
         elif is_there and team.charger is None and world.is_at_work([robot]):
             world.left[robot] -= battery.waiting
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
+from teamformer.planning.crews.routes import slowest_of
 from teamformer.world.rules.chance import draw_below
 from teamformer.world.rules.constants import NOBODY
 
@@ -18,9 +19,7 @@ LONGEST_STRETCH = 3
 
 
 @kernel
-def change_lists(
-    lists: CrewRoutes, is_able: Array, near: Array, slowest: int, room: CrewRoom
-) -> Any:
+def change_lists(lists: CrewRoutes, is_able: Array, near: Array, room: CrewRoom) -> Any:
     """Draw a change; write the lists that it gives to `room.first` and `room.second`.
 
     Return the two crews, the same twice if only one list changes, and the lengths of the new
@@ -28,6 +27,7 @@ def change_lists(
     """
     random = room.random
     if draw_below(random, 2) == 0:
+        slowest = slowest_of(lists)
         task = lists.tasks[slowest, draw_below(random, lists.length[slowest])]
     else:
         task = draw_below(random, len(lists.crew))

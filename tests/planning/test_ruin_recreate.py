@@ -119,16 +119,6 @@ def test_the_same_seed_and_rounds_give_the_same_schedule() -> None:
     assert search_schedule(problem, 3, rounds=200) != search_schedule(problem, 4, rounds=200)
 
 
-def test_never_loses_what_it_starts_from() -> None:
-    problem = relax(generate(Spec(robots=8, tasks=30), np.random.default_rng(0)))
-    good = ThresholdSearch(problem, seed=1)
-    good.run(2000)
-    search = ThresholdSearch(problem, seed=2, start=good.best)
-    assert search.cost == good.cost
-    search.run(50)
-    assert search.cost <= good.cost
-
-
 def test_a_task_without_anybody_left_to_do_it_leaves_no_schedule() -> None:
     """a is 5 away from its task, and lost at step 5."""
     problem = relax(make([robot("a", 0, lost=5)], [task("a", 5)]))

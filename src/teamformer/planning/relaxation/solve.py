@@ -50,9 +50,6 @@ SECONDS_TO_BUILD = 5e-5
 STOP_AGAIN = 0.05
 """Seconds after which it is looked again whether the solver is to end, and it is told again."""
 
-EARLY = 0.3
-"""Share of the time left for a first cooling down; a second one takes the rest."""
-
 
 @dataclass(frozen=True)
 class RelaxedSolution:
@@ -93,16 +90,12 @@ def solve(
     if is_bounding:
         race.raise_bound(bound_makespan(problem))
     arcs, is_infeasible = count_arcs(problem), False
-    if arcs <= LARGEST_MODEL:
-        _cool_down(race, search, 0.5, FIRST_ROUNDS * len(mission.tasks))
-    if arcs <= LARGEST_MODEL and arcs * SECONDS_TO_BUILD < race.seconds_left and not race.is_over:
-        is_infeasible = _prove(race, problem, seed, is_bounding)
-    else:
-        search = ThresholdSearch(problem, seed + 1, race.plan)
-        _cool_down(race, search, EARLY)
-        if race.plan is not None:
-            search.restart(race.plan)
+    if arcs > LARGEST_MODEL:
         _cool_down(race, search)
+    else:
+        _cool_down(race, search, 0.5, FIRST_ROUNDS * len(mission.tasks))
+        if arcs * SECONDS_TO_BUILD < race.seconds_left and not race.is_over:
+            is_infeasible = _prove(race, problem, seed, is_bounding)
     value = _value_of(problem, race.plan)
     if value is None:
         status = "infeasible" if is_infeasible else "unknown"
@@ -170,6 +163,4 @@ def _compile() -> None:
     problem = relax(Mission("smallest", Grid(2, 1), ("a", "b"), robots, tasks))
     search = ThresholdSearch(problem, seed=0)
     search.run(1)
-    if search.best is not None:
-        search.restart(search.best)
     bound_makespan(problem)

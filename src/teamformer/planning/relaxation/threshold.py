@@ -21,7 +21,6 @@ from teamformer.planning.relaxation.relaxed_plan import (
     empty_timing,
     makespan_of,
     placed_in,
-    plan_without_spares,
     start_tasks,
 )
 from teamformer.planning.relaxation.ruin_recreate import recreate, ruin
@@ -43,26 +42,13 @@ ENDLESS = 2**62
 class ThresholdSearch:
     """A search: where it stands, the best plan it has seen, and room to work in."""
 
-    def __init__(self, problem: Relaxed, seed: int, start: CoalitionPlan | None = None) -> None:
+    def __init__(self, problem: Relaxed, seed: int) -> None:
         self.problem = problem
         self._plan, self._best, self._spare = (empty_plan(problem) for _ in range(3))
         self._timing = empty_timing(problem, self._plan)
         self._room = insertion_room(problem, seed)
         self._costs = np.array([ENDLESS, ENDLESS, 0])  # of the plan it stands at, of the best;
         # and the price of a step, 0 where the makespan counts
-        if start is not None:
-            self.restart(start)
-
-    def restart(self, start: CoalitionPlan) -> None:
-        """Go on from another plan of all tasks."""
-        rows = zip(start.coalition.tolist(), start.size.tolist(), strict=True)
-        coalitions = [robots[:size] for robots, size in rows]
-        own = plan_without_spares(self.problem, start.order.tolist(), coalitions)
-        copy_plan(own, self._plan)
-        self._costs[0] = cost_of(self.problem, self._plan, self._timing, self._costs[2])
-        if self._costs[0] < self._costs[1]:
-            copy_plan(self._plan, self._best)
-            self._costs[1] = self._costs[0]
 
     def go_by_price(self) -> None:
         """Search by what plans cost from now on; the mission has prices.
@@ -81,7 +67,7 @@ class ThresholdSearch:
     def run(self, rounds: int, hot: float = HOT, cool: float = 0.0) -> None:
         """Search for some rounds; plans may be worse by `hot` steps at first, `cool` in the end.
 
-        The first round of a search without a start places everything.
+        The first round of all places everything.
         """
         step = STEP * len(self._timing.robots)
         room = (self._spare, self._timing, self._room, self._costs)

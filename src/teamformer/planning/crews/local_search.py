@@ -139,7 +139,7 @@ def _cost_with(
 def _try_change(shared: Shared, search: CrewSearch, limit: int) -> None:
     """Make a change unless it costs too much."""
     lists, room = search.lists, search.room
-    one, other, length, other_length = change_lists(lists, search.is_able, search.near, room)
+    one, other, length, other_length = change_lists(search)
     if one == NOBODY:
         return
     finish = walk_list(shared, search.parties, one, room.first, length, room)

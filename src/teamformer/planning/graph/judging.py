@@ -196,7 +196,7 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> None:
         now = back_of(problem, graph, robot)
         old = back[robot]
         if now != old:
-            is_latest_changed |= robot == graph.total[LATEST]
+            is_latest_changed |= robot == total[LATEST]
             record(trial, BACK, robot, old)
             back[robot] = now
             total[BACK_SUM] += now - old

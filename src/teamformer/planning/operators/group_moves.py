@@ -11,7 +11,8 @@ from teamformer.planning.graph.changes import connect, remember
 from teamformer.planning.graph.graph import LAST, Graph
 from teamformer.planning.graph.ledger import lead, way_out
 from teamformer.planning.graph.worth import is_left_out
-from teamformer.planning.operators.candidates import PICKS, STAMP, CandidateRoom, choose, gather
+from teamformer.planning.operators.candidates import STAMP, CandidateRoom, choose, gather
+from teamformer.planning.operators.coalition_choice import PICKS
 from teamformer.planning.operators.draws import cut_beside_near, keeps_order
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.planning.problem.links import FREE, TRAVEL
@@ -125,16 +126,16 @@ def take_out(problem: ArcProblem, search: SearchState, task: int, was: int) -> i
 @kernel
 def _put_in(problem: ArcProblem, search: SearchState, task: int, cut: int, was: int) -> bool:
     """Put a task into the best arcs that cross a cut; say if there are any."""
-    graph, trial, ledger, room = search.graph, search.trial, search.ledger, search.candidates
+    graph, trial, ledger = search.graph, search.trial, search.ledger
     node, seats = graph.nodes[task], graph.seats
     if node.has_links and not keeps_order(problem, graph, task, cut):
         return False
     gather(problem, search, task, cut, was)
-    if not choose(problem, room, node.need):
+    if not choose(problem, search, node.need):
         return False
-    node.taken, node.key = room.number[PICKS], cut
+    node.taken, node.key = search.choice.number[PICKS], cut
     for place in range(node.taken):
-        picked = room.found[room.pick[place]]
+        picked = search.choice.pick[place]
         seat, tail = node.first + place, picked.seat
         seats[seat].kind = picked.kind
         head = seats[tail].next

@@ -15,7 +15,7 @@ from teamformer.planning.continuous.posing.remaining import Remaining
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
 from teamformer.world.rules.charging.times import ChargedTimes
-from teamformer.world.rules.starts import FIRST, StartRules, Timed, time_tasks
+from teamformer.world.rules.starts import FIRST, LoadTimes, StartRules, Timed, time_tasks
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class TaskClock:
     """
 
     rest: Remaining
-    charging: ChargedClock | None = None  # if robots have batteries
+    charging: ChargedClock | None = None  # if robots queue
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
         """Return a plan with its times; one in which robots wait for one another has no end."""
@@ -44,11 +44,22 @@ class TaskClock:
             forming=rest.mission.forming,
             rotas=rotas_of(rest.own_robots),
             rooms=rest.rooms,
+            loads=self._load_times(),
         )
         if self.charging is not None:
             charged = self.charging.time(rules, order, robots_of)
             return self._tell(order, charged.timed, rules, charged)
         return self._tell(order, time_tasks(rules, order, robots_of), rules)
+
+    def _load_times(self) -> LoadTimes:
+        loads = {
+            number: task for number, task in enumerate(self.rest.own_tasks) if task.to is not None
+        }
+        return LoadTimes(
+            {number: task.duration for number, task in loads.items()},
+            {number: task.unload for number, task in loads.items()},
+            self._carried,
+        )
 
     def _place(self, robot: int, before: int) -> int:
         return int(self.rest.origin[robot]) if before == FIRST else before
@@ -57,10 +68,14 @@ class TaskClock:
         return float(self.rest.ways[self.rest.pace[robot], self._place(robot, before), task])
 
     def _time_taken(self, task: int, robots: Sequence[int]) -> float:
-        """Return how long a task takes: its service, and the way with its load by the slowest."""
-        wanted, carry = self.rest.own_tasks[task], self.rest.carry[:, task]
-        carried = max((float(carry[self.rest.pace[robot]]) for robot in robots), default=0.0)
-        return wanted.duration + carried + wanted.unload
+        """Return how long a task takes: its service, and the way with its load."""
+        wanted = self.rest.own_tasks[task]
+        return wanted.duration + self._carried(task, robots) + wanted.unload
+
+    def _carried(self, task: int, robots: Sequence[int]) -> float:
+        """Return how long a load is carried: by the slowest."""
+        carry, pace = self.rest.carry[:, task], self.rest.pace
+        return max((float(carry[pace[robot]]) for robot in robots), default=0.0)
 
     def _tell(
         self,

@@ -168,10 +168,8 @@ def test_what_does_not_go_with_zones_is_refused() -> None:
         assert in_steps == messages
 
 
-def test_fleets_in_steps_refuse_zones() -> None:
+def test_fleets_take_zones_in_steps_and_in_continuous_time() -> None:
+    for time in ("steps", "continuous"):
+        mission = replace(MISSION, time=time)
+        assert list(rules_of_fleets(mission)) == []
     assert [*rules_not_played(replace(MISSION, time="steps"))] == []
-    assert list(rules_of_fleets(MISSION)) == []
-    assert any(
-        "the mission has zones, which fleets of processes do not know; " in problem.message
-        for problem in rules_of_fleets(replace(MISSION, time="steps"))
-    )

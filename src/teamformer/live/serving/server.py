@@ -109,8 +109,8 @@ def make_app(
             on_end()
 
     answers = {"/": home, "/openapi.json": description, "/download/{name}": download}
-    routes = [Route(path, _behind(doors, answer)) for path, answer in answers.items()]
-    routes.append(WebSocketRoute("/socket", talk))
+    pages = [Route(path, _behind(doors, answer)) for path, answer in answers.items()]
+    routes = [*pages, WebSocketRoute("/socket", talk)]
     return Starlette(routes=routes, lifespan=lifespan, middleware=[Middleware(KeepApart)])
 
 

@@ -56,7 +56,7 @@ def check(path: Path, mission: Path | None, as_json: bool) -> int:
         )
     else:
         against = "" if mission is None else f"; the mission is that of {mission}"
-        _tell(record, verdict, [finding["message"] for finding in findings])
+        _tell(record, verdict, [str(finding["message"]) for finding in findings])
         for line in why_so_late(record.true_mission, chain):
             out.print(line, markup=False)
         out.print(f"checked {_guarantee(record)}{against}", markup=False, style="dim")

@@ -124,8 +124,6 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
     """Return why a mission cannot be run, be it in steps or in continuous time."""
     if mission.time == "steps":
         yield from rules_not_played(mission)
-    else:
-        yield from zones_not_served(mission)
 
 
 def rules_not_advised(mission: Mission) -> Iterator[Problem]:
@@ -180,6 +178,7 @@ def rules_of_rehearsals(mission: Mission) -> Iterator[Problem]:
     yield from rules_not_run(mission)
     if mission.time == "continuous":
         yield from find_flown_loads(mission)
+        yield from zones_not_served(mission)
     remedy = _remedy(mission, FLEETS)
     yield from told_once(mission, find_unknown(mission, FLEETS), remedy)
     if mission.time == "steps":

@@ -11,8 +11,7 @@ from functools import partial
 from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous_bounds.cost import least_cost
 from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
-from teamformer.planning.problem.batteries import are_charged
-from teamformer.planning.problem.charged_plans import charged_totals
+from teamformer.planning.problem.charged_plans import are_carried_out, charged_totals
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.links import have_weights, is_bounded
@@ -34,7 +33,7 @@ more it anneals once in all the time there is."""
 
 
 CHARGED_SEARCHES, CHARGED_PARTS, CHARGED_PARTS_IF_WEIGHED = 4, 28, 50
-"""Where robots have batteries, so many annealings share the rounds, and of each plans are judged
+"""Where robots may queue, so many annealings share the rounds, and of each plans are judged
 after so many parts, more if plans have a cost."""
 
 
@@ -67,7 +66,7 @@ def plan_together(problem: CoalitionProblem, seed: int = 0) -> Solution | None:
     tasks that are linked: different robots do them. There is no clock in it, and the same sums of
     the same numbers, so that it is the same on every machine.
     """
-    if are_charged(problem.batteries):
+    if are_carried_out(problem):
         return _plan_charged(problem, seed)
     search = ArcSearch(problem, seed)
     if not search.begin_anew():
@@ -110,7 +109,7 @@ def plan_again(problem: CoalitionProblem, start: CoalitionPlan, seed: int = 0) -
     It is never worse than that, unless robots wait in it for one another for ever. The search is
     shorter than a first one and begins less hot. None where `plan_together` finds none.
     """
-    if are_charged(problem.batteries):
+    if are_carried_out(problem):
         return _mend_charged(problem, start, seed)
     search = ArcSearch(problem, seed)
     if not search.begin_at(start) and not search.begin_anew():
@@ -173,7 +172,7 @@ def measuring(problem: CoalitionProblem) -> Callable[[CoalitionPlan], Solution]:
 
     Plans that have a cost are laid out in a graph where all robots may come to a task.
     """
-    if are_charged(problem.batteries) or not have_weights(problem.links):
+    if are_carried_out(problem) or not have_weights(problem.links):
         return partial(_timed, problem)
     search = ArcSearch(problem._replace(spares=len(problem.counts)), 0)
 
@@ -189,7 +188,7 @@ NEVER_DONE = (math.inf, math.inf)
 
 
 def _timed(problem: CoalitionProblem, plan: CoalitionPlan) -> Solution:
-    if are_charged(problem.batteries):
+    if are_carried_out(problem):
         return Solution(plan, charged_totals(problem, plan))
     total = schedule_of(problem, plan).total
     return Solution(plan, (int(total[MAKESPAN] + total[MISSED]), int(total[COST])))
@@ -220,7 +219,7 @@ def judge(problem: CoalitionProblem, solution: Solution) -> Judgement:
     bounded = solution.worth
     if have_weights(problem.links):
         total, bounded = schedule_of(problem, solution.plan).total, math.inf
-        if not are_charged(problem.batteries) and is_bounded(problem.links) and total[LATE] == 0:
+        if not are_carried_out(problem) and is_bounded(problem.links) and total[LATE] == 0:
             bounded = int(total[MAKESPAN])
     if can_miss(problem.misses):
         bounded = math.inf
@@ -233,7 +232,7 @@ def _search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
     If plans have a cost it begins anew each time: what the best plan costs says too little of how
     hot to begin, as it is not left any more then.
     """
-    if are_charged(problem.batteries):
+    if are_carried_out(problem):
         _search_charged(problem, seed, race)
         return
     search, is_weighed = ArcSearch(problem, seed), have_weights(problem.links)

@@ -9,6 +9,7 @@ from teamformer.base.naming import listed
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import fits_now
+from teamformer.mission.parts.zones import AtWork
 from teamformer.record.happenings import LogEntry
 from teamformer.record.phases import (
     AT_WORK,
@@ -149,7 +150,7 @@ class Narrator:
         for room in now.rooms:
             ahead = room.tasks & {*under_way, *before}
             if task in room.tasks and len(ahead) >= room.room:
-                return held_in(now.source, room, under_way, before)
+                return held_in(now.source, room, AtWork(under_way), before)
         return ""
 
     def _why_idle(self, team: Sequence[int]) -> str:

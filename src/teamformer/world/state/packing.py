@@ -308,7 +308,7 @@ def _pack_batteries(worlds: Worlds, w: int, mission: Mission) -> None:
 
 
 def _pack_zones(worlds: Worlds, w: int, mission: Mission) -> None:
-    for zone, tasks, room in all_rooms_of(mission):
+    for zone, tasks, room, _ in all_rooms_of(mission):
         worlds.zones["room"][w, zone] = room
         worlds.inside[w, zone, sorted(tasks)] = True
     worlds.tasks["is_in_zone"][w] = worlds.inside[w].any(axis=0)

@@ -119,7 +119,10 @@ def remaining_at(known: Known, numbers: Sequence[int], chosen: Sequence[int]) ->
         before=before,
         gaps=gaps,
         rooms=[
-            room._replace(tasks=frozenset(number_of[task] for task in room.tasks))
+            room._replace(
+                tasks=frozenset(number_of[task] for task in room.tasks),
+                loads=frozenset(number_of[task] for task in room.loads),
+            )
             for room in waits.rooms
         ],
     )

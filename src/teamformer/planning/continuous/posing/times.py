@@ -17,7 +17,15 @@ from teamformer.planning.continuous.posing.remaining import Remaining
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.routes import MissionPlan, Route, Stop
 from teamformer.world.rules.charging.times import ChargedTimes
-from teamformer.world.rules.starts import FIRST, Gap, RoomLeft, StartRules, Timed, time_tasks
+from teamformer.world.rules.starts import (
+    FIRST,
+    Gap,
+    LoadTimes,
+    RoomLeft,
+    StartRules,
+    Timed,
+    time_tasks,
+)
 
 
 @dataclass(frozen=True)
@@ -41,7 +49,7 @@ class TaskClock:
     forming: float
     rotas: Sequence[Rota]  # (robots,) when each works; empty where all always do
     cost: Mapping[str, float] | None
-    charging: ChargedClock | None = None  # if robots have batteries
+    charging: ChargedClock | None = None  # if robots queue
     rooms: Sequence[RoomLeft] = ()
 
     def time(self, plan: CoalitionPlan) -> MissionPlan:
@@ -60,11 +68,20 @@ class TaskClock:
             forming=self.forming,
             rotas=self.rotas,
             rooms=self.rooms,
+            loads=self._load_times(),
         )
         if self.charging is not None:
             charged = self.charging.time(rules, order, robots_of)
             return self._tell(order, charged.timed, rules, charged)
         return self._tell(order, time_tasks(rules, order, robots_of), rules)
+
+    def _load_times(self) -> LoadTimes:
+        loads = {number: task for number, task in enumerate(self.tasks) if task.to is not None}
+        return LoadTimes(
+            {number: task.duration for number, task in loads.items()},
+            {number: task.unload for number, task in loads.items()},
+            self._carried,
+        )
 
     def _place(self, robot: int, before: int) -> int:
         return int(self.origin[robot]) if before == FIRST else before
@@ -73,10 +90,13 @@ class TaskClock:
         return float(self.ways[self.pace[robot], self._place(robot, before), task])
 
     def _time_taken(self, task: int, robots: Sequence[int]) -> float:
-        """Return how long a task takes: its service, and the way with its load by the slowest."""
+        """Return how long a task takes: its service, and the way with its load."""
         wanted = self.tasks[task]
-        carried = max((float(self.carry[self.pace[robot], task]) for robot in robots), default=0.0)
-        return wanted.duration + carried + wanted.unload
+        return wanted.duration + self._carried(task, robots) + wanted.unload
+
+    def _carried(self, task: int, robots: Sequence[int]) -> float:
+        """Return how long a load is carried: by the slowest."""
+        return max((float(self.carry[self.pace[robot], task]) for robot in robots), default=0.0)
 
     def _tell(
         self,

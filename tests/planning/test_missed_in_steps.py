@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from teamformer.files.drawn.generate import Spec, generate
-from teamformer.files.mission_files import read_mission
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.methods.by_name import load_method
 from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.shared_plan import SharedPlan
@@ -134,11 +134,9 @@ zones: {dock: {tasks: [t2, t3, t1, t4, t6]}}
 """Once a robot is lost, there is no time left for most of what comes one after the other."""
 
 
-def test_a_search_comes_to_its_end_whatever_is_left_out_of_a_chain(tmp_path: Path) -> None:
+def test_a_search_comes_to_its_end_whatever_is_left_out_of_a_chain() -> None:
     """Tasks come after others that are left out, and robots go from one to another all the same."""
-    path = tmp_path / "chain.yaml"
-    path.write_text(CHAIN)
-    record = run_trial(read_mission(path), SharedPlan(), 50117).record
+    record = run_trial(mission_from_tree(yaml.safe_load(CHAIN)), SharedPlan(), 50117).record
     assert judge(record).findings == ()
     assert record.end.status == "completed"
     assert "t0" not in record.end.missed

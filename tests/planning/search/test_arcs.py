@@ -197,17 +197,17 @@ for seed in range(6):
     problem = lasting(seed, robots=12, is_plain=seed % 3 > 0)
     search = ArcSearch(problem, seed)
     search.begin_at(drawn_plan(problem, seed))
-    arcs, graph, trial, random = search.arcs, search.graph, search._trial, search.random
-    ledger, room = search._ledger, search._room
+    arcs, state = search.arcs, search.state
+    graph, trial, ledger, moved = state.graph, state.trial, state.ledger, state.moved
     for turn in range(200):
         before = [array.copy() for array in graph]
         limit = graph.total[COST] // (1 + turn % 3 // 2) + 100 * (turn % 3)
-        task = draw_task(arcs, graph, trial, ledger, random)
+        task = draw_task(arcs, state)
         what = "swap" if turn % 2 else "move"
         begin_change(trial, ledger)
-        room.moved.number[0] = 0
+        moved.number[0] = 0
         change = swap_heads if what == "swap" else move_task
-        is_short = change(arcs, graph, trial, ledger, room, random, task, 40, limit)
+        is_short = change(arcs, state, task, 40, limit)
         is_short = is_short and propagate(arcs, graph, trial, limit)
         if is_short:
             sum_up_change(arcs, graph, trial, ledger)
@@ -217,7 +217,7 @@ for seed in range(6):
             continue
         changed[what] += trial.number[0] > 0
         undo(graph, trial)
-        take_back(graph, room.moved)
+        take_back(graph, moved)
         most = most_seats(problem)
         taken = [at * most + np.arange(n) for at, n in enumerate(before[0].taken[:12])]
         depots_and_homes = np.arange(12 * most, len(before[1]))

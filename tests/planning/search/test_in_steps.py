@@ -157,10 +157,10 @@ from teamformer.planning.steps.arc_search import TeamArcs
 
 tried = {}
 def watch(name, made):
-    def watched(problem, graph, *rest):
-        before = [array.copy() for array in graph]
-        is_short = made(problem, graph, *rest)
-        tried[name] = tried.get(name, 0) + (rest[0].number[0] > 0)
+    def watched(problem, state, *rest):
+        before = [array.copy() for array in state.graph]
+        is_short = made(problem, state, *rest)
+        tried[name] = tried.get(name, 0) + (state.trial.number[0] > 0)
         latest[0] = (problem, *before)
         return is_short
     return watched

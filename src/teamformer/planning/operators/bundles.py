@@ -20,17 +20,18 @@ from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.base.array_types import Array
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.graph import Graph
+    from teamformer.planning.operators.state import SearchState
 
 
 @kernel
-def draw_group(problem: ArcProblem, graph: Graph, choice: Choice, random: Array, task: int) -> int:
+def draw_group(problem: ArcProblem, search: SearchState, task: int) -> int:
     """Draw a group that goes to or from a near task; return a moment at which it is on its way.
 
     That is NOBODY if there is none that could do the task in between.
     """
+    graph, choice, random = search.graph, search.choice, search.random
     nodes, seats = graph.nodes, graph.seats
     near = draw_near(problem, random, task)
     if is_left_out(problem, graph, near):

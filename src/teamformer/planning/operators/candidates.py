@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from teamformer.base.array_types import Array, Floats, Int32s, Ints
+from teamformer.base.array_types import Floats, Int32s, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.graph.arriving import arrive
@@ -15,6 +15,9 @@ from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import HOME, MAKESPAN, MAX_TARDINESS, TARDINESS, TRAVEL
 from teamformer.world.rules.chance import SLACKS, STEPS, draw_below
 from teamformer.world.rules.coverage import helps
+
+if TYPE_CHECKING:
+    from teamformer.planning.operators.state import SearchState
 
 BLINK = 12
 """Every so many arcs one is overlooked, so that the search does not always see the same."""
@@ -63,16 +66,9 @@ def empty_candidates(problem: ArcProblem, seats: int) -> CandidateRoom:
 
 
 @kernel
-def gather(
-    problem: ArcProblem,
-    graph: Graph,
-    room: CandidateRoom,
-    random: Array,
-    task: int,
-    cut: int,
-    was: int,
-) -> None:
+def gather(problem: ArcProblem, search: SearchState, task: int, cut: int, was: int) -> None:
     """Gather arcs that cross a cut: at near tasks, at depots, and `was` of those where it was."""
+    graph, room, random = search.graph, search.candidates, search.random
     nodes, seats = graph.nodes, graph.seats
     room.number[FOUND] = 0
     room.number[STAMP] += 1
@@ -80,32 +76,25 @@ def gather(
     for index in range(was):
         if is_elsewhere:
             room.seen[room.was[index]] = room.number[STAMP]
-        _consider(problem, graph, room, random, task, cut, room.was[index])
+        _consider(problem, search, task, cut, room.was[index])
     for other in problem.near[task]:
         node = nodes[other]
         is_before = node.key < cut
         for seat in range(node.first, node.first + node.taken):
             tail = seat if is_before else seats[seat].prev
-            _consider(problem, graph, room, random, task, cut, tail)
+            _consider(problem, search, task, cut, tail)
     robots = len(graph.back)
     robot = draw_below(random, robots)
     for _ in range(min(robots, DEPOTS)):
         robot = robot + 1 if robot + 1 < robots else 0
         tail = len(seats) - 2 * robots + problem.mixed[robot]
-        _consider(problem, graph, room, random, task, cut, tail)
+        _consider(problem, search, task, cut, tail)
 
 
 @kernel
-def _consider(
-    problem: ArcProblem,
-    graph: Graph,
-    room: CandidateRoom,
-    random: Array,
-    task: int,
-    cut: int,
-    tail: int,
-) -> None:
+def _consider(problem: ArcProblem, search: SearchState, task: int, cut: int, tail: int) -> None:
     """Note an arc and about what it would cost to lead it by the task, if it is of use."""
+    graph, room, random = search.graph, search.candidates, search.random
     nodes, seats, number = graph.nodes, graph.seats, room.number
     if room.seen[tail] == number[STAMP]:
         return

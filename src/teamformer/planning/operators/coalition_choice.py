@@ -6,7 +6,7 @@ Arcs are looked for at near tasks and depots.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -50,6 +50,9 @@ CANDIDATE = np.dtype(
     ]
 )
 
+if TYPE_CHECKING:
+    from teamformer.planning.operators.state import SearchState
+
 PICKS, TYPES, COMES, LEAVES, BANNED, FELLOWS_FROM, FELLOWS_TO = range(7)
 """Numbers of a choice: robots picked, types found, when the last of those picked comes, the longest
 chain that leaves, the seat whose arc out is not to be picked, and in steps between which nodes the
@@ -86,19 +89,13 @@ def empty_choice(problem: ArcProblem, seats: int) -> Choice:
 
 @kernel
 def gather(
-    problem: ArcProblem,
-    graph: Graph,
-    choice: Choice,
-    random: Array,
-    task: int,
-    cut: int,
-    comes_by: int,
-    by_chain: bool,
+    problem: ArcProblem, search: SearchState, task: int, cut: int, comes_by: int, by_chain: bool
 ) -> None:
     """Gather arcs that cross the cut as if the task were nowhere, the best of each type.
 
     One of the robots that do the task now is not among them, so that something changes.
     """
+    graph, choice, random = search.graph, search.choice, search.random
     nodes, seats, most = graph.nodes, graph.seats, problem.most[0]
     need = nodes[task].need
     for index in range(choice.number[TYPES]):
@@ -125,7 +122,7 @@ def gather(
                 if seats[tail].node == task:
                     tail = seats[tail].prev
             if nodes[seats[tail].node].key < cut < nodes[seats[head].node].key:
-                _consider(problem, graph, choice, random, task, tail, head, by_chain)
+                _consider(problem, search, task, tail, head, by_chain)
     robots = len(graph.back)
     robot = draw_below(random, robots)
     for _ in range(min(robots, DEPOTS)):
@@ -137,24 +134,18 @@ def gather(
         if seats[head].node == task:
             head = seats[head].next
         if nodes[seats[head].node].key > cut:
-            _consider(problem, graph, choice, random, task, tail, head, by_chain)
+            _consider(problem, search, task, tail, head, by_chain)
 
 
 @kernel
 def _consider(
-    problem: ArcProblem,
-    graph: Graph,
-    choice: Choice,
-    random: Array,
-    task: int,
-    tail: int,
-    head: int,
-    by_chain: bool,
+    problem: ArcProblem, search: SearchState, task: int, tail: int, head: int, by_chain: bool
 ) -> None:
     """Put an arc among the best of its type, if it is of use.
 
     Of loads it also counts how fast the robot carries them.
     """
+    graph, choice, random = search.graph, search.choice, search.random
     nodes, seats = graph.nodes, graph.seats
     kind = seats[tail].kind
     which = problem.kinds[kind].type

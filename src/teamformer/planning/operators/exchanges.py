@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem
-from teamformer.planning.graph.changes import KIND, ArcChange, record
+from teamformer.planning.graph.changes import KIND, record
 from teamformer.planning.graph.graph import Graph
-from teamformer.planning.graph.ledger import Ledger, lead, way_out
+from teamformer.planning.graph.ledger import lead, way_out
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.operators.group_moves import has_links_apart
@@ -17,25 +16,18 @@ from teamformer.planning.problem.links import TRAVEL
 from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.planning.operators.room import Room
+    from teamformer.planning.operators.state import SearchState
 
 
 @kernel
 def exchange_rests(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
-    random: Array,
-    task: int,
-    leg: int,
-    limit: int,
+    problem: ArcProblem, search: SearchState, task: int, leg: int, limit: int
 ) -> bool:
     """Lead an arc from a task to one near it, or from there; say if the robots can all that.
 
     The rest of the one robot's way is then the other's. Robots of different speeds do not exchange.
     """
+    graph, trial, ledger, random = search.graph, search.trial, search.ledger, search.random
     nodes, seats = graph.nodes, graph.seats
     other = draw_near(problem, random, task)
     if nodes[other].key == nodes[task].key or is_left_out(problem, graph, other):
@@ -60,15 +52,15 @@ def exchange_rests(
     lead(problem, graph, trial, ledger, tail, head)
     lead(problem, graph, trial, ledger, begin, end)
     if one != two:
-        _change_kinds(problem, graph, trial, ledger, head, one)
-        _change_kinds(problem, graph, trial, ledger, end, two)
+        _change_kinds(problem, search, head, one)
+        _change_kinds(problem, search, end, two)
         last_of_one, last_of_two = _last(problem, graph, tail), _last(problem, graph, begin)
         lead(problem, graph, trial, ledger, last_of_one, home_of_one)
         lead(problem, graph, trial, ledger, last_of_two, home_of_two)
     if problem.links.members.shape[1] == 2:  # nothing is linked
         return True
-    is_apart = has_links_apart(problem, graph, room.candidates, tail)
-    return is_apart and has_links_apart(problem, graph, room.candidates, begin)
+    is_apart = has_links_apart(problem, graph, search.candidates, tail)
+    return is_apart and has_links_apart(problem, graph, search.candidates, begin)
 
 
 @kernel
@@ -102,10 +94,9 @@ def _last(problem: ArcProblem, graph: Graph, seat: int) -> int:
 
 
 @kernel
-def _change_kinds(
-    problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, seat: int, kind: int
-) -> None:
+def _change_kinds(problem: ArcProblem, search: SearchState, seat: int, kind: int) -> None:
     """Let all seats from one on be taken by a robot of another kind, but for the home."""
+    graph, trial, ledger = search.graph, search.trial, search.ledger
     tasks = len(problem.near)
     while graph.seats[seat].node < tasks:
         ledger.then[TRAVEL] -= way_out(problem, graph, seat)

@@ -14,34 +14,23 @@ from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.base.array_types import Array
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.changes import ArcChange
     from teamformer.planning.graph.graph import Graph
-    from teamformer.planning.graph.ledger import Ledger
-    from teamformer.planning.operators.room import Room
+    from teamformer.planning.operators.state import SearchState
 
 LONGEST = 6
 """How many tasks a stretch has at most."""
 
 
 @kernel
-def move_stretch(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
-    random: Array,
-    task: int,
-    leg: int,
-    limit: int,
-) -> bool:
+def move_stretch(problem: ArcProblem, search: SearchState, task: int, leg: int, limit: int) -> bool:
     """Give tasks that a robot does in a row to the coalition of a near task, before it or after.
 
     Those that this coalition cannot do stay where they are. Say if that makes no circle.
     """
-    moved, seats, nodes = room.moved, graph.seats, graph.nodes
+    graph, trial, random = search.graph, search.trial, search.random
+    moved, seats, nodes = search.moved, graph.seats, graph.nodes
     beside = draw_near(problem, random, task)
     if is_left_out(problem, graph, beside):
         return False

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem
-from teamformer.planning.graph.changes import COMES_BY, LEAVES_BY, ArcChange, connect
+from teamformer.planning.graph.changes import COMES_BY, LEAVES_BY, connect
 from teamformer.planning.graph.graph import Graph, leave
 from teamformer.planning.operators.coalition_choice import THIS_ONE
 from teamformer.planning.operators.draws import draw_near
@@ -15,23 +15,13 @@ from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.planning.graph.ledger import Ledger
-    from teamformer.planning.operators.room import Room
+    from teamformer.planning.operators.state import SearchState
 
 
 @kernel
-def swap_heads(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
-    random: Array,
-    task: int,
-    leg: int,
-    limit: int,
-) -> bool:
+def swap_heads(problem: ArcProblem, search: SearchState, task: int, leg: int, limit: int) -> bool:
     """Lead an arc from a task to one near it, or from there; say if no chain is too long then."""
+    graph, trial, random = search.graph, search.trial, search.random
     seats, nodes, most = graph.seats, graph.nodes, problem.most[0]
     other = draw_near(problem, random, task)
     if nodes[other].key == nodes[task].key:

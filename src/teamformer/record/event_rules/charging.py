@@ -102,13 +102,18 @@ def charger_for(now: Standing, charges: Charges, robot: int) -> int:
 
 
 def set_out(now: Standing, charges: Charges, robot: int, event: Event) -> None:
-    """Check that a robot that sets out goes to a charger if it has to, and there if it does."""
+    """Check that a robot that sets out goes to a charger if it has to, and there if it does.
+
+    Who only goes on to the next place, to stop there, does not set out yet.
+    """
     charger = charger_for(now, charges, robot)
     forget(charges, robot)
     if charger == NOBODY:
         return
     place, goal = now.mission.chargers[charger].at, event.way[-1].place
     name = now.names.robot(robot)
+    if event.task == NOBODY and goal == now.turns_at(robot)[-1].place != place:
+        return
     is_so = goal == place and event.task == NOBODY
     need(is_so, f"{name} has to charge at {now.names.place(place)} first, and goes elsewhere")
     charges.goes_to[robot], charges.goes_for[robot] = charger, now.next_task(robot)

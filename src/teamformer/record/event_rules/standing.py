@@ -40,6 +40,7 @@ class RobotNow:
     is_lost: bool = False
     walk: int = NOBODY  # the event with which it set out
     rest: float = 0.0  # of a lost one: how far in time from its next place
+    walked: float = 0.0  # and from the place before
     since: int = NOBODY  # the latest event of it
 
     @property

@@ -32,6 +32,7 @@ class RealRobot:
     work: int = NOBODY  # the task that it is at work on or forms for
     is_lost: bool = False
     rest: float = 0.0  # of a lost robot: how long it is from the next place
+    walked: float = 0.0  # and how long it has walked since the place before
     since: int = NOBODY  # the latest event of it
     set_out: int = NOBODY  # the event with which it set out
     left: float = math.inf  # in its battery at `left_at`

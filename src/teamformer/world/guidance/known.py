@@ -8,7 +8,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.mission.coordination import NEWS, Known
-from teamformer.mission.model import Mission
+from teamformer.mission.model import Mission, as_believed
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import believed_mission
 from teamformer.world.rules.constants import NOBODY
@@ -88,7 +88,7 @@ def _without_what_is_over(mission: Mission, tasks: Array, step: int) -> Mission:
     tasks_left = (
         task if names == task.after else replace(task, after=names) for task, names in shorter
     )
-    return replace(mission, tasks=tuple(tasks_left))
+    return as_believed(mission, tasks=tuple(tasks_left))
 
 
 def _is_left(worlds: Worlds, w: int, task: int) -> bool:

@@ -2,9 +2,9 @@
 
 import { PHONE, scaleToFit } from "../draw/camera.js";
 import { byId, element, oneStop, refill } from "../panel/dom.js";
-import { costOf, weighedBy } from "../panel/header.js";
+import { costOf, isWeighed, weighedValue } from "../record/costs.js";
 import { describeAmount } from "../record/lengths.js";
-import { hasDueTimes, weightsOf } from "../record/mission.js";
+import { hasDueTimes } from "../record/mission.js";
 import { countDone } from "../record/scene.js";
 import { Curves } from "./curves.js";
 import { recordColour, recordItem, titleOf } from "./titles.js";
@@ -67,7 +67,7 @@ function measuresOf(/** @type {Trial[]} */ trials) {
   const columns = [{ name: "makespan", of: describeMakespan }];
   if (has(({ cost }) => cost)) columns.push({ name: "cost", of: describeCost });
   if (trials.some(({ history }) => hasDueTimes(history.mission))) columns.push({ name: "late", of: describeAllLate });
-  const judge = has(weightsOf) ? (history) => weighedBy(weightsOf(history.mission), history) : ({ end }) => end.makespan;
+  const judge = has(isWeighed) ? weighedValue : ({ end }) => end.makespan;
   return { columns, judge };
 }
 

@@ -1,12 +1,10 @@
 // The mission of a record, with capabilities as numbers and counts as [capability, count] pairs.
 
-import { exact } from "./counts.js";
+import { addCounts } from "./counts.js";
 import { readPlane, readRadius } from "./plane.js";
 
 // By foresight, from which probability on plans count on needs that tasks may have.
 const LEAST_CHANCE = { needed: 0, scouting: 0.25, absent: Infinity };
-
-const LATENESS = 2; // what it weighs beside the makespan in a mission with windows and without a cost
 
 // `truth` says, by name, what an uncertain mission really was.
 export function readMission(/** @type {MissionTree} */ tree, truth, foresight = "scouting", /** @type {World | null} */ world = null) {
@@ -88,12 +86,6 @@ export function hasDueTimes(/** @type {Mission} */ { tasks }) {
   return tasks.some(({ due }) => due < Infinity);
 }
 
-// What plans are judged by: the weights of the cost or, where tasks have windows, of makespan and
-// lateness; null where it is the makespan alone.
-export function weightsOf(/** @type {Mission} */ mission) {
-  return mission.cost ?? (hasDueTimes(mission) ? { makespan: 1, tardiness: LATENESS } : null);
-}
-
 // How many steps are made when a window begins.
 function windowOpens(between) {
   return Math.ceil(between?.[0] ?? 0);
@@ -139,9 +131,7 @@ function readCounts(/** @type {Iterable<Count>} */ counts, numbers) {
 }
 
 function sumPairs(pairs) {
-  const total = new Map();
-  for (const [cap, count] of pairs) total.set(cap, exact((total.get(cap) ?? 0) + count));
-  return [...total].sort((one, other) => one[0] - other[0]);
+  return [...addCounts([pairs])].sort((one, other) => one[0] - other[0]);
 }
 
 // A plain grid is drawn with y upwards, a map of rows as it says (downwards if it does not).

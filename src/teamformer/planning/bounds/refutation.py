@@ -5,6 +5,12 @@ the robots with each capability narrow the windows, and a task that needs severa
 carries what one of them says over to the others. Where that ends, a window is halved and both
 halves are looked at. A makespan for which no windows are left is refuted; all else says nothing.
 Times are in any unit: ticks where time is continuous, else steps.
+
+Who does one task and then another is in one team at both only if all that either of them needs is
+at both. If a capability that only the second needs cannot be at the first before it, a team joins
+on the way; if one that only the first needs cannot be at the second after it, the team splits. Each
+takes time in which nobody of the team moves. The only robot with a capability cannot be at a task
+that does not fit into its tour.
 """
 
 from __future__ import annotations
@@ -15,8 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
-from teamformer.planning.bounds.company import fit_in
-from teamformer.planning.bounds.tours import empty_tables, narrow_starts
+from teamformer.planning.bounds.tours import empty_tables, fit_in, narrow_starts
 from teamformer.world.rules.constants import NOBODY
 
 MOST_TASKS_A_TOUR = 17
@@ -151,7 +156,7 @@ class Refuter:
         return bool((starts.first <= starts.last).all())
 
     def _lengthen(self, starts: Starts) -> bool:
-        """Have teams form where nobody can be along; say whether this makes some tour longer."""
+        """Have teams form where not all can be along; say whether this makes some tour longer."""
         tasks, before = len(starts.first), self._between
         joins, splits = np.zeros((2, tasks, tasks), np.bool_)  # from task to task
         for (own, _, duration, _, detours), between in zip(self._tours, before, strict=True):

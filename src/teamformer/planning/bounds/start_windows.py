@@ -13,8 +13,8 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.earliest import earliest_in_order
+from teamformer.planning.bounds.forming import steps_of_forming
 from teamformer.planning.bounds.legs import least_legs, one_for_each_place
 from teamformer.planning.bounds.refutation import (
     MOST_TASKS_A_TOUR,
@@ -77,21 +77,14 @@ def refuter_in_steps(
     head = np.where(is_possible, start, 0).astype(np.int64)
     duration = np.where(is_possible, problem.duration, 0).astype(np.int64)
     chains = Chains(head, duration, np.zeros_like(head), problem.before)
-    problem, forming = without_directions(problem), _steps_of_forming(mission)
+    keeps_robots = not any(r.absences or r.breaks or r.battery for r in mission.robots)
+    forming = steps_of_forming(mission) if keeps_robots else 0  # who is lost parts without a split
+    problem = without_directions(problem)
     tours = list(_tours(problem, start, duration, most))
     if forming:
         toured = np.unique(np.concatenate([np.zeros(0, np.int64), *(t.tasks for _, t in tours)]))
         tours = [(cap, _with_detours(problem, cap, one, toured)) for cap, one in tours]
     return Refuter(chains, [one for _, one in tours], is_over, forming)
-
-
-def _steps_of_forming(mission: Mission) -> int:
-    """Return the steps that a join or a split takes; 0 where teams change without one.
-
-    Teams that lose robots change so, and on planes who joins is there at once.
-    """
-    loses = any(robot.absences or robot.battery for robot in mission.robots)
-    return mission.forming_steps if isinstance(mission.world, Grid) and not loses else 0
 
 
 def _tours(

@@ -13,7 +13,7 @@ from teamformer.mission.parts.grid import Place
 from teamformer.record.event_rules.from_outside import stand_still
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import BrokenRuleError, need
-from teamformer.record.event_rules.standing import CARRIES, FORMS, Standing, expect, one
+from teamformer.record.event_rules.standing import CARRIES, FORMS, QUEUES, Standing, expect, one
 from teamformer.world.continuous.events import Event
 from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.constants import NOBODY
@@ -76,7 +76,7 @@ def _spent(now: Standing, charges: Charges, robot: int, later: float) -> float:
         work = now.works[it.work]
         if work.part == CARRIES:
             return now.lengths.walked(work.robots, now.now, later)
-        return works * (battery.waiting if work.part == FORMS else battery.serving)
+        return works * (battery.waiting if work.part in (FORMS, QUEUES) else battery.serving)
     if it.is_walking:
         return now.lengths.walked((robot,), now.now, later)
     is_waiting = it.task in now.unseen or (it.task != NOBODY and now.next_task(robot) == it.task)

@@ -11,8 +11,11 @@ from teamformer.world.continuous.events import Passed
 from teamformer.world.continuous.ways import part_of_way
 from teamformer.world.rules.constants import NOBODY
 
-FORMING, SERVING, CARRYING, UNLOADING = range(4)
-"""The parts of work. The service of a load is taking it up, and the others follow."""
+FORMING, SERVING, CARRYING, UNLOADING, QUEUEING = range(5)
+"""The parts of work. The service of a load is taking it up, and the others follow.
+
+A team that has brought a load to a zone queues until there is room to unload it.
+"""
 
 
 SAME = 1e-9

@@ -39,13 +39,23 @@ export function readMission(/** @type {MissionTree} */ tree, truth, foresight = 
   return mission;
 }
 
-// Each with the numbers of its tasks: those in its area, at its places, or named.
+// Each with the numbers of its tasks, those in its area, at its places, or named, and of its loads:
+// those that are brought there.
 function readZones(said, /** @type {Task[]} */ tasks) {
   const isIn = ([[left, low], [right, high]], [x, y]) => left <= x && x <= right && low <= y && y <= high;
   const isAt = (places, at) => places.some(([x, y]) => x === at[0] && y === at[1]);
   return Object.entries(said).map(([name, { area, places = [], tasks: names = [], room = 1 }]) => {
-    const has = (task) => names.includes(task.name) || isAt(places, task.at) || (area && isIn(area, task.at));
-    return { name, area: area ?? null, room, tasks: [...tasks.keys()].filter((number) => has(tasks[number])) };
+    const holds = (at) => isAt(places, at) || (area && isIn(area, at));
+    const has = (task) => names.includes(task.name) || holds(task.at);
+    const isBrought = (task) => task.to && holds(task.to);
+    const numbers = [...tasks.keys()];
+    return {
+      name,
+      area: area ?? null,
+      room,
+      tasks: numbers.filter((number) => has(tasks[number])),
+      loads: numbers.filter((number) => isBrought(tasks[number])),
+    };
   });
 }
 

@@ -15,11 +15,16 @@ from teamformer.files.mission_files import (
     read_mission,
     write_mission,
 )
-from teamformer.mission.checks.rules import rules_not_played, rules_not_run, rules_of_fleets
+from teamformer.mission.checks.rules import (
+    rules_not_played,
+    rules_not_run,
+    rules_of_fleets,
+    rules_of_rehearsals,
+)
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.roads import Roads
-from teamformer.mission.parts.zones import Zone, ZoneRoom, may_enter, rooms_of
+from teamformer.mission.parts.zones import AtWork, Zone, ZoneRoom, may_enter, may_unload, rooms_of
 
 MISSION = Mission(
     "mission",
@@ -69,7 +74,7 @@ def test_on_roads_places_have_names() -> None:
         ({"tasks": ("x",), "places": ((1, 1),)}, ("places",), "has tasks and places; keep one"),
         ({"tasks": ("x",), "room": 0}, ("room",), "zone 'n' has room for 0 services; use 1 to"),
         ({"area": ((7, 7), (8, 8))}, ("area",), "no task is in zone 'n'; move it, or drop it"),
-        ({"area": ((1, 1),)}, ("area",), "has 1 corners; write two, [[x, y], [x, y]]"),
+        ({"area": ((1, 1),)}, ("area",), "has one corner; write two, [[x, y], [x, y]]"),
         ({"area": ((4, 1), (1, 5))}, ("area",), "goes from [4, 1] to [1, 5]; write the smaller"),
         ({"places": ((9, 1),)}, ("places", 0), "zone 'n' has a place at [9, 1], outside the map"),
     ],
@@ -123,12 +128,24 @@ def test_only_zones_that_are_too_small_for_their_tasks_bind() -> None:
 
 def test_a_task_enters_in_its_turn_and_where_there_is_room() -> None:
     rooms = [ZoneRoom(0, frozenset({1, 2, 3}), 2), ZoneRoom(1, frozenset({3, 4}), 1)]
-    assert may_enter(rooms, (1, 2, 3, 4), (), 1)
-    assert not may_enter(rooms, (1, 2, 3, 4), (), 2)  # after 1
-    assert not may_enter(rooms, (3, 4), (1, 2), 3)  # the first is full
-    assert may_enter(rooms, (3, 4), (1,), 3)
-    assert not may_enter(rooms, (3,), (1, 4), 3)  # the second is full
-    assert may_enter(rooms, (5,), (1, 2, 4), 5)  # in no zone
+    assert may_enter(rooms, (1, 2, 3, 4), AtWork(()), 1)
+    assert not may_enter(rooms, (1, 2, 3, 4), AtWork(()), 2)  # after 1
+    assert not may_enter(rooms, (3, 4), AtWork((1, 2)), 3)  # the first is full
+    assert may_enter(rooms, (3, 4), AtWork((1,)), 3)
+    assert not may_enter(rooms, (3,), AtWork((1, 4)), 3)  # the second is full
+    assert may_enter(rooms, (5,), AtWork((1, 2, 4)), 5)  # in no zone
+
+
+def test_loads_are_unloaded_where_there_is_room_and_before_others_begin() -> None:
+    """Load 5 is taken up in the zone, 6 and 7 are brought there; it has room for one."""
+    rooms = [ZoneRoom(0, frozenset({1, 5}), 1, frozenset({6, 7}))]
+    assert may_unload(rooms, AtWork((), (), (6, 7)), 6)
+    assert not may_unload(rooms, AtWork((), (), (6, 7)), 7)  # it has come later
+    assert not may_unload(rooms, AtWork((5,), (), (6,)), 6)  # 5 is being taken up
+    assert not may_unload(rooms, AtWork((), (7,), (6,)), 6)
+    assert not may_enter(rooms, (1,), AtWork((), (), (6,)), 1)
+    assert may_enter(rooms, (1,), AtWork((6, 7)), 1)  # which are taken up elsewhere
+    assert may_unload(rooms, AtWork((), (), (5,)), 5)  # brought to no zone
 
 
 def test_what_does_not_go_with_zones_is_refused() -> None:
@@ -144,7 +161,8 @@ def test_what_does_not_go_with_zones_is_refused() -> None:
         (MISSION, "", ""),
     ]
     for mission, told, zone in cases:
-        messages = [problem.message for problem in rules_not_run(mission)]
+        assert [*rules_not_run(mission)] == []
+        messages = [problem.message for problem in rules_of_rehearsals(mission)]
         assert messages == ([told + rest.format(zone)] if told else [])
         in_steps = [it.message for it in rules_not_played(replace(mission, time="steps"))]
         assert in_steps == messages

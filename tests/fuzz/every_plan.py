@@ -26,12 +26,13 @@ from teamformer.base.errors import MissionError
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import ALWAYS, fits_all
-from teamformer.mission.parts.zones import Zone
+from teamformer.mission.parts.zones import Zone, has_loads_at_zones
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous, warm_up
 from teamformer.planning.problem.charged_plans import charged_totals, totals_of
 from teamformer.planning.problem.coalition_plan import plan_of_lists
 from teamformer.planning.problem.coalition_problem import NOBODY, CoalitionProblem
+from teamformer.planning.problem.docks import have_docks
 from teamformer.planning.problem.permits import of_robots, rooms_of_permits
 from teamformer.planning.problem.rotas import rotas_as_told
 
@@ -39,6 +40,8 @@ ROBOTS, TASKS = 4, 6
 
 ROTAS = (((0.0, 60.0), (75.0, 150.0)), ((30.0, 110.0),), ((0.0, 100.0),), ())
 EVERY = 160.0
+
+DOCKS = ((30.0, 0.0), (30.0, 2.0))
 
 IN_ZONES = 0.8
 """Of the tasks."""
@@ -80,6 +83,28 @@ def draw_in_zones(number: int, tasks: int = TASKS) -> Mission:
             return replace(mission, robots=robots, zones=zones)
         except MissionError:
             continue
+
+
+def draw_at_docks(number: int, tasks: int = TASKS - 1) -> Mission:
+    """Draw a mission, most of whose tasks are loads, brought to or from a dock with little room."""
+    draws = random.Random(number)
+    while True:
+        try:
+            mission = _drawn(draws, f"docks {number}", tasks)
+            robots = tuple(replace(robot, shifts=(), every=0.0) for robot in mission.robots)
+            moved = tuple(_at_a_dock(draws, task) for task in mission.tasks)
+            zones = (Zone("dock", places=DOCKS, room=draws.choice([1, 1, 2])),)
+            return replace(mission, robots=robots, tasks=moved, zones=zones)
+        except MissionError:
+            continue
+
+
+def _at_a_dock(draws: random.Random, task: Task) -> Task:
+    if draws.random() < 0.2:
+        return task
+    dock = draws.choice(DOCKS)
+    at, to = (task.at, dock) if draws.random() < 0.6 else (dock, task.at)
+    return replace(task, at=at, to=to, unload=float(draws.randint(15, 60)))
 
 
 def _drawn(draws: random.Random, name: str, tasks: int) -> Mission:
@@ -152,6 +177,7 @@ def best_charged(problem: CoalitionProblem, known: float) -> float:
     """
     tasks, robots = range(len(problem.needs)), range(problem.bodies)
     rooms = rooms_of_permits(problem)
+    is_any_order = bool(rooms) or have_docks(problem.docks)
     before = [[o for o in row if o != NOBODY] for row in problem.before.tolist()]
     able = [[c for c in _all_crews(len(robots)) if _covers(problem, c, task)] for task in tasks]
     crews = [least_crews(one) for one in able]
@@ -186,7 +212,7 @@ def best_charged(problem: CoalitionProblem, known: float) -> float:
                 takes = int(problem.duration[task]) + slower
                 bound = [rotas[r] for r in crew]
                 begin = fits_all(bound, max(earliest, *there), takes)
-                if (begin < last and not rooms) or math.isinf(begin):
+                if (begin < last and not is_any_order) or math.isinf(begin):
                     continue
                 was = [(at[r], free[r]) for r in crew]
                 made[task], starts[task], ends[task] = crew, begin, begin + takes
@@ -270,7 +296,7 @@ def worth_by(mission: Mission, method: str, seconds: float) -> tuple[float, floa
     Where robots have batteries it is what the plan is judged by, in ticks, missed tasks included.
     """
     posed = pose_mission(mission)
-    if mission.chargers:
+    if mission.chargers or has_loads_at_zones(mission):
         found = PLANNERS[method](posed.problem, seconds, None)
         return 0.0, math.inf if found is None else found.worth
     made = plan_continuous(posed, method, seconds)
@@ -281,7 +307,7 @@ def worth_by(mission: Mission, method: str, seconds: float) -> tuple[float, floa
 
 def best_worth(mission: Mission) -> tuple[float, float]:
     """Return what the best plan of all misses by weight, and its makespan; see `worth_by`."""
-    if mission.chargers:
+    if mission.chargers or has_loads_at_zones(mission):
         return 0.0, best_charged(pose_mission(mission).problem, worth_by(mission, "plan", 0)[1])
     if mission.until is not None:
         return every_optional_plan.best_plan(mission)
@@ -297,6 +323,7 @@ DRAWN: dict[str, Callable[[int], Mission]] = {
     "optional": lambda number: every_optional_plan.draw_mission(number, TASKS, share=0.2),
     "shifts": draw_in_shifts,
     "zones": draw_in_zones,
+    "loads at zones": draw_at_docks,
     "charging": lambda number: replace(charged_mission(number, ROBOTS, TASKS), forming=0.0),
     "charging, windows": draw_charged("windows"),
     "charging, shifts": draw_charged("shifts"),

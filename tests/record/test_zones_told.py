@@ -6,10 +6,11 @@ from dataclasses import replace
 
 from small_worlds import make, robot, task
 from teamformer.mission.coordination import Known, Plan
-from teamformer.mission.model import Mission
+from teamformer.mission.model import Mission, as_believed
 from teamformer.mission.parts.zones import Zone
 from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
+from teamformer.record.files.truths import truth_from_tree, truth_to_tree
 from teamformer.record.record import Record
 from teamformer.record.telling.whole import told_of
 from teamformer.trials.trial import run_trial
@@ -70,3 +71,13 @@ def test_a_zone_with_room_for_two_is_full_with_two() -> None:
     record = run_trial(dock(2), InTurn((0, 1, 2))).record
     assert waits(record, 2) == [(2, "it waits for room in dock, where t0, t1 go on")]
     assert record.end.makespan == 7
+
+
+def test_a_task_that_is_looked_for_may_turn_out_to_be_outside_the_zone() -> None:
+    """The area holds x = 9 only; the task may be at 8, 9 or 10, and is at 8."""
+    mission = make([robot("a", 1)], [replace(task("a", 9), within=1)])
+    sought = mission.tasks[0]
+    mission = replace(mission, zones=(Zone("dock", area=((9, 0), (9, 0))),))
+    truth = as_believed(mission, tasks=(sought.once_known((8, 0), sought.needs, 0),))
+    read = truth_from_tree(mission, truth_to_tree(mission, truth))
+    assert (read.tasks[0].at, read.zones) == ((8, 0), mission.zones)

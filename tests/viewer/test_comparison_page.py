@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from toy_records import Tree, random_mission, small_mission, toy_record
 
+import teamformer as tf
 from browsers import Opened, Opener
+from teamformer.record.files.writing import record_to_tree
 from teamformer.viewer.html import comparison_page
+from test_telling_events import clinic
 
 
 @pytest.fixture(scope="session")
@@ -97,6 +101,51 @@ def test_records_with_windows_are_compared_by_lateness_too(open_page: Opener) ->
     assert head == ["method", "done", "makespan", "late", "to best"]
     rows = {row[0]: row[2:] for row in table_of(opened)}
     assert rows == {"first": ["15", "1 by 8", "+72%"], "second": ["18", "-", "+0%"]}
+
+
+def test_records_are_compared_by_their_cost(open_page: Opener) -> None:
+    """Two tasks by step 15, or one by step 5 and the other one missed: 15 and 5 + 20, by 21.
+
+    Without a cost, what is missed counts before all else.
+    """
+    mission = {
+        **{"teamformer": 1, "name": "choice", "world": {"grid": [12, 1]}, "capabilities": ["a"]},
+        "cost": {"makespan": 1, "missed": 20},
+        "until": 30,
+        "robots": [{"name": "r", "at": [4, 0], "can": ["a"]}],
+        "tasks": [
+            {"name": "near", "at": [0, 0], "needs": ["a"]},
+            {"name": "far", "at": [11, 0], "needs": ["a"], "optional": True},
+        ],
+    }
+    both, one = (toy_record(mission, method=name) for name in ("both", "one"))
+    both["steps"] = [{}] * 3 + [{"done": [[0, 0]]}] + [{}] * 10 + [{"done": [[1, 0]]}]
+    one["steps"] = [{}] * 3 + [{"done": [[0, 0]]}, {"missed": [[1, "too far"]]}]
+    for tree in (both, one):
+        tree["end"] |= {"status": "completed", "makespan": len(tree["steps"])}
+    opened = open_page([both, one], written=comparison_page)
+    opened.details()
+    rows = {row[0]: row[2:] for row in table_of(opened)}
+    assert rows == {
+        "both": ["15", "0.714286", "0", "+0%"],
+        "one": ["5", "1.19048", "1", "+67%"],
+    }
+    del both["mission"]["cost"]
+    opened = open_page([both, one], written=comparison_page)
+    opened.details()
+    rows = {row[0]: row[2:] for row in table_of(opened)}
+    assert rows == {"both": ["15", "0", "+0%"], "one": ["5", "1", ""]}  # more is missed
+
+
+def test_in_continuous_time_a_record_says_what_it_cost(open_page: Opener) -> None:
+    """Its ways, which are in no other cost, are not worked out anew."""
+    mission = replace(clinic(), cost={"makespan": 1.0, "travel": 1.0})
+    tree = record_to_tree(tf.run(mission, "plan").record)
+    dearer = {**tree, "method": "dearer", "end": {**tree["end"], "cost": 3.0}}
+    tree["end"]["cost"] = 2.0
+    opened = open_page([tree, dearer], written=comparison_page)
+    opened.details()
+    assert [row[-1] for row in table_of(opened)] == ["+0%", "+50%"]
 
 
 def test_curves_pass_through_what_was_done(compared: Callable[..., Opened], dock: Tree) -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 import teamformer as tf
-from browsers import Opener
+from browsers import Opened, Opener
 from charging_missions import charged_mission
 from hand_logs import RECORD
 from teamformer.files.drawn.named_settings import world_of
@@ -162,10 +163,35 @@ def test_roads_are_drawn_at_every_size(open_page: Opener, size: tuple[int, int])
     assert layout is not None
     named = {it["text"] for it in opened.page.evaluate("window.teamformer.names()")}
     assert named & set(layout.names)
+    assert not names_over_tasks(opened, set(layout.names), len(record.mission.tasks))
     for view in ("gantt", "tasks", "robots", "plots", "map"):
         opened.page.click(f"#view-{view}")
         opened.page.wait_for_timeout(60)
     assert opened.errors == []
+
+
+def names_over_tasks(opened: Opened, places: set[str], tasks: int) -> list[str]:
+    """Return the names of places that lie over the square of a task."""
+    names = opened.page.evaluate("window.teamformer.names()")
+    boxes = [opened.page.evaluate(f"window.teamformer.taskBox({task})") for task in range(tasks)]
+    return [
+        name["text"]
+        for name in names
+        for box in boxes
+        if name["text"] in places
+        and abs(name["x"] - box["x"]) < name["half"] - 2 + box["half"]
+        and abs(name["y"] - box["y"]) < box["half"] + 6
+    ]
+
+
+def test_a_robot_that_walks_home_walks_to_no_task(open_page: Opener) -> None:
+    record = tf.run(replace(clinic(), ends="home"), "plan").record
+    end = record.end.makespan
+    assert end is not None
+    opened = open_page(record_to_tree(record), f"#time={end - 0.1}&view=robots")
+    doing = {row["Doing"] for row in opened.page.evaluate("window.teamformer.tables().robots")}
+    assert "walks to where it stops" in doing
+    assert "walks to " not in doing
 
 
 def test_without_what_is_told_roads_lie_in_a_circle(scripts: Any) -> None:

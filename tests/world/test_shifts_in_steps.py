@@ -12,9 +12,11 @@ from random_worlds import random_decision, random_world, with_loads, with_shifts
 from small_worlds import at_work, done_at, make, places, play, robot, service, task
 from teamformer.base.errors import MissionError
 from teamformer.methods.coordinators.shared_plan import SharedPlan
-from teamformer.mission.model import Mission, Robot, Task
+from teamformer.mission.model import Delays, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.mission.truth import draw_truth
+from teamformer.record.referee import judge
+from teamformer.trials.trial import run_trial
 from teamformer.world.env import TeamFormation
 from twins import Twin
 
@@ -152,6 +154,19 @@ def test_nothing_is_possible_when_the_last_shift_is_over() -> None:
     assert env.is_running[0]
     play(env)
     assert env.tally().status == "infeasible"
+
+
+def test_a_mission_is_played_whose_robots_are_believed_to_be_too_slow_for_their_shifts() -> None:
+    """At full speed it gets everywhere; as it is held up nine times in ten, nobody believes it."""
+    way = make([robot("a", 3)], [task("a", 0), task("a", 6)])
+    first, second = way.tasks
+    held_up = replace(way.robots[0], delays=Delays(0.9), shifts=((0, 12),))
+    second = replace(second, after=(first.name,))
+    mission = replace(way, robots=(held_up,), tasks=(first, second), step_limit=0)
+    record = run_trial(mission, SharedPlan()).record
+    assert record.end.status == "infeasible"
+    assert record.end.steps == 12
+    assert judge(record).findings == ()
 
 
 @pytest.mark.parametrize("is_plane", [False, True], ids=["grid", "plane"])

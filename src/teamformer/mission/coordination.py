@@ -68,6 +68,8 @@ class Known:
     over: frozenset[int] = frozenset()  # tasks that are done or called off
     left: tuple[float, ...] = ()  # what each has in its battery once it is free
     charging: tuple[tuple[int, float], ...] = ()  # chargers where robots charge, and until when
+    loading: Mapping[int, float] = field(default_factory=dict)  # loads taken up, and until when
+    unloading: frozenset[int] = frozenset()  # loads where they are brought to, or put off there
 
     @property
     def step(self) -> int:

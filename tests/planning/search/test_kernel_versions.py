@@ -41,7 +41,7 @@ def test_both_versions_search_alike(problem: CoalitionProblem) -> None:
         assert search.begin_anew()
         hot, cold = search.heats
         search.anneal(hot, cold, 0, 4000, 4000)
-        found.append((search.rank, search.random.tolist(), search.graph.nodes.end.tolist()))
+        found.append((search.rank, search.state.random.tolist(), search.graph.nodes.end.tolist()))
         found[-1] += (search.best.order.tolist(), search.best.coalition.tolist())
     assert found[0] == found[1]
     assert np.isfinite(found[0][0]).all()

@@ -144,8 +144,8 @@ def assert_consistent(search: ArcSearch) -> None:
     assert are_apart(problem, plan)
     assert (nodes.end - nodes.duration).tolist() == [start[task] for task in range(tasks)]
     assert nodes.key.tolist() == [2 * start[task] + 1 for task in range(tasks)]
-    assert search._ledger.part.tolist() == parts
-    assert search._ledger.cost[NOW] == cost
+    assert search.state.ledger.part.tolist() == parts
+    assert search.state.ledger.cost[NOW] == cost
 
 
 def corridor(links: list[Link]) -> CoalitionProblem:
@@ -195,7 +195,7 @@ def test_a_search_stands_at_a_plan_that_is_timed_as_its_twin_times_it(seed: int)
         assert_consistent(search)
     search.begin_at(search.best)
     assert_consistent(search)
-    assert search._ledger.cost[NOW] == search.rank[0]
+    assert search.state.ledger.cost[NOW] == search.rank[0]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -277,12 +277,12 @@ undone = {"exchange": 0, "move": 0}
 for seed in range(4):
     search = ArcSearch(random_linked(seed, 12, robots=14), seed)
     assert search.begin_anew()
-    arcs, graph, trial = search.arcs, search.graph, search._trial
-    ledger, room, random = search._ledger, search._room, search.random
+    arcs, state = search.arcs, search.state
+    graph, trial, ledger = state.graph, state.trial, state.ledger
     for turn in range(50):
         before = [array.copy() for array in graph]
         begin_change(trial, ledger)
-        parts = (arcs, graph, trial, ledger, room, random, turn % 12, 40, NEVER)
+        parts = (arcs, state, turn % 12, 40, NEVER)
         what = "exchange" if turn % 2 else "move"
         is_able = exchange_rests(*parts) if turn % 2 else move_group(*parts)
         if is_able and turn % 3 < 2:

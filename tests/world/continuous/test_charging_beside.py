@@ -8,10 +8,13 @@ from typing import Any
 import pytest
 
 from charging_missions import Given, run_course
+from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.coordination import Plan
-from teamformer.mission.model import Delays, Mission, Robot, Task
+from teamformer.mission.model import Absence, Delays, Mission, Robot, Task
 from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import Grid
+from teamformer.record.referee import judge
+from teamformer.trials.trial import run_trial
 from teamformer.world.continuous.course import Course
 from teamformer.world.continuous.delays import StandingStill
 
@@ -142,3 +145,32 @@ def test_how_long_robots_walk_is_what_they_have_walked_when_they_are_there() -> 
     for who in ((0,), (1,), (0, 1)):
         for begin, spent in ((0.0, 5.25), (3.5, 12.0), (7.75, 20.5)):
             assert still.walked(who, begin, still.after(who, begin, spent)) == pytest.approx(spent)
+
+
+def test_who_is_back_between_two_cells_goes_on_to_the_next_before_it_charges() -> None:
+    # It is done at 24 with 18 left, 2 too few for home. Lost at 26.5 half-way from 18 to 17, and
+    # back at 30, it is at 17 at 30.5 and at the charger 7 later.
+    battery = replace(LANE.robots[0].battery, lasts=40)
+    mission = with_robot(battery=battery, absences=(Absence(26.5, 30),))
+    changes = {
+        "capabilities": ("lift", "scan"),
+        "robots": (*mission.robots, Robot("b", (50, 0), {"scan": 1})),
+        "tasks": (*mission.tasks, Task("late", (50, 0), {"scan": 1}, appears=70)),
+    }
+    record = run_trial(replace(mission, **changes, ends="home"), SharedPlan()).record
+    assert judge(record).findings == ()
+    [charge] = [event for event in record.events if event.kind == "charge"]
+    assert (charge.at, charge.place) == (37.5, (10, 0))
+
+
+def test_a_mission_is_over_when_nobody_gets_to_a_task_any_more_be_there_shifts_to_come() -> None:
+    # Home at 44 it has 2 left, and the charger is at 10. The next task appears at 100.
+    mission = with_robot(
+        battery=replace(LANE.robots[0].battery, lasts=44), shifts=((0.0, 90.0),), every=95.0
+    )
+    late = Task("late", (25, 0), {"lift": 1}, appears=100)
+    mission = replace(mission, tasks=(*mission.tasks, late), ends="home", step_limit=0)
+    record = run_trial(mission, SharedPlan()).record
+    assert judge(record).findings == ()
+    assert (record.end.status, record.end.blocked_tasks) == ("infeasible", ("late",))
+    assert record.events[-1].at == 100

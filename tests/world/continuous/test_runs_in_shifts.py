@@ -12,6 +12,7 @@ from clock_promises import path_length
 from teamformer.files.drawn.named_settings import world_of
 from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.model import Absence, Mission, Robot, Task
+from teamformer.mission.parts.grid import Grid
 from teamformer.mission.parts.plane import Plane
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous
@@ -121,6 +122,19 @@ def test_a_robot_that_was_lost_goes_on_within_its_shifts() -> None:
     away = replace(WORKER, absences=(Absence(4, 9),))
     record = run(mission(away))
     assert times(record, "lost", "back", "done") == [(4, "lost"), (9, "back"), (20, "done")]
+
+
+def test_who_is_back_between_two_cells_outside_its_shifts_goes_on_from_there() -> None:
+    """Lost a quarter of the way from 3 to 4; at 4 three quarters after 14, and at 6 two later."""
+    away = replace(WORKER, absences=(Absence(3.25, 12),))
+    record = run(replace(mission(away), world=Grid(12, 1)))
+    assert times(record, "back", "serve", "done") == [
+        (12, "back"),
+        (16.75, "serve"),
+        (21.75, "done"),
+    ]
+    back = next(number for number, event in enumerate(record.events) if event.kind == "back")
+    assert record.events[back + 1].way == ((11.75, (3, 0)), (14.75, (4, 0)))
 
 
 def test_who_never_gets_home_stays() -> None:

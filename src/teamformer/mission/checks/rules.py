@@ -105,7 +105,6 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}; {remedy}")
     for problem in find_endless_play(mission):
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
-    yield from zones_not_served(mission)
 
 
 def _problems_of_until(mission: Mission) -> Iterator[Problem]:
@@ -123,8 +122,6 @@ def rules_not_run(mission: Mission) -> Iterator[Problem]:
     """Return why a mission cannot be run, be it in steps or in continuous time."""
     if mission.time == "steps":
         yield from rules_not_played(mission)
-    else:
-        yield from zones_not_served(mission)
 
 
 def rules_not_advised(mission: Mission) -> Iterator[Problem]:
@@ -179,6 +176,7 @@ def rules_of_rehearsals(mission: Mission) -> Iterator[Problem]:
     yield from rules_not_run(mission)
     if mission.time == "continuous":
         yield from find_flown_loads(mission)
+    yield from zones_not_served(mission)
     remedy = _remedy(mission, FLEETS)
     yield from told_once(mission, find_unknown(mission, FLEETS), remedy)
     both = [

@@ -29,12 +29,17 @@ def find_zone_problems(mission: Mission) -> Iterator[Problem]:
             yield Problem((*where, "room"), message)
         faults = [*_faults_of_where(mission, zone, what)]
         yield from faults
-        if not faults and not zone.tasks_in(mission.tasks) and not mission.arrivals:
+        if not faults and not mission.arrivals and not _is_used(mission, zone):
             key = next(key for key in SAYS_WHERE if getattr(zone, key))
             yield Problem((*where, key), f"no task is in {what}; move it, or drop it")
         is_good &= not faults
     if is_good:
         yield from _find_narrow_zones(mission)
+
+
+def _is_used(mission: Mission, zone: Zone) -> bool:
+    """Say whether a task is in a zone, or a load is brought there."""
+    return bool(zone.tasks_in(mission.tasks) or zone.loads_in(mission.tasks))
 
 
 def _faults_of_where(mission: Mission, zone: Zone, what: str) -> Iterator[Problem]:
@@ -57,7 +62,8 @@ def _faults_of_area(mission: Mission, zone: Zone, what: str) -> Iterator[Problem
     if isinstance(mission.world, Roads):
         yield Problem(where, f"{what} has an area, and on roads there is none; name places")
     elif len(corners) != 2:
-        message = f"the area of {what} has {len(corners)} corners; write two, [[x, y], [x, y]]"
+        has = "one corner" if len(corners) == 1 else f"{len(corners)} corners"
+        message = f"the area of {what} has {has}; write two, [[x, y], [x, y]]"
         yield Problem(where, message)
     elif any(one > other for one, other in zip(*corners, strict=True)):
         message = f"the area of {what} goes from {corners[0]} to {corners[1]}"
@@ -111,7 +117,7 @@ def _shortest(task: Task) -> float:
 
 
 def zones_not_served(mission: Mission) -> Iterator[Problem]:
-    """Return what a mission has that zones do not go with yet."""
+    """Return what a mission has that zones do not go with yet in steps and in fleets."""
     if not mission.zones:
         return
     name = mission.zones[0].name

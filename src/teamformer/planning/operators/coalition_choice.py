@@ -6,7 +6,7 @@ Arcs are looked for at near tasks and depots.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -50,6 +50,9 @@ CANDIDATE = np.dtype(
     ]
 )
 
+if TYPE_CHECKING:
+    from teamformer.planning.operators.state import SearchState
+
 PICKS, TYPES, COMES, LEAVES, BANNED, FELLOWS_FROM, FELLOWS_TO = range(7)
 """Numbers of a choice: robots picked, types found, when the last of those picked comes, the longest
 chain that leaves, the seat whose arc out is not to be picked, and in steps between which nodes the
@@ -86,19 +89,13 @@ def empty_choice(problem: ArcProblem, seats: int) -> Choice:
 
 @kernel
 def gather(
-    problem: ArcProblem,
-    graph: Graph,
-    choice: Choice,
-    random: Array,
-    task: int,
-    cut: int,
-    comes_by: int,
-    by_chain: bool,
+    problem: ArcProblem, search: SearchState, task: int, cut: int, comes_by: int, by_chain: bool
 ) -> None:
     """Gather arcs that cross the cut as if the task were nowhere, the best of each type.
 
     One of the robots that do the task now is not among them, so that something changes.
     """
+    graph, choice, random = search.graph, search.choice, search.random
     nodes, seats, most = graph.nodes, graph.seats, problem.most[0]
     need = nodes[task].need
     for index in range(choice.number[TYPES]):
@@ -125,7 +122,7 @@ def gather(
                 if seats[tail].node == task:
                     tail = seats[tail].prev
             if nodes[seats[tail].node].key < cut < nodes[seats[head].node].key:
-                _consider(problem, graph, choice, random, task, tail, head, by_chain)
+                _consider(problem, search, task, tail, head, by_chain)
     robots = len(graph.back)
     robot = draw_below(random, robots)
     for _ in range(min(robots, DEPOTS)):
@@ -137,24 +134,18 @@ def gather(
         if seats[head].node == task:
             head = seats[head].next
         if nodes[seats[head].node].key > cut:
-            _consider(problem, graph, choice, random, task, tail, head, by_chain)
+            _consider(problem, search, task, tail, head, by_chain)
 
 
 @kernel
 def _consider(
-    problem: ArcProblem,
-    graph: Graph,
-    choice: Choice,
-    random: Array,
-    task: int,
-    tail: int,
-    head: int,
-    by_chain: bool,
+    problem: ArcProblem, search: SearchState, task: int, tail: int, head: int, by_chain: bool
 ) -> None:
     """Put an arc among the best of its type, if it is of use.
 
     Of loads it also counts how fast the robot carries them.
     """
+    graph, choice, random = search.graph, search.choice, search.random
     nodes, seats = graph.nodes, graph.seats
     kind = seats[tail].kind
     which = problem.kinds[kind].type
@@ -262,14 +253,8 @@ def _pick(problem: ArcProblem, choice: Choice, need: int, index: int) -> None:
         if which == NOBODY:
             break
         for place in range(problem.covers[need, index, part, 1]):
-            _add(choice, which, place)
-
-
-@kernel
-def _add(choice: Choice, which: int, place: int) -> None:
-    picks = choice.number[PICKS]
-    _copy(choice.candidates[which], place, choice.pick, picks)
-    choice.number[PICKS] = picks + 1
+            _copy(choice.candidates[which], place, choice.pick, choice.number[PICKS])
+            choice.number[PICKS] += 1
 
 
 @kernel
@@ -283,9 +268,32 @@ def pick_seat(
     pick.leaves = leave(problem, graph, kind, task, head)
     if graph.nodes[task].is_load:
         pick.leaves += takes_with(problem, problem.kinds[kind].pace, task)
+    take(problem, choice, problem.kinds[kind].type)
+
+
+@kernel
+def want(problem: ArcProblem, choice: Choice, need: int) -> None:
+    """Begin to pick robots that cover a need."""
+    choice.number[PICKS] = 0
     for cap in range(len(choice.lacking)):
-        choice.lacking[cap] -= problem.counts[problem.kinds[kind].type, cap]
+        choice.lacking[cap] = problem.needs[need, cap]
+
+
+@kernel
+def take(problem: ArcProblem, choice: Choice, which: int) -> None:
+    """Count the robot in the next place as picked; it is of a type."""
     choice.number[PICKS] += 1
+    for cap in range(len(choice.lacking)):
+        choice.lacking[cap] -= problem.counts[which, cap]
+
+
+@kernel
+def is_lacking(choice: Choice) -> bool:
+    """Say whether something is lacking that those who are picked do not bring."""
+    for cap in range(len(choice.lacking)):
+        if choice.lacking[cap] > 0:
+            return True
+    return False
 
 
 @kernel
@@ -295,10 +303,9 @@ def _choose_greedily(problem: ArcProblem, choice: Choice, need: int, by_chain: b
     `found` is used up: what is picked of a type is its best that is left.
     """
     number = choice.number
-    for cap in range(len(choice.lacking)):
-        choice.lacking[cap] = problem.needs[need, cap]
+    want(problem, choice, need)
     comes, leaves = 0, 0
-    while True:
+    while is_lacking(choice):
         best, least, at = NOBODY, NEVER, 0
         for index in range(number[TYPES]):
             which = choice.types[index]
@@ -313,21 +320,16 @@ def _choose_greedily(problem: ArcProblem, choice: Choice, need: int, by_chain: b
                 best, least, at = which, value, place
         if best == NOBODY:
             return False
-        _add(choice, best, at)
+        _copy(choice.candidates[best], at, choice.pick, number[PICKS])
+        take(problem, choice, best)
         comes = max(comes, choice.candidates[best, at].comes)
         leaves = max(leaves, choice.candidates[best, at].leaves)
-        is_lacking = False
-        for cap in range(len(choice.lacking)):
-            choice.lacking[cap] -= problem.counts[best, cap]
-            is_lacking |= choice.lacking[cap] > 0
-        if not is_lacking:
-            break
-    _drop_spare(problem, choice)
-    return True
+    drop_spare(problem, choice)
+    return bool(number[PICKS] > 0)
 
 
 @kernel
-def _drop_spare(problem: ArcProblem, choice: Choice) -> None:
+def drop_spare(problem: ArcProblem, choice: Choice) -> None:
     """Drop robots that are not needed, the last picked first."""
     pick, number = choice.pick, choice.number
     index = number[PICKS] - 1

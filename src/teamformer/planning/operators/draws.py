@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, takes_with
 from teamformer.planning.graph.arriving import arrive
 from teamformer.planning.graph.changes import CHAINED, COMES_BY, LEAVES_BY, ArcChange
 from teamformer.planning.graph.graph import LAST, LATEST, Graph, is_in_steps, leave
-from teamformer.planning.graph.ledger import Ledger
 from teamformer.planning.graph.worth import is_left_out, late_by
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.links import MAX_TARDINESS, TARDINESS
 from teamformer.world.rules.chance import draw_below
+
+if TYPE_CHECKING:
+    from teamformer.planning.operators.state import SearchState
 
 ON_CHAIN = 65  # percent
 """How often a change begins with a task that the makespan hangs on."""
@@ -29,16 +33,15 @@ MOST_DRAWS = 30
 
 
 @kernel
-def draw_task(
-    problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, random: Array
-) -> int:
+def draw_task(problem: ArcProblem, search: SearchState) -> int:
     """Draw a task, often one that the makespan hangs on; if plans have a cost, one that is late.
 
     Of a task that the makespan hangs on it is noted by which of its seats what it hangs on comes
     and leaves.
     """
+    graph, trial, random = search.graph, search.trial, search.random
     if is_weighed(problem):
-        return _draw_late(problem, graph, ledger, random)
+        return _draw_late(problem, search)
     number = trial.number
     if draw_below(random, 100) < ON_CHAIN:
         if number[CHAINED] == NOBODY:
@@ -99,8 +102,9 @@ def _waited_for(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -
 
 
 @kernel
-def _draw_late(problem: ArcProblem, graph: Graph, ledger: Ledger, random: Array) -> int:
+def _draw_late(problem: ArcProblem, search: SearchState) -> int:
     """Draw a task: now and then the latest one or one before it, else any."""
+    graph, ledger, random = search.graph, search.ledger, search.random
     nodes, seats, tasks = graph.nodes, graph.seats, len(problem.near)
     task = draw_below(random, tasks)
     latest, weight = ledger.part[MAX_TARDINESS], problem.links.weight

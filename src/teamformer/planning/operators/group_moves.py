@@ -7,18 +7,19 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_permit, may_miss, takes_with
-from teamformer.planning.graph.changes import KEY, KIND, TAKEN, ArcChange, connect, record
+from teamformer.planning.graph.changes import connect, remember
 from teamformer.planning.graph.graph import LAST, Graph
-from teamformer.planning.graph.ledger import Ledger, lead, way_out
+from teamformer.planning.graph.ledger import lead, way_out
 from teamformer.planning.graph.worth import is_left_out
-from teamformer.planning.operators.candidates import PICKS, STAMP, CandidateRoom, choose, gather
+from teamformer.planning.operators.candidates import STAMP, CandidateRoom, choose, gather
+from teamformer.planning.operators.coalition_choice import PICKS
 from teamformer.planning.operators.draws import cut_beside_near, keeps_order
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.planning.problem.links import FREE, TRAVEL
 from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.planning.operators.room import Room
+    from teamformer.planning.operators.state import SearchState
 
 ALONE = 40  # percent
 """How often a task that is linked is moved alone, to where its gaps let it start."""
@@ -29,30 +30,20 @@ one."""
 
 
 @kernel
-def move_group(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
-    random: Array,
-    task: int,
-    leg: int,
-    limit: int,
-) -> bool:
+def move_group(problem: ArcProblem, search: SearchState, task: int, leg: int, limit: int) -> bool:
     """Move a task or its group; say if robots were found."""
-    candidates = room.candidates
+    graph, random = search.graph, search.random
     nodes, members = graph.nodes, problem.links.members[problem.links.group[task]]
     if members[1] == NOBODY:
         cut = _draw_cut(problem, graph, random, task, leg)
-        was = take_out(problem, graph, trial, ledger, candidates, task, 0)
-        return _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was)
+        was = take_out(problem, search, task, 0)
+        return _put_in(problem, search, task, cut, was)
     if not is_left_out(problem, graph, task) and draw_below(random, 100) < ALONE:
         other = _draw_other(members, random, task)
         start = nodes[other].end - nodes[other].duration
         cut = _cut_beside(problem, graph, random, other, task, start)
-        was = take_out(problem, graph, trial, ledger, candidates, task, 0)
-        if not _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was):
+        was = take_out(problem, search, task, 0)
+        if not _put_in(problem, search, task, cut, was):
             return False
         return are_apart(problem, graph, members)
     cut = _draw_cut(problem, graph, random, task, leg)
@@ -60,15 +51,15 @@ def move_group(
     for other in members:
         if other == NOBODY:
             break
-        was = take_out(problem, graph, trial, ledger, candidates, other, was)
-    if not _put_in(problem, graph, trial, ledger, candidates, random, task, cut, was):
+        was = take_out(problem, search, other, was)
+    if not _put_in(problem, search, task, cut, was):
         return False
     for other in members:
         if other == NOBODY:
             break
         if other != task:
             beside = _cut_beside(problem, graph, random, task, other, cut // 2)
-            if not _put_in(problem, graph, trial, ledger, candidates, random, other, beside, was):
+            if not _put_in(problem, search, other, beside, was):
                 return False
     return are_apart(problem, graph, members)
 
@@ -117,54 +108,35 @@ def _draw_cut(problem: ArcProblem, graph: Graph, random: Array, task: int, leg: 
 
 
 @kernel
-def take_out(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: CandidateRoom,
-    task: int,
-    was: int,
-) -> int:
+def take_out(problem: ArcProblem, search: SearchState, task: int, was: int) -> int:
     """Take a task out of its arcs; note where it was behind `was` others, and count them."""
+    graph, trial, ledger, room = search.graph, search.trial, search.ledger, search.candidates
     node, seats = graph.nodes[task], graph.seats
+    remember(graph, trial, task)
     for seat in range(node.first, node.first + node.taken):
         tail, head = seats[seat].prev, seats[seat].next
         ledger.then[TRAVEL] -= way_out(problem, graph, seat)
         lead(problem, graph, trial, ledger, tail, head)
         room.was[was] = tail
         was += 1
-    record(trial, TAKEN, task, node.taken)
     node.taken = 0  # nobody is to come from there
     return was
 
 
 @kernel
-def _put_in(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: CandidateRoom,
-    random: Array,
-    task: int,
-    cut: int,
-    was: int,
-) -> bool:
+def _put_in(problem: ArcProblem, search: SearchState, task: int, cut: int, was: int) -> bool:
     """Put a task into the best arcs that cross a cut; say if there are any."""
+    graph, trial, ledger = search.graph, search.trial, search.ledger
     node, seats = graph.nodes[task], graph.seats
     if node.has_links and not keeps_order(problem, graph, task, cut):
         return False
-    gather(problem, graph, room, random, task, cut, was)
-    if not choose(problem, room, node.need):
+    gather(problem, search, task, cut, was)
+    if not choose(problem, search, node.need):
         return False
-    record(trial, TAKEN, task, node.taken)
-    record(trial, KEY, task, node.key)
-    node.taken, node.key = room.number[PICKS], cut
+    node.taken, node.key = search.choice.number[PICKS], cut
     for place in range(node.taken):
-        picked = room.found[room.pick[place]]
+        picked = search.choice.pick[place]
         seat, tail = node.first + place, picked.seat
-        record(trial, KIND, seat, seats[seat].kind)
         seats[seat].kind = picked.kind
         head = seats[tail].next
         lead(problem, graph, trial, ledger, tail, seat)

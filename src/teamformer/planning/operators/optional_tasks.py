@@ -7,76 +7,56 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed
-from teamformer.planning.graph.changes import COMES_BY, LEAVES_BY, ArcChange, connect, wait
+from teamformer.planning.graph.changes import COMES_BY, LEAVES_BY, connect, remember, wait
 from teamformer.planning.graph.graph import Graph
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.operators.group_moves import move_group, take_out
-from teamformer.planning.operators.moved import remember
 from teamformer.planning.operators.task_moves import move_task
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.planning.graph.ledger import Ledger
-    from teamformer.planning.operators.room import Room
+    from teamformer.planning.operators.state import SearchState
 
 NEAR_DRAWS = 8
 """How many near tasks are looked at for one that is left out."""
 
 
 @kernel
-def drop_task(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
-    random: Array,
-    task: int,
-    leg: int,
-    limit: int,
-) -> bool:
+def drop_task(problem: ArcProblem, search: SearchState, task: int, leg: int, limit: int) -> bool:
     """Leave an optional task out, with all that are linked with it; say if none comes after."""
     if not is_weighed(problem):
-        return _drop_one(problem, graph, trial, ledger, room, task)
+        return _drop_one(problem, search, task)
     for member in problem.links.members[problem.links.group[task]]:
         if member == NOBODY:
             break
-        if not _drop_one(problem, graph, trial, ledger, room, member):
+        if not _drop_one(problem, search, member):
             return False
     return True
 
 
 @kernel
 def exchange_tasks(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
-    random: Array,
-    task: int,
-    leg: int,
-    limit: int,
+    problem: ArcProblem, search: SearchState, task: int, leg: int, limit: int
 ) -> bool:
     """Leave an optional task out, and put in another one that was; say if there is one."""
+    graph, trial, random = search.graph, search.trial, search.random
     other = _draw_left_out(problem, graph, random, task)
     if other == NOBODY:
         return False
-    if not drop_task(problem, graph, trial, ledger, room, random, task, leg, limit):
+    if not drop_task(problem, search, task, leg, limit):
         return False
     trial.number[COMES_BY] = trial.number[LEAVES_BY] = NOBODY
     if is_weighed(problem):
-        return move_group(problem, graph, trial, ledger, room, random, other, leg, limit)
-    return move_task(problem, graph, trial, ledger, room, random, other, leg, limit)
+        return move_group(problem, search, other, leg, limit)
+    return move_task(problem, search, other, leg, limit)
 
 
 @kernel
-def _drop_one(
-    problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, room: Room, task: int
-) -> bool:
+def _drop_one(problem: ArcProblem, search: SearchState, task: int) -> bool:
     """Take a task out of its arcs; say if no task of the plan comes after it."""
+    graph, trial = search.graph, search.trial
     node, seats = graph.nodes[task], graph.seats
     if node.has_links:
         for other in problem.after[task]:
@@ -85,9 +65,9 @@ def _drop_one(
             if graph.nodes[other].taken > 0:
                 return False
     if is_weighed(problem):
-        take_out(problem, graph, trial, ledger, room.candidates, task, 0)
+        take_out(problem, search, task, 0)
     else:
-        remember(graph, room.moved, task)
+        remember(graph, trial, task)
         for seat in range(node.first, node.first + node.taken):
             connect(graph, trial, seats[seat].prev, seats[seat].next)
         node.taken = 0

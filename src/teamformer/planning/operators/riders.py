@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import is_weighed
-from teamformer.planning.graph.changes import connect, follow
+from teamformer.planning.graph.changes import KEY, LOGGED, connect, follow, remember
 from teamformer.planning.graph.graph import is_in_steps
 from teamformer.planning.graph.ledger import travel_of
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.operators.group_moves import are_apart
-from teamformer.planning.operators.moved import MOST_MOVED, remember
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import TRAVEL
 from teamformer.world.rules.chance import draw_below
@@ -26,9 +25,10 @@ if TYPE_CHECKING:
     from teamformer.planning.graph.arc_problem import ArcProblem
     from teamformer.planning.graph.changes import ArcChange
     from teamformer.planning.graph.graph import Graph
-    from teamformer.planning.graph.ledger import Ledger
-    from teamformer.planning.operators.moved import Moved
-    from teamformer.planning.operators.room import Room
+    from teamformer.planning.operators.state import SearchState
+
+MOST_MOVED = 8
+"""How many tasks one change moves at most."""
 
 SKIPS, JOINS = 20, 20  # percent
 """How many changes of riders skip tasks and, in steps, join at one task; the others follow a
@@ -36,48 +36,39 @@ guide."""
 
 
 @kernel
-def ride(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
-    random: Array,
-    task: int,
-    leg: int,
-    limit: int,
-) -> bool:
+def ride(problem: ArcProblem, search: SearchState, task: int, leg: int, limit: int) -> bool:
     """Have a robot come along with others, or skip what can be done without it.
 
     Say if anything is changed, and no robot does two tasks then that are linked.
     """
-    moved = room.moved
+    graph, trial, ledger, random = search.graph, search.trial, search.ledger, search.random
     what = draw_below(random, 100)
     if what < SKIPS:
-        _skip(problem, graph, trial, moved, random, task)
+        _skip(problem, search, task)
     elif not is_in_steps(graph):
-        _ride_along(problem, graph, trial, moved, random, task)
+        _ride_along(problem, search, task)
     elif what < SKIPS + JOINS:
         tail = _draw_fellow(problem, graph, random, task)
         if tail != NOBODY:
-            remember(graph, moved, task)
+            remember(graph, trial, task)
             _come_along(graph, trial, task, tail)
     else:
-        _follow_a_guide(problem, graph, trial, moved, random, task)
+        _follow_a_guide(problem, search, task)
     if is_weighed(problem):
         ledger.then[TRAVEL] = travel_of(problem, graph)
-        for place in range(moved.number[0]):
-            members = problem.links.members[problem.links.group[moved.task[place]]]
+        for place in range(trial.number[LOGGED]):
+            if trial.log[place].what != KEY:
+                continue
+            members = problem.links.members[problem.links.group[trial.log[place].index]]
             if members[1] != NOBODY and not are_apart(problem, graph, members):
                 return False
-    return moved.number[0] > 0
+    return bool(trial.number[LOGGED] > 0)
 
 
 @kernel
-def _skip(
-    problem: ArcProblem, graph: Graph, trial: ArcChange, moved: Moved, random: Array, task: int
-) -> None:
+def _skip(problem: ArcProblem, search: SearchState, task: int) -> None:
     """Have a robot skip tasks, from one on, while they can be done without it."""
+    graph, trial, random = search.graph, search.trial, search.random
     seats, nodes = graph.seats, graph.nodes
     seat = nodes[task].first + draw_below(random, nodes[task].taken)
     for _ in range(1 + draw_below(random, MOST_MOVED)):
@@ -85,7 +76,7 @@ def _skip(
         if node == len(nodes) - 1 or not covers_with(problem, graph, node, node, seat, NOBODY):
             break
         following = seats[seat].next
-        remember(graph, moved, node)
+        remember(graph, trial, node)
         leave_out(graph, trial, node, seat)
         seat = following
 
@@ -155,26 +146,24 @@ def _come_along(graph: Graph, trial: ArcChange, task: int, tail: int) -> None:
 
 
 @kernel
-def _follow_a_guide(
-    problem: ArcProblem, graph: Graph, trial: ArcChange, moved: Moved, random: Array, task: int
-) -> None:
+def _follow_a_guide(problem: ArcProblem, search: SearchState, task: int) -> None:
     """Have a robot go with another one of a task until they meet again."""
+    graph, random = search.graph, search.random
     seats, nodes = graph.seats, graph.nodes
     tail = nodes[task].first + draw_below(random, nodes[task].taken)
     guide = nodes[task].first + draw_below(random, nodes[task].taken)
     if guide != tail:
         count = 1 + draw_below(random, MOST_MOVED)
-        _go_with(problem, graph, trial, moved, tail, seats[guide].next, count)
+        _go_with(problem, search, tail, seats[guide].next, count)
 
 
 @kernel
-def _ride_along(
-    problem: ArcProblem, graph: Graph, trial: ArcChange, moved: Moved, random: Array, task: int
-) -> None:
+def _ride_along(problem: ArcProblem, search: SearchState, task: int) -> None:
     """Have a robot that is on its way when a task starts do it, too, and go on from there.
 
     Every other time it stays with one of the task's robots for a while.
     """
+    graph, random = search.graph, search.random
     nodes, seats, robots = graph.nodes, graph.seats, len(graph.back)
     tail = len(seats) - 2 * robots + draw_below(random, robots)
     other = draw_near(problem, random, task)
@@ -185,34 +174,27 @@ def _ride_along(
     if nodes[seats[tail].node].key < nodes[task].key:
         guide = nodes[task].first + draw_below(random, nodes[task].taken)
         count = 1 + draw_below(random, 2) * draw_below(random, MOST_MOVED)
-        _go_with(problem, graph, trial, moved, tail, guide, count)
+        _go_with(problem, search, tail, guide, count)
 
 
 @kernel
-def _go_with(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    moved: Moved,
-    tail: int,
-    guide: int,
-    count: int,
-) -> None:
+def _go_with(problem: ArcProblem, search: SearchState, tail: int, guide: int, count: int) -> None:
     """Have the robot that leaves a seat do what another one does from a seat on, so many tasks.
 
     It is less where they would meet, or where no seat is left.
     """
+    graph, trial = search.graph, search.trial
     seats, nodes = graph.seats, graph.nodes
     head, kind = seats[tail].next, seats[tail].kind
     for _ in range(count):
         node = nodes[seats[guide].node]
         if node.key >= nodes[seats[head].node].key or node.taken == problem.most[0]:
             break
-        remember(graph, moved, seats[guide].node)
+        remember(graph, trial, seats[guide].node)
         seat = node.first + node.taken
         node.taken += 1
         seats[seat].kind = kind
         connect(graph, trial, tail, seat)
         tail, guide = seat, seats[guide].next
-    if moved.number[0] > 0:
+    if trial.number[LOGGED] > 0:
         connect(graph, trial, tail, head)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
-from teamformer.planning.graph.changes import COMES_BY, ArcChange, connect
+from teamformer.planning.graph.changes import COMES_BY, connect, remember
 from teamformer.planning.graph.graph import MAKESPAN, Graph
 from teamformer.planning.operators.bundles import draw_group, pick_group
 from teamformer.planning.operators.coalition_choice import (
@@ -15,20 +15,16 @@ from teamformer.planning.operators.coalition_choice import (
     FELLOWS_FROM,
     LEAVES,
     PICKS,
-    Choice,
     choose,
     gather,
     sum_up_picks,
 )
 from teamformer.planning.operators.draws import cut_beside_near, keeps_order
-from teamformer.planning.operators.moved import remember
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
 
 if TYPE_CHECKING:
-    from teamformer.planning.graph.ledger import Ledger
-    from teamformer.planning.operators.moved import Moved
-    from teamformer.planning.operators.room import Room
+    from teamformer.planning.operators.state import SearchState
 
 NEAR_ITS_START = 20  # percent
 """How many tasks are moved near to their start; the others beside a near task or to any moment."""
@@ -42,23 +38,14 @@ always is, as the chain counts how fast it goes."""
 
 
 @kernel
-def move_task(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
-    random: Array,
-    task: int,
-    leg: int,
-    limit: int,
-) -> bool:
+def move_task(problem: ArcProblem, search: SearchState, task: int, leg: int, limit: int) -> bool:
     """Move a task; say if robots were found and no chain through it seems too long."""
-    choice = room.choice
+    graph, trial, random = search.graph, search.trial, search.random
+    choice = search.choice
     node, need = graph.nodes[task], graph.nodes[task].need
     choice.number[FELLOWS_FROM] = cut = NOBODY
     if problem.habits[BUNDLE] > 0 and draw_below(random, 100) < problem.habits[BUNDLE]:
-        cut = draw_group(problem, graph, choice, random, task)
+        cut = draw_group(problem, search, task)
     is_picked = cut != NOBODY and pick_group(problem, graph, choice, task)
     if cut == NOBODY:
         cut = _draw_cut(problem, graph, random, task, leg, limit)
@@ -66,14 +53,14 @@ def move_task(
         return False
     if not is_picked:
         by_chain = draw_below(random, 100) < BY_CHAIN or bool(node.is_load)
-        gather(problem, graph, choice, random, task, cut, trial.number[COMES_BY], by_chain)
+        gather(problem, search, task, cut, trial.number[COMES_BY], by_chain)
         if not choose(problem, choice, random, need, by_chain):
             return False
     sum_up_picks(choice)
     comes = max(choice.number[COMES], node.release)
     if comes + choice.number[LEAVES] > limit + leg:
         return False
-    _put(problem, graph, trial, choice, room.moved, task, cut)
+    _put(problem, search, task, cut)
     return True
 
 
@@ -96,18 +83,11 @@ def _draw_cut(
 
 
 @kernel
-def _put(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    choice: Choice,
-    moved: Moved,
-    task: int,
-    cut: int,
-) -> None:
+def _put(problem: ArcProblem, search: SearchState, task: int, cut: int) -> None:
     """Take a task out of its arcs, and put it into those that were picked."""
+    graph, trial, choice = search.graph, search.trial, search.choice
     seats, node, most = graph.seats, graph.nodes[task], problem.most[0]
-    remember(graph, moved, task)
+    remember(graph, trial, task)
     for seat in range(node.first, node.first + node.taken):
         connect(graph, trial, seats[seat].prev, seats[seat].next)
     node.taken, node.key = choice.number[PICKS], cut

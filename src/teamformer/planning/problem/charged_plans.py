@@ -1,4 +1,4 @@
-"""What plans come to where robots charge, in ticks: with queues, which searches leave out."""
+"""What plans come to where robots queue, in ticks: at chargers, before zones. No search has it."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable, Hashable, Sequence
 
 from teamformer.mission.parts.charging import Battery
-from teamformer.planning.problem.batteries import ENDLESS, Batteries
+from teamformer.planning.problem.batteries import ENDLESS, Batteries, are_charged
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.constants import SPREAD
+from teamformer.planning.problem.docks import have_docks, rooms_of_docks
 from teamformer.planning.problem.links import (
     COMPLETION,
     HOME,
@@ -27,16 +28,22 @@ from teamformer.planning.problem.rotas import rotas_as_told
 from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.charging.times import ChargedTimes, ChargeStart, time_charged
 from teamformer.world.rules.constants import NOBODY
-from teamformer.world.rules.starts import FIRST, StartRules
+from teamformer.world.rules.starts import FIRST, LoadTimes, StartRules
 
 AT_HOME = -1
 """Stands among places, tasks and chargers for where a robot is to be in the end."""
 
 
-def charged_totals(problem: CoalitionProblem, plan: CoalitionPlan) -> tuple[float, float]:
-    """Return what a plan is judged by if robots charge, and what leads a search.
+def are_carried_out(problem: CoalitionProblem) -> bool:
+    """Say whether plans have to be carried out to be timed: somebody may queue."""
+    return are_charged(problem.batteries) or have_docks(problem.docks)
 
-    Both are in ticks, infinite if somebody runs dry, and count with who queues at chargers.
+
+def charged_totals(problem: CoalitionProblem, plan: CoalitionPlan) -> tuple[float, float]:
+    """Return what a plan is judged by if robots queue, and what leads a search.
+
+    Both are in ticks, infinite if somebody runs dry, and count with who queues at chargers, and
+    where loads are taken up and unloaded.
     """
     told = charged_times(problem, plan)
     ends = [told.timed.end(task) if plan.size[task] else math.inf for task in range(len(plan.size))]
@@ -108,7 +115,7 @@ def _ways_of(problem: CoalitionProblem) -> Callable[[int, Hashable, Hashable], f
 
 
 def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTimes:
-    """Return the times of a plan in ticks if robots charge."""
+    """Return the times of a plan in ticks if robots queue."""
     batteries, tasks, places = problem.batteries, len(problem.needs), problem.ways.shape[1]
     order = [task for task in plan.order.tolist() if plan.size[task] > 0]
     robots, way = range(problem.bodies), _ways_of(problem)
@@ -125,7 +132,14 @@ def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTime
         for task, row in enumerate(problem.before.tolist())
         if row[0] != NOBODY
     }
-    own = [_battery(batteries, problem.kind[robot]) for robot in robots]
+    charged, docks = are_charged(batteries), problem.docks
+    own = [_battery(batteries, problem.kind[robot]) if charged else None for robot in robots]
+    lifting = {task: int(docks.lifting[task]) for task in order if have_docks(docks)}
+    lifting = {task: takes for task, takes in lifting.items() if takes >= 0}
+
+    def carried(task: int, robots: Sequence[int]) -> float:
+        return takes(task, robots) - int(docks.lifting[task] + docks.unloading[task])
+
     chargers = [places + charger for charger in range(len(batteries.room))]
     origin = problem.origin[: problem.bodies].tolist()
     free = [int(problem.ready[place - tasks]) for place in origin]
@@ -134,17 +148,18 @@ def charged_times(problem: CoalitionProblem, plan: CoalitionPlan) -> ChargedTime
         gaps=gaps_as_told(problem.links, order),
         forming=int(problem.forming[0]),
         rotas=rotas_as_told(problem.rotas, problem.kind[: problem.bodies]),
-        rooms=rooms_of_permits(problem),
+        rooms=rooms_of_docks(docks) if have_docks(docks) else rooms_of_permits(problem),
+        loads=LoadTimes(lifting, {task: int(docks.unloading[task]) for task in lifting}, carried),
     )  # fmt: skip
     standing = ChargeStart(
         places=origin,
-        left=batteries.left[: problem.bodies].tolist(),
+        left=batteries.left[: problem.bodies].tolist() if charged else [math.inf] * len(own),
         taken=[(charger, until) for charger, until in batteries.taken.tolist()],
         task_places=dict(zip(order, order, strict=True)),
         task_ends=dict(zip(order, order, strict=True)),
         homes=[AT_HOME] * len(own),
-        spends=[batteries.spends[problem.kind[robot]].tolist() for robot in robots],
-        serves=[batteries.serves[problem.kind[robot]].tolist() for robot in robots],
+        spends=[batteries.spends[problem.kind[robot]].tolist() for robot in robots if charged],
+        serves=[batteries.serves[problem.kind[robot]].tolist() for robot in robots if charged],
         services=batteries.services.tolist(),
     )
     charging = ChargeRules(own, chargers, batteries.room.tolist(), way)

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from teamformer.base.array_types import Int32s, Ints
 from teamformer.planning.problem.batteries import Batteries, no_batteries
 from teamformer.planning.problem.constants import NEVER
+from teamformer.planning.problem.docks import Docks, no_docks
 from teamformer.planning.problem.links import Links, no_links
 from teamformer.planning.problem.misses import Misses, no_misses
 from teamformer.planning.problem.rotas import Rotas, no_rotas, of_kinds
@@ -62,6 +63,7 @@ class CoalitionProblem(NamedTuple):
     misses: Misses  # what is missed if the mission is over before a task is done
     rotas: Rotas  # when the robots of each kind work; empty where all always do
     batteries: Batteries  # of no kinds where nobody has one
+    docks: Docks  # zones of loads; no search counts with them
     bodies: int  # how many robots there are; those behind them are permits of zones
 
 
@@ -129,6 +131,7 @@ def pose_problem(
         misses=no_misses() if misses is None else misses,
         rotas=no_rotas() if rotas is None else of_kinds(rotas, first),
         batteries=no_batteries(),
+        docks=no_docks(),
         bodies=len(counts) - permits,
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.graph.arc_problem import SLACK, ArcProblem, is_weighed, may_miss
-from teamformer.planning.graph.changes import CHAINED, ArcChange, undo
+from teamformer.planning.graph.changes import CHAINED, undo
 from teamformer.planning.graph.graph import COST, LEADS, MAKESPAN, Graph, counted_makespan
 from teamformer.planning.graph.ledger import (
     BEST,
@@ -30,12 +30,10 @@ from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_task
 from teamformer.planning.operators.exchanges import exchange_rests
 from teamformer.planning.operators.group_moves import move_group
-from teamformer.planning.operators.moved import take_back
 from teamformer.planning.operators.optional_tasks import drop_task, exchange_tasks
 from teamformer.planning.operators.riders import ride
-from teamformer.planning.operators.room import Room
+from teamformer.planning.operators.state import SearchState
 from teamformer.planning.operators.stretches import move_stretch
-from teamformer.planning.operators.swaps import swap_heads
 from teamformer.planning.operators.table import (
     DROP,
     EXCHANGE,
@@ -44,7 +42,6 @@ from teamformer.planning.operators.table import (
     MOVE_TASK,
     RIDE,
     STRETCH,
-    SWAP,
     draw_operator,
 )
 from teamformer.planning.operators.task_moves import move_task
@@ -73,13 +70,9 @@ def copy_graph(graph: Graph, into: Graph) -> None:
 @entry
 def anneal(
     problem: ArcProblem,
-    graph: Graph,
+    search: SearchState,
     best: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
     shares: Array,
-    random: Array,
     slacks: Array,
     leg: int,
     hot: float,
@@ -89,17 +82,18 @@ def anneal(
     rounds: int,
 ) -> None:
     """Make changes; keep those that are better or, while it is hot, a bit worse."""
+    graph, trial, ledger, random = search.graph, search.trial, search.ledger, search.random
     is_best, must_copy = False, False
     trial.number[CHAINED] = NOBODY
     for turn in range(begin, end):
         heat = hot + np.floor((cold - hot) * turn / rounds)
         slack = heat * slacks[draw_below(random, len(slacks))] / STEPS
         allowed, limit = _allow(problem, graph, ledger, heat, slack)
-        task = draw_task(problem, graph, trial, ledger, random)
+        task = draw_task(problem, search)
         begin_change(trial, ledger)
-        room.moved.number[0], room.candidates.heat[0] = 0, heat
+        search.candidates.heat[0] = heat
         number = draw_operator(shares, random)
-        is_kept = _change(problem, graph, trial, ledger, room, random, number, task, leg, limit)
+        is_kept = _change(problem, search, number, task, leg, limit)
         if is_kept and time_change(problem, graph, trial, ledger, limit, allowed):
             sum_up_change(problem, graph, trial, ledger)
             is_kept = ledger.lead[THEN] <= allowed
@@ -112,7 +106,6 @@ def anneal(
             is_best = is_better(ledger, NOW, BEST)
         else:
             undo(graph, trial)
-            take_back(graph, room.moved)
             if must_copy:
                 _write_down(problem, graph, best, ledger)
                 trial.number[CHAINED] = NOBODY  # in steps writing down corrects times
@@ -123,41 +116,31 @@ def anneal(
 
 @kernel
 def _change(
-    problem: ArcProblem,
-    graph: Graph,
-    trial: ArcChange,
-    ledger: Ledger,
-    room: Room,
-    random: Array,
-    number: int,
-    task: int,
-    leg: int,
-    limit: int,
+    problem: ArcProblem, search: SearchState, number: int, task: int, leg: int, limit: int
 ) -> bool:
     """Have an operator change the graph around a task; say whether it did.
 
     A task that is left out can only be put in.
     """
+    graph = search.graph
     if may_miss(problem):
         is_out = is_left_out(problem, graph, task)
         is_fixed = not graph.worth[task].is_optional
         if is_out or (is_fixed and number <= EXCHANGE_TASKS):
             number = MOVE_GROUP if is_weighed(problem) else MOVE_TASK
         elif number == DROP:
-            return drop_task(problem, graph, trial, ledger, room, random, task, leg, limit)
+            return drop_task(problem, search, task, leg, limit)
         elif number == EXCHANGE_TASKS:
-            return exchange_tasks(problem, graph, trial, ledger, room, random, task, leg, limit)
-    if number == SWAP:
-        return swap_heads(problem, graph, trial, ledger, room, random, task, leg, limit)
+            return exchange_tasks(problem, search, task, leg, limit)
     if number == RIDE:
-        return ride(problem, graph, trial, ledger, room, random, task, leg, limit)
+        return ride(problem, search, task, leg, limit)
     if number == STRETCH:
-        return move_stretch(problem, graph, trial, ledger, room, random, task, leg, limit)
+        return move_stretch(problem, search, task, leg, limit)
     if number == EXCHANGE:
-        return exchange_rests(problem, graph, trial, ledger, room, random, task, leg, limit)
+        return exchange_rests(problem, search, task, leg, limit)
     if number == MOVE_GROUP:
-        return move_group(problem, graph, trial, ledger, room, random, task, leg, limit)
-    return move_task(problem, graph, trial, ledger, room, random, task, leg, limit)
+        return move_group(problem, search, task, leg, limit)
+    return move_task(problem, search, task, leg, limit)
 
 
 @kernel

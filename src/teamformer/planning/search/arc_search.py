@@ -12,8 +12,8 @@ import numpy as np
 from teamformer.planning.dispatch.futures import first_plan
 from teamformer.planning.graph.arc_problem import StepRules, pose_arcs
 from teamformer.planning.graph.graph import COST, LEADS, empty_graph, lay, plan_of
-from teamformer.planning.graph.ledger import BEST, NOW, empty_ledger, open_ledger, room_for_change
-from teamformer.planning.operators.room import empty_room
+from teamformer.planning.graph.ledger import BEST, NOW, open_ledger
+from teamformer.planning.operators.state import empty_state
 from teamformer.planning.operators.table import shares_of
 from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.charged_ways import RESCUE
@@ -83,12 +83,10 @@ class ArcSearch:
     ) -> None:
         self.problem = problem
         self.arcs = pose_arcs(problem, steps)
-        self.graph, self._best = empty_graph(problem, steps), empty_graph(problem, steps)
+        self.state = empty_state(problem, self.arcs, steps, seed)
+        self.graph, self._best = self.state.graph, empty_graph(problem, steps)
         self._is_weighed = have_weights(problem.links)
-        self._ledger, self._trial = empty_ledger(self.arcs), room_for_change(self.arcs, self.graph)
-        self._room = empty_room(self.arcs, len(self.graph.seats))
         self._shares, self._draws = shares_of(problem, steps), Random(seed)
-        self.random = np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64)
 
     def begin_anew(self) -> bool:
         """Make a first plan; say whether every task has an able coalition."""
@@ -111,7 +109,7 @@ class ArcSearch:
             if not self._lay(seated):
                 return False
         copy_graph(self.graph, self._best)
-        for costs in (self._ledger.cost, self._ledger.lead):
+        for costs in (self.state.ledger.cost, self.state.ledger.lead):
             costs[BEST] = costs[NOW]
         return True
 
@@ -144,14 +142,14 @@ class ArcSearch:
 
     def _open(self) -> bool:
         """Work out what the plan costs that the graph holds; say if its times come to an end."""
-        return bool(open_ledger(self.arcs, self.graph, self._trial, self._ledger))
+        return bool(open_ledger(self.arcs, self.graph, self.state.trial, self.state.ledger))
 
     @property
     def heats(self) -> tuple[float, float]:
         """Return where an annealing begins and ends."""
         if self._is_weighed:
             visits = max(1, int(self.graph.nodes.taken.sum()))
-            lead = float(self._ledger.lead[NOW])
+            lead = float(self.state.ledger.lead[NOW])
             hot = HOT_IF_WEIGHED * (
                 self.leg if self._is_late(lead) or self._is_dry else lead / visits
             )
@@ -191,9 +189,8 @@ class ArcSearch:
 
     def anneal(self, hot: float, cold: float, begin: int, end: int, rounds: int) -> None:
         """Make the rounds from `begin` to `end` of so many, from `hot` to `cold`."""
-        parts = (self.graph, self._best, self._trial, self._ledger, self._room, self._shares)
-        heats = (self.leg, float(hot), float(cold))
-        anneal(self.arcs, *parts, self.random, SLACKS, *heats, begin, end, rounds)
+        parts = (self.state, self._best, self._shares, SLACKS)
+        anneal(self.arcs, *parts, self.leg, float(hot), float(cold), begin, end, rounds)
 
     def anneal_shared(self) -> None:
         """Make the rounds of the plan that every robot computes for itself, from a first plan."""
@@ -289,7 +286,7 @@ class ArcSearch:
     @property
     def rank(self) -> tuple[float, float]:
         """Return what the best plan is compared by: what it is judged by, then what leads on."""
-        return float(self._ledger.cost[BEST]), float(self._ledger.lead[BEST])
+        return float(self.state.ledger.cost[BEST]), float(self.state.ledger.lead[BEST])
 
     @property
     def present(self) -> CoalitionPlan:

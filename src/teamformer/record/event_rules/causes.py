@@ -8,18 +8,19 @@ from teamformer.mission.coordination import IDLE, TAKEN_OVER
 from teamformer.mission.parts.zones import lets_in
 from teamformer.record.event_rules.charging import begun_by, freed
 from teamformer.record.event_rules.names import need
-from teamformer.record.event_rules.standing import Standing
+from teamformer.record.event_rules.standing import QUEUES, Standing
 from teamformer.world.continuous.events import Event
 from teamformer.world.rules.constants import NOBODY
 
 FROM_OUTSIDE = ("lost", "back", "rests", "works", "appear", "cancel", "missed", "empty")
 """Events without a cause."""
 
-AT_ONCE = ("plan", "walk", "form", "serve", "know", "broken", "charge", "queue")
-"""Events that happen as soon as what they hang on."""
+AT_ONCE = ("plan", "walk", "form", "serve", "know", "broken", "charge")
+"""Events that happen as soon as what they hang on; who queues at a charger, or unloads after he has
+queued, does so, too."""
 
-PARTS = ("formed", "lift", "unload", "done", "overdue")
-"""Events that hang on the part of work that was begun last."""
+PARTS = ("formed", "lift", "unload", "done", "overdue", "queue")
+"""Events that hang on the part of work that was begun last; not if somebody has queued."""
 
 
 def judge_cause(now: Standing, event: Event) -> None:
@@ -31,7 +32,9 @@ def judge_cause(now: Standing, event: Event) -> None:
     if due != event.cause:
         by_rules, said = (_named(now, number) for number in (due, event.cause))
         need(False, f"{event.kind} hangs on {by_rules} by the rules and on {said} in the record")
-    if event.kind in AT_ONCE and not _comes_by_itself(now, event):
+    is_queue = event.kind == "queue" and event.task == NOBODY
+    is_at_once = event.kind in AT_ONCE or is_queue or _has_queued(now, event)
+    if is_at_once and not _comes_by_itself(now, event):
         begun = 0.0 if due == NOBODY else now.events[due].at
         need(begun == event.at, f"{event.kind} is due at {begun:.9g}")
 
@@ -55,7 +58,10 @@ def _cause_of(now: Standing, event: Event) -> int:
     """Return the number of the event on which one hangs by the rules."""
     if event.kind in FROM_OUTSIDE:
         return NOBODY
-    if event.kind in PARTS:
+    if _has_queued(now, event):
+        let_in = lets_in(now.rooms, _moment(now), now.at_work, event.task, is_load=True)
+        return _latest(now, let_in, event)
+    if event.kind in PARTS and event.task != NOBODY:
         work = now.works.get(event.task)
         need(work is not None, f"nobody is at work on {now.names.task(event.task)}")
         assert work is not None
@@ -83,10 +89,16 @@ def _cause_of(now: Standing, event: Event) -> int:
         since += [now.over_by[other] for other in now.before.get(event.task, ())
                   if other in now.over_by]  # fmt: skip
         since += now.opened.get(event.task, ())
-        since += lets_in(now.rooms, _moment(now), now.under_way, event.task)
+        since += lets_in(now.rooms, _moment(now), now.at_work, event.task)
     if event.kind in ("walk", "arrive", "form", "serve"):
         since.append(now.planned)
     return _latest(now, since, event)
+
+
+def _has_queued(now: Standing, event: Event) -> bool:
+    """Say whether an event begins the unloading of a load that had to wait for room."""
+    work = now.works.get(event.task)
+    return event.kind == "unload" and work is not None and work.part == QUEUES
 
 
 def _moment(now: Standing) -> list[tuple[int, str, int]]:

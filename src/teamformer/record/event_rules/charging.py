@@ -13,7 +13,7 @@ from teamformer.mission.parts.grid import Place
 from teamformer.record.event_rules.from_outside import stand_still
 from teamformer.record.event_rules.lengths import is_near
 from teamformer.record.event_rules.names import BrokenRuleError, need
-from teamformer.record.event_rules.standing import CARRIES, FORMS, Standing, expect, one
+from teamformer.record.event_rules.standing import CARRIES, FORMS, QUEUES, Standing, expect, one
 from teamformer.world.continuous.events import Event
 from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.constants import NOBODY
@@ -76,7 +76,7 @@ def _spent(now: Standing, charges: Charges, robot: int, later: float) -> float:
         work = now.works[it.work]
         if work.part == CARRIES:
             return now.lengths.walked(work.robots, now.now, later)
-        return works * (battery.waiting if work.part == FORMS else battery.serving)
+        return works * (battery.waiting if work.part in (FORMS, QUEUES) else battery.serving)
     if it.is_walking:
         return now.lengths.walked((robot,), now.now, later)
     is_waiting = it.task in now.unseen or (it.task != NOBODY and now.next_task(robot) == it.task)
@@ -102,13 +102,18 @@ def charger_for(now: Standing, charges: Charges, robot: int) -> int:
 
 
 def set_out(now: Standing, charges: Charges, robot: int, event: Event) -> None:
-    """Check that a robot that sets out goes to a charger if it has to, and there if it does."""
+    """Check that a robot that sets out goes to a charger if it has to, and there if it does.
+
+    Who only goes on to the next place, to stop there, does not set out yet.
+    """
     charger = charger_for(now, charges, robot)
     forget(charges, robot)
     if charger == NOBODY:
         return
     place, goal = now.mission.chargers[charger].at, event.way[-1].place
     name = now.names.robot(robot)
+    if event.task == NOBODY and goal == now.turns_at(robot)[-1].place != place:
+        return
     is_so = goal == place and event.task == NOBODY
     need(is_so, f"{name} has to charge at {now.names.place(place)} first, and goes elsewhere")
     charges.goes_to[robot], charges.goes_for[robot] = charger, now.next_task(robot)

@@ -45,7 +45,8 @@ def stand_still(now: Standing, robot: int, event: Event) -> None:
     need(event.place == stub[-1].place, f"it is lost at {now.names.place(stub[-1].place)}")
     if it.work == NOBODY:
         stop_walking(now, robot)
-    it.rest = now.truth.robots[robot].rota.worked(now.now, stub[-1].at)
+    rota = now.truth.robots[robot].rota
+    it.walked, it.rest = rota.worked(stub[0].at, now.now), rota.worked(now.now, stub[-1].at)
     it.way, it.is_lost = stub, True
     task, it.work, it.task = it.work, NOBODY, NOBODY
     if task == NOBODY:
@@ -63,9 +64,10 @@ def back(now: Standing, event: Event) -> None:
     it = now.robots[robot]
     need(event.place == it.way[-1].place, f"it is back at {now.names.place(it.way[-1].place)}")
     it.is_lost = False
-    later = now.truth.robots[robot].rota.ends_leg(now.now, it.rest) - it.way[-1].at
     if it.is_walking:
-        it.way = tuple(Passed(at + later, place) for at, place in it.way)
+        before, after = it.way
+        arrives = now.truth.robots[robot].rota.ends_leg(now.now, it.rest)
+        it.way = (Passed(now.now - it.walked, before.place), Passed(arrives, after.place))
         it.walk = now.count
 
 

@@ -15,6 +15,13 @@ from teamformer.record.event_rules.settling import settle
 from teamformer.record.event_rules.standing import Standing
 from teamformer.record.record import Record
 from teamformer.world.continuous.events import Event
+from teamformer.world.rules.constants import NOBODY
+
+
+def _queue(now: Standing, event: Event) -> None:
+    """Take in that somebody waits for room: at a charger, or to unload."""
+    (charging.queue if event.task == NOBODY else work.queue)(now, event)
+
 
 TAKE: Mapping[str, Callable[[Standing, Event], None]] = {
     "plan": take_plan,
@@ -39,7 +46,7 @@ TAKE: Mapping[str, Callable[[Standing, Event], None]] = {
     "found": from_outside.found,
     "moved": from_outside.moved,
     "overdue": from_outside.overdue,
-    "queue": charging.queue,
+    "queue": _queue,
     "charge": charging.charge,
     "charged": charging.charged,
     "empty": charging.empty,

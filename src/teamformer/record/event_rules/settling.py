@@ -117,6 +117,8 @@ def _settle_end(now: Standing, later: float) -> None:
 
 def _settle_works(now: Standing, later: float) -> None:
     """Check that what had to end before a later moment has ended."""
+    for task in now.at_work.queue:
+        need(not now.may_unload(task), f"there is room to unload {now.names.task(task)}")
     for task, work in now.works.items():
         if work.ends < later and not is_near(work.ends, later):
             part = ("the forming for", "the service of", "the carrying of", "the unloading of")

@@ -14,7 +14,7 @@ from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import possible_places, sight_of
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import fits_now, rotas_of
-from teamformer.mission.parts.zones import may_enter, rooms_of
+from teamformer.mission.parts.zones import AtWork, ZoneRoom, may_enter, may_unload, rooms_of
 from teamformer.mission.precedence import keep_precedence, tasks_before
 from teamformer.record.event_rules.lengths import Lengths, is_near
 from teamformer.record.event_rules.names import BrokenRuleError, InWords, need
@@ -26,7 +26,7 @@ from teamformer.world.rules.constants import NOBODY
 SEEN = 1e-9
 """By such a share a place may be farther away than the radius: it is rounded."""
 
-FORMS, SERVES, CARRIES, UNLOADS = range(4)
+FORMS, SERVES, CARRIES, UNLOADS, QUEUES = range(5)
 
 
 @dataclass
@@ -40,6 +40,7 @@ class RobotNow:
     is_lost: bool = False
     walk: int = NOBODY  # the event with which it set out
     rest: float = 0.0  # of a lost one: how far in time from its next place
+    walked: float = 0.0  # and from the place before
     since: int = NOBODY  # the latest event of it
 
     @property
@@ -59,6 +60,7 @@ class WorkNow:
     event: int  # with which the part began
     way: tuple[Passed, ...] = ()
     overdue: float | None = None  # when it is overdue, if it will be
+    came: float = math.inf  # since when it waits for room to unload
 
 
 @dataclass
@@ -101,7 +103,7 @@ class Standing:
         self.coalitions: dict[int, tuple[int, ...]] = {}
         self.order: list[int] = []
         self.linked = _linked(self.mission)
-        self.rooms = rooms_of(self.mission)
+        self.has_rooms = bool(rooms_of(self.mission))
         self.events, self.count = self.record.events, 0  # how many of them have been taken in
         self.names = InWords(self.truth)
         self.to_come = what_is_to_come(self.truth)
@@ -184,12 +186,26 @@ class Standing:
     def enters(self, task: int) -> bool:
         """Say whether a task may begin by the zones that it is in."""
         waiting = [other for other in self.order if self.is_open(other) and self.team_of(other)]
-        return may_enter(self.rooms, waiting, self.under_way, task)
+        return may_enter(self.rooms, waiting, self.at_work, task)
+
+    def may_unload(self, task: int) -> bool:
+        """Say whether a load that has been brought may be unloaded by the zones that it is in."""
+        work = self.at_work
+        queue = work.queue if task in work.queue else [*work.queue, task]
+        return may_unload(self.rooms, work._replace(queue=queue), task)
 
     @property
-    def under_way(self) -> set[int]:
-        """Return the tasks that have begun and are not over."""
-        return {task for task, work in self.works.items() if work.part != FORMS}
+    def rooms(self) -> list[ZoneRoom]:
+        """Return the room of zones, with loads in it where they lie."""
+        return rooms_of(self.mission, self.lies) if self.has_rooms else []
+
+    @property
+    def at_work(self) -> AtWork:
+        """Return what takes room in zones, or waits for it with a load."""
+        doing = {part: [k for k, work in self.works.items() if work.part == part]
+                 for part in (SERVES, UNLOADS, QUEUES)}  # fmt: skip
+        came = {task: (self.works[task].came, task) for task in doing[QUEUES]}
+        return AtWork(doing[SERVES], doing[UNLOADS], sorted(came, key=came.__getitem__))
 
     @property
     def is_quiet(self) -> bool:
@@ -210,7 +226,7 @@ class Standing:
     def all_done(self, task: int) -> float:
         """Return when a task is done that somebody is at work on, if nothing holds them up."""
         work, real = self.works[task], self.truth.tasks[task]
-        if work.part in (FORMS, UNLOADS) or real.to is None:
+        if work.part in (FORMS, UNLOADS, QUEUES) or real.to is None:
             return work.ends
         carried = self.carried(task, work.robots) if work.part == SERVES else 0.0
         return work.ends + carried + real.unload

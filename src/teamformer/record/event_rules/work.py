@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from teamformer.record.event_rules.names import need
 from teamformer.record.event_rules.standing import (
     CARRIES,
     FORMS,
+    QUEUES,
     SERVES,
     UNLOADS,
     Standing,
@@ -113,15 +115,36 @@ def lift(now: Standing, event: Event) -> None:
 
 def unload(now: Standing, event: Event) -> None:
     """Take in that a load is where it goes."""
-    task = event.task
-    _end_part(now, event, CARRIES)
-    to = now.truth.tasks[task].to
-    need(event.place == to, "it is unloaded elsewhere than it goes")
+    task, name = event.task, now.names.task(event.task)
+    if work_on(now, event).part == CARRIES:
+        _bring(now, event)
+    work = now.works[task]
+    need(work.part == QUEUES, f"unload of {name} is not what comes next")
+    need(event.robots == work.robots, f"{now.names.robots(work.robots)} are at {name}")
+    need(event.place == now.place_of(task), "it is unloaded elsewhere than it goes")
+    need(now.may_unload(task), f"{name} is unloaded before its turn in a zone, or without room")
     ends = now.now + now.truth.tasks[task].unload
     expect(event, ends)
-    work = now.works[task]
-    now.works[task] = replace(work, part=UNLOADS, ends=ends, event=now.count, way=())
-    assert to is not None
+    now.works[task] = replace(work, part=UNLOADS, ends=ends, event=now.count)
+
+
+def queue(now: Standing, event: Event) -> None:
+    """Take in that a team waits for room to unload."""
+    _bring(now, event)
+    name, is_told = now.names.task(event.task), any(event.task in it.loads for it in now.rooms)
+    need(is_told, f"{name} waits to be unloaded, and is brought to no zone")
+    need(event.place == now.place_of(event.task), f"{name} waits elsewhere than it goes")
+
+
+def _bring(now: Standing, event: Event) -> None:
+    """Take in that a load is where it goes, and not yet unloaded."""
+    task = event.task
+    _end_part(now, event, CARRIES)
+    to, work = now.truth.tasks[task].to, now.works[task]
+    assert to is not None, "it was carried"
+    now.works[task] = replace(
+        work, part=QUEUES, ends=math.inf, event=now.count, way=(), came=now.now
+    )
     now.lies[task] = to
     for robot in event.robots:
         now.robots[robot].way = (Passed(now.now, to),)
@@ -163,7 +186,7 @@ def broken(now: Standing, event: Event) -> None:
     stub = turning(work.way, now.now, now.is_plane) if work.way else ()
     if work.part == CARRIES:
         now.lies[task] = _set_down(now, task, work.way, stub[0].place)
-    lies = now.place_of(task) if work.part in (CARRIES, UNLOADS) else None
+    lies = now.place_of(task) if work.part in (CARRIES, UNLOADS, QUEUES) else None
     need(
         event.place == lies,
         f"its load lies at {'no place' if lies is None else now.names.place(lies)}",

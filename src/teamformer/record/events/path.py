@@ -89,12 +89,18 @@ def _stretches(record: Record, events: Sequence[Event]) -> Iterator[Stretch]:
 
 
 def _zone_waited_for(rooms: Sequence[ZoneRoom], events: Sequence[Event], event: Event) -> int:
-    """Return the zone whose room let a service begin; NOBODY if it was something else."""
-    if event.kind != "serve" or event.cause == NOBODY:
+    """Return the zone whose room let a service begin, or a load be unloaded; NOBODY if none's."""
+    if event.kind not in ("serve", "unload") or event.cause == NOBODY:
         return NOBODY
     other = events[event.cause]
     is_own = other.task in (event.task, NOBODY) or bool(set(other.robots) & set(event.robots))
-    shared = (room.zone for room in rooms if room.tasks >= {other.task, event.task})
+    is_load = event.kind == "unload"
+    shared = (
+        room.zone
+        for room in rooms
+        if other.task in room.tasks | room.loads
+        and event.task in (room.loads if is_load else room.tasks)
+    )
     return NOBODY if is_own else next(shared, NOBODY)
 
 

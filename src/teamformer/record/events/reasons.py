@@ -9,8 +9,9 @@ from teamformer.base.naming import listed
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.capabilities import describe, missing, total
+from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.shifts import fits_all
-from teamformer.mission.parts.zones import rooms_of
+from teamformer.mission.parts.zones import may_unload, rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.record.events.runs import Runs
 from teamformer.record.phases import (
@@ -50,6 +51,7 @@ class Explainer:
     def __init__(self, mission: Mission, runs: Runs) -> None:
         self._mission, self._runs = mission, runs
         self._before, self._rooms = tasks_before(mission.tasks), rooms_of(mission)
+        self._lies: dict[int, Place] = {}  # where loads were set down
         self._now = 0.0
         self._news: list[str] = []  # of this moment
         self._plan: PlanMade | None = None
@@ -58,6 +60,9 @@ class Explainer:
 
     def go_on(self, event: Event) -> None:
         """Take in an event that the runs have taken in."""
+        if event.kind in ("broken", "unload") and event.place is not None and self._rooms:
+            self._lies[event.task] = event.place
+            self._rooms = rooms_of(self._mission, self._lies)
         if event.at > self._now:
             self._now, self._news = event.at, []
         if event.plan is not None:
@@ -73,7 +78,9 @@ class Explainer:
         if event.plan is not None:
             return range(len(self._mission.robots))
         kinds = {"arrive", "done", "cancel", "missed", "opens", "know"}
-        if event.kind not in (kinds | {"serve", "broken"} if self._rooms else kinds):
+        if event.kind not in (
+            kinds | {"serve", "broken", "lift", "unload"} if self._rooms else kinds
+        ):
             return sorted(self._runs.changed)
         waits = (n for n in range(len(self._mission.robots)) if self._run(n)[0] == WAITING)
         return sorted({*self._runs.changed, *waits})
@@ -117,6 +124,10 @@ class Explainer:
         )
 
     def _why_waiting(self, task: int) -> str:
+        if task in self._runs.queue:
+            work = self._runs.at_work
+            full = (room for room in self._rooms if not may_unload([room], work, task))
+            return next((held_in(self._mission, room, work, ()) for room in full), "")
         tasks, over = self._mission.tasks, self._runs.over
         before = [tasks[k].name for k in self._before.get(task, ()) if k not in over]
         if before:
@@ -142,13 +153,13 @@ class Explainer:
 
     def _held_in_a_zone(self, task: int) -> str:
         """Return in which zone a task waits for what; nothing if in none."""
-        under_way = self._runs.under_way
-        begun = self._runs.over | under_way
+        work = self._runs.at_work
+        begun = self._runs.over | self._runs.under_way
         waiting = [row.task for row in (self._plan.tasks if self._plan else ()) if row.robots]
         waiting = [other for other in waiting if other not in begun]
         for room in self._rooms:
-            if task in room.tasks and not room.has_turn(waiting, under_way, task):
-                return held_in(self._mission, room, under_way, waiting)
+            if task in room.tasks and not room.has_turn(waiting, work, task):
+                return held_in(self._mission, room, work, waiting)
         return ""
 
     def _does_not_fit(self, task: int) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from teamformer.mission.parts.zones import AtWork
 from teamformer.record.phases import (
     CARRYING,
     CHARGING,
@@ -59,12 +60,21 @@ class Runs:
         self.services: list[ToldService] = []
         self.changed: set[int] = set()
         self._open: dict[int, int] = {}  # task -> its row that goes on
+        self.queue: list[int] = []  # loads that wait for room to be unloaded
         self.over: set[int] = set()  # tasks
 
     @property
     def under_way(self) -> set[int]:
-        """Return the tasks of which some part goes on."""
-        return set(self._open)
+        """Return the tasks of which some part goes on, or that wait to be unloaded."""
+        return {*self._open, *self.queue}
+
+    @property
+    def at_work(self) -> AtWork:
+        """Return what takes room in zones, or waits for it with a load."""
+        doing = {task: self.services[row].doing for task, row in self._open.items()}
+        served = [task for task, what in doing.items() if what in (SERVING, LOADING)]
+        unloaded = [task for task, what in doing.items() if what == UNLOADING]
+        return AtWork(served, unloaded, self.queue)
 
     def now(self, robot: int) -> Run:
         """Return what a robot does; outside its shifts it is off, whatever it goes on with."""
@@ -87,6 +97,9 @@ class Runs:
             case "lift":
                 self._end(event.task, event.at, event.robots)
                 self._begin(event, CARRYING)
+            case "queue" if event.task != NOBODY:
+                self._end(event.task, event.at, event.robots)
+                self.queue.append(event.task)
             case "unload":
                 self._end(event.task, event.at, event.robots)
                 self._begin(event, UNLOADING)
@@ -98,6 +111,8 @@ class Runs:
                 self._off.update(event.robots)
             case "works":
                 self._off.difference_update(event.robots)
+        if event.kind in ("unload", "broken", "cancel", "missed") and event.task in self.queue:
+            self.queue.remove(event.task)
         if event.kind in ("done", "cancel", "missed"):
             self.over.add(event.task)
 
@@ -114,7 +129,7 @@ class Runs:
             self._now[robot] = self._now[robot]._replace(begun=event.at)
             self.changed.add(robot)
             return
-        if event.kind == "arrive" and task != NOBODY:
+        if event.kind in ("arrive", "queue") and task != NOBODY:
             phase = WAITING
         elif event.kind == "serve" and self._loads[task]:
             phase = LOADING

@@ -77,10 +77,11 @@ def truth_from_tree(mission: Mission, tree: Any) -> Mission:
     there = tuple(robots)
     always = tuple(replace(robot, shifts=(), every=0.0) for robot in there)
     try:
-        truth = replace(mission, arrivals=None, tasks=(*tasks, *arrived), robots=always)
+        truth = replace(mission, arrivals=None, tasks=(*tasks, *arrived), robots=always, zones=())
     except MissionError as error:
         raise DamageError(error.problems[0].message) from None
-    return as_believed(truth, robots=there)  # what it is need not fit into shifts
+    # what it is need not fit into shifts, nor lie in a zone
+    return as_believed(truth, robots=there, zones=mission.zones)
 
 
 def _task(task: Task, said: Any, along: Number, time: Number) -> Task:

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 from teamformer.base.naming import listed
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.zones import ZoneRoom
+from teamformer.mission.parts.zones import AtWork, ZoneRoom
 
 
-def held_in(
-    mission: Mission, room: ZoneRoom, under_way: Collection[int], before: Sequence[int]
-) -> str:
-    """Return what a task waits for in a zone that has no room for it.
+def held_in(mission: Mission, room: ZoneRoom, work: AtWork, before: Sequence[int]) -> str:
+    """Return what a task waits for in a zone that has no room for it, or its load there.
 
-    `under_way` is what goes on anywhere, `before` what is to begin before it, in the plan's order.
+    `work` is what goes on anywhere, `before` what is to begin before it, in the plan's order.
     """
     names, zone = [task.name for task in mission.tasks], mission.zones[room.zone].name
-    inside = sorted(room.tasks.intersection(under_way))
+    inside = room.inside(work)
     if len(inside) >= room.room:
         verb = "go" if len(inside) > 1 else "goes"
         return f"it waits for room in {zone}, where {listed([names[k] for k in inside])} {verb} on"
+    if brought := [load for load in work.queue if load in room.loads]:
+        return f"it waits until {names[brought[0]]} is unloaded in {zone}"
     first = next(task for task in before if task in room.tasks)
     return f"the plan has {names[first]} enter {zone} before it"

@@ -235,7 +235,6 @@ interface Places {
   x: Float64Array; // by robot
   y: Float64Array;
   r: Float64Array;
-  teams: Map<number, Spot>; // by slot
   cells: Map<string, number>; // by cell, the radius of all that is in it
 }
 

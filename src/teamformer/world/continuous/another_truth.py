@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.shifts import rotas_of
+from teamformer.mission.parts.zones import loads_at_zones, rooms_of
 from teamformer.world.continuous.body import CARRYING, SERVING, TeamWork, turning
 from teamformer.world.continuous.delays import StandingStill
 from teamformer.world.continuous.moving import ARRIVE, EXPECT, FINISH, FULL, LOOK, WAKE
@@ -25,7 +26,7 @@ def under(world: PhysicalWorld, mission: Mission, truth: Mission) -> PhysicalWor
     """
     twin, before = world.fork(), world.truth
     twin.mission, twin.truth, twin.still = mission, truth, StandingStill(truth.robots)
-    twin.rotas = rotas_of(truth.robots)
+    twin.rotas, twin.may_queue = rotas_of(truth.robots), loads_at_zones(rooms_of(mission))
     twin.agenda = [entry for entry in world.agenda if entry[1] in FROM_INSIDE]
     twin.put_what_is_to_come()
     for task, work in twin.works.items():

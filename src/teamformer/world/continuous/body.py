@@ -11,8 +11,11 @@ from teamformer.world.continuous.events import Passed
 from teamformer.world.continuous.ways import part_of_way
 from teamformer.world.rules.constants import NOBODY
 
-FORMING, SERVING, CARRYING, UNLOADING = range(4)
-"""The parts of work. The service of a load is taking it up, and the others follow."""
+FORMING, SERVING, CARRYING, UNLOADING, QUEUEING = range(5)
+"""The parts of work. The service of a load is taking it up, and the others follow.
+
+A team that has brought a load to a zone queues until there is room to unload it.
+"""
 
 
 SAME = 1e-9
@@ -32,6 +35,7 @@ class RealRobot:
     work: int = NOBODY  # the task that it is at work on or forms for
     is_lost: bool = False
     rest: float = 0.0  # of a lost robot: how long it is from the next place
+    walked: float = 0.0  # and how long it has walked since the place before
     since: int = NOBODY  # the latest event of it
     set_out: int = NOBODY  # the event with which it set out
     left: float = math.inf  # in its battery at `left_at`

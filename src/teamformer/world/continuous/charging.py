@@ -9,7 +9,13 @@ from collections.abc import Iterator
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.charging import ROUNDING, Battery, longest_carry
 from teamformer.mission.parts.grid import Place
-from teamformer.world.continuous.body import CARRYING, FORMING, SERVING, UNLOADING, RealRobot
+from teamformer.world.continuous.body import (
+    CARRYING,
+    FORMING,
+    QUEUEING,
+    SERVING,
+    RealRobot,
+)
 from teamformer.world.continuous.moving import FULL
 from teamformer.world.continuous.working import WorkingWorld
 from teamformer.world.rules.charging.standing import charge_rules
@@ -46,11 +52,19 @@ class ChargingWorld(WorkingWorld):
     @property
     def next_time(self) -> float:
         """Return when something happens next, or somebody runs dry; infinite if neither ever is."""
-        due = self.next_due
-        for number, body, battery in self._batteries():
-            if self._rate(body, battery) > 0:
-                due = min(due, max(self.now, self._dry_at(number, battery)))
-        return due
+        return min(self.next_due, self._next_dry)
+
+    @property
+    def next_but_shifts(self) -> float:
+        """Return the same, but for the ends and beginnings of shifts."""
+        return min(super().next_but_shifts, self._next_dry)
+
+    @property
+    def _next_dry(self) -> float:
+        """Return when somebody runs dry if nothing happens; infinite if nobody does."""
+        spending = ((n, own) for n, body, own in self._batteries() if self._rate(body, own) > 0)
+        due = (max(self.now, self._dry_at(number, battery)) for number, battery in spending)
+        return min(due, default=math.inf)
 
     @property
     def is_busy(self) -> bool:
@@ -97,9 +111,9 @@ class ChargingWorld(WorkingWorld):
         """Return what a robot spends in a unit of time as it stands; less than 0 if it charges."""
         if body.is_lost:
             return 0.0
-        if body.work != NOBODY and self.works[body.work].part in (FORMING, SERVING, UNLOADING):
-            is_forming = self.works[body.work].part == FORMING
-            return battery.waiting if is_forming else battery.serving
+        if body.work != NOBODY and self.works[body.work].part != CARRYING:
+            is_waiting = self.works[body.work].part in (FORMING, QUEUEING)
+            return battery.waiting if is_waiting else battery.serving
         if body.is_walking:
             return 1.0
         if body.is_charging:
@@ -129,6 +143,8 @@ class ChargingWorld(WorkingWorld):
             return battery.serving * (serves + unload) + carried
         if work.part == CARRYING:
             return work.expected - unload - begin + battery.serving * unload
+        if work.part == QUEUEING:
+            return battery.serving * unload
         return battery.serving * (work.expected - begin)
 
     def charging_now(self) -> tuple[tuple[int, float], ...]:

@@ -66,7 +66,7 @@ class Course(TaskStarts):
         twin.world = under(self.world, twin.mission, truth)
         twin.follower = self.follower.fork(twin.mission)
         twin.before, twin._after = tasks_before(twin.mission.tasks), followers(twin.mission)
-        twin.rooms = rooms_of(twin.mission)
+        twin.has_rooms = bool(rooms_of(twin.mission))
         return twin
 
     @property
@@ -144,7 +144,7 @@ class Course(TaskStarts):
 
     def _command(self, robots: Iterable[int], tasks: Iterable[int]) -> None:
         """Send robots where they are to go, and let tasks begin that may."""
-        looked_at = set(tasks)
+        looked_at = set(tasks) | self._waiting_for(self.let_unload())
         looked_at |= {self._send(robot) for robot in robots} - {NOBODY}
         while looked_at:
             looked_at = self._waiting_for(self.let_begin(looked_at))
@@ -266,7 +266,7 @@ class Course(TaskStarts):
                 return
         if self._is_over():
             self._end(COMPLETED)
-        elif self.world.next_time > self.mission.step_limit:
+        elif self.world.next_but_shifts > self.mission.step_limit:
             tasks = range(len(self.world.truth.tasks))
             self.blocked = tuple(task for task in tasks if task not in self.world.over)
             if self.blocked:  # else somebody does not get home

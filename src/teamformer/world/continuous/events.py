@@ -149,7 +149,12 @@ KINDS = {
     "overdue": EventKind(
         ("task", "until"), "a service lasts longer than believed; until: its new expected end"
     ),
-    "queue": EventKind(("robots", "place"), "a robot waits until there is room at a charger"),
+    "queue": EventKind(
+        ("robots", "task", "place"),
+        "a robot waits until there is room at a charger, or a team until there is room in a zone "
+        "to unload",
+        may_lack=("task",),
+    ),
     "charge": EventKind(
         ("robots", "place", "until"), "a robot begins to charge, and is full at until"
     ),

@@ -9,10 +9,11 @@ from teamformer.mission.coordination import Known
 from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.shifts import rotas_of
+from teamformer.mission.parts.zones import has_loads_at_zones
 from teamformer.world.continuous.ways import Ways
 from teamformer.world.rules.charging.standing import charge_rules, stand_charged
 from teamformer.world.rules.charging.times import time_charged
-from teamformer.world.rules.starts import FIRST, StartRules, Timed, time_tasks
+from teamformer.world.rules.starts import FIRST, LoadTimes, StartRules, Timed, time_tasks
 from teamformer.world.rules.waits import waits_at
 
 
@@ -40,21 +41,26 @@ def foresee(
         return known.came_from[robot] if before == FIRST else place_after(robot, before)
 
     def takes(task: int, who: Sequence[int]) -> float:
-        wanted = tasks[task]
-        carried = 0.0
-        if wanted.to is not None:
-            movers = [robots[robot] for robot in who]
-            carried = max(
-                (ways.length(wanted.at, wanted.to, m.moves) / m.speed for m in movers), default=0.0
-            )
-        return wanted.duration + carried + wanted.unload
+        return tasks[task].duration + carried(task, who) + tasks[task].unload
+
+    def carried(task: int, who: Sequence[int]) -> float:
+        at, to, movers = tasks[task].at, tasks[task].to, [robots[robot] for robot in who]
+        if to is None:
+            return 0.0
+        return max((ways.length(at, to, m.moves) / m.speed for m in movers), default=0.0)
 
     forming, rotas = known.mission.forming, rotas_of(robots)
+    loads = [task for task in order if tasks[task].to is not None]
     rules = StartRules(
         way, site, takes, known.free_at, waits.release, waits.before, waits.gaps, forming, rotas,
         waits.rooms,
+        LoadTimes(
+            {task: tasks[task].duration for task in loads},
+            {task: tasks[task].unload for task in loads},
+            carried,
+        ),
     )  # fmt: skip
-    if not has_batteries(robots):
+    if not has_batteries(robots) and not has_loads_at_zones(known.mission):
         return time_tasks(rules, order, robots_of)
 
     def way_between(robot: int, here: Hashable, there: Hashable) -> float:

@@ -22,16 +22,16 @@ def known_of(world: PhysicalWorld, news: tuple[str, ...], foresight: str = "scou
     there = [robot for robot, body in enumerate(bodies) if not body.is_lost]
     free = [_free(world, robot) for robot in range(len(bodies))]
     known_tasks = world.appeared - world.over.keys()
-    served = {task: work for task, work in world.works.items() if work.is_service}
+    served = world.under_way
     unseen = frozenset(world.unseen & known_tasks)
     return Known(
         mission=believed(world, _needs(world, there, unseen, foresight)),
         now=world.now,
-        open_tasks=tuple(sorted(known_tasks - served.keys())),
+        open_tasks=tuple(sorted(known_tasks - served)),
         places=tuple(place for place, _, _ in free),
         teams=tuple((robot,) for robot in there),
         free_at=tuple(at for _, at, _ in free),
-        under_way=tuple(sorted((task, work.expected) for task, work in served.items())),
+        under_way=tuple(sorted((task, world.expected_end(task)) for task in served)),
         unseen_needs=unseen,
         unseen_places=frozenset(world.maybe.keys() & known_tasks),
         news=news,
@@ -40,6 +40,10 @@ def known_of(world: PhysicalWorld, news: tuple[str, ...], foresight: str = "scou
         over=frozenset(world.over),
         left=tuple(_left(world, robot, at) for robot, (_, at, _) in enumerate(free)),
         charging=world.charging_now(),
+        loading={
+            task: _lifted(world, task) for task in world.at_work.served if _is_load(world, task)
+        },
+        unloading=frozenset([*world.at_work.unloaded, *world.at_work.queue]),
     )
 
 
@@ -52,7 +56,7 @@ def believed(world: PhysicalWorld, needs: Mapping[int, Counts]) -> Mission:
         for number, task in enumerate(mission.tasks)
     )
     robots = tuple(_believed_robot(robot) for robot in mission.robots)
-    zones = zones_by_name(mission)
+    zones = zones_by_name(mission, world.lies)
     return as_believed(mission, arrivals=None, tasks=tasks, robots=robots, zones=zones)
 
 
@@ -64,6 +68,17 @@ def _believed_task(task: Task, place: Place, needs: Counts | None, over: set[str
     if is_sure and after == task.after and place == task.at:
         return task
     return replace(task.once_known(place, needs, task.duration), after=after)
+
+
+def _is_load(world: PhysicalWorld, task: int) -> bool:
+    return world.mission.tasks[task].to is not None
+
+
+def _lifted(world: PhysicalWorld, task: int) -> float:
+    """Return when a load is believed to be taken up."""
+    work = world.works[task]
+    carried = world.carried(task, work.robots)
+    return work.expected - carried - world.mission.tasks[task].unload
 
 
 def _left(world: PhysicalWorld, robot: int, moment: float) -> float:
@@ -106,7 +121,7 @@ def _free(world: PhysicalWorld, robot: int) -> tuple[Place, float, Place]:
         task, work = body.work, world.works[body.work]
         real = world.truth.tasks[task]
         place = world.place_of(task) if real.to is None or work.part == FORMING else real.to
-        return place, max(world.now, work.expected), place
+        return place, world.expected_end(task), place
     if body.is_charging:
         return body.way[0].place, world.events[body.charge].until or world.now, body.came_from
     at, place = world.next_place(robot)

@@ -13,7 +13,15 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import rotas_of
-from teamformer.world.continuous.body import RealRobot, TeamWork, turning
+from teamformer.mission.parts.zones import AtWork, loads_at_zones, rooms_of
+from teamformer.world.continuous.body import (
+    QUEUEING,
+    SERVING,
+    UNLOADING,
+    RealRobot,
+    TeamWork,
+    turning,
+)
 from teamformer.world.continuous.delays import StandingStill
 from teamformer.world.continuous.events import Event, Passed
 from teamformer.world.continuous.pauses import with_pauses
@@ -64,6 +72,7 @@ class MovingWorld(ABC):
         self.travel = 0.0  # time that robots have spent on their ways
         self.ways, self.still = Ways(truth.world), StandingStill(truth.robots)
         self.rotas = rotas_of(truth.robots)  # by robot; empty where all always work
+        self.may_queue = loads_at_zones(rooms_of(mission))  # loads that need room to be unloaded
         self.is_plane = isinstance(truth.world, Plane)
         self.happened = Happened()
         self.agenda: list[Entry] = []
@@ -81,6 +90,12 @@ class MovingWorld(ABC):
         return self.agenda[0][0] if self.agenda else math.inf
 
     @property
+    def next_but_shifts(self) -> float:
+        """Return when something is due next but the ends and beginnings of shifts; or infinity."""
+        due = (it[0] for it in self.agenda if it[1] not in (REST, WORK) and self.is_due(it))
+        return min(due, default=math.inf)
+
+    @property
     def is_busy(self) -> bool:
         """Say whether somebody is on the way, forms or is at work."""
         return bool(self.works) or any(b.is_walking and not b.is_lost for b in self.bodies)
@@ -89,6 +104,15 @@ class MovingWorld(ABC):
     def under_way(self) -> set[int]:
         """Return the tasks that have begun and are not over."""
         return {task for task, work in self.works.items() if work.is_service}
+
+    @property
+    def at_work(self) -> AtWork:
+        """Return what takes room in zones, or waits for it with a load."""
+        doing = {part: [k for k, work in self.works.items() if work.part == part]
+                 for part in (SERVING, UNLOADING, QUEUEING)}  # fmt: skip
+        came = {task: self.works[task].way[0].at for task in doing[QUEUEING]}
+        queue = sorted(came, key=lambda task: (came[task], task))
+        return AtWork(doing[SERVING], doing[UNLOADING], queue)
 
     def take_happened(self) -> Happened:
         """Return what has happened since this was last asked."""

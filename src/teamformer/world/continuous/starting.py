@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.zones import lets_in, may_enter, rooms_of
+from teamformer.mission.parts.zones import ZoneRoom, lets_in, may_enter, may_unload, rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.continuous.following import PlanFollower
 from teamformer.world.continuous.hopeless import misses
@@ -29,7 +29,29 @@ class TaskStarts:
         self.follower = PlanFollower(mission)
         self.links = GapKeeper(mission)
         self.before = tasks_before(mission.tasks)
-        self.rooms = rooms_of(mission)
+        self.has_rooms = bool(rooms_of(mission))
+
+    @property
+    def rooms(self) -> list[ZoneRoom]:
+        """Return the room of zones, with loads in it where they lie."""
+        return rooms_of(self.mission, self.world.lies) if self.has_rooms else []
+
+    def let_unload(self) -> list[int]:
+        """Let loads be unloaded that wait for room where there is some; return these.
+
+        Of who goes on waiting it is told.
+        """
+        world, unloaded = self.world, list[int]()
+        for task in world.at_work.queue if world.may_queue else ():
+            if not may_unload(self.rooms, world.at_work, task):
+                world.queue_with_load(task)
+                continue
+            own = world.works[task].event
+            is_told = world.events[own].kind == "queue"
+            cause = world.cause_among(self._let_in(task, is_load=True)) if is_told else own
+            world.unload(task, cause)
+            unloaded.append(task)
+        return unloaded
 
     def let_begin(self, tasks: Iterable[int]) -> list[int]:
         """Let those of some tasks form or begin that may; return those that have begun."""
@@ -45,12 +67,12 @@ class TaskStarts:
 
     def _entering(self, tasks: list[int]) -> list[int]:
         """Return those of some tasks that may begin by their zones, in the order of the plan."""
-        if not self.rooms:
+        if not tasks or not (rooms := self.rooms):
             return tasks
         waiting = [task for task in self.follower.order if self._is_awaited(task)]
-        under_way, entered = self.world.under_way, list[int]()
+        work, entered = self.world.at_work, list[int]()
         for task in sorted(tasks, key=waiting.index):
-            if may_enter(self.rooms, waiting, [*under_way, *entered], task):
+            if may_enter(rooms, waiting, work._replace(served=[*work.served, *entered]), task):
                 entered.append(task)
                 waiting.remove(task)
         return entered
@@ -124,9 +146,9 @@ class TaskStarts:
             if other == task and kind in ("opens", "appear"):
                 yield number
 
-    def _let_in(self, task: int) -> Iterable[int]:
-        """Return the events of this moment that let a task into its zones."""
-        return lets_in(self.rooms, [*self._moment()], self.world.under_way, task)
+    def _let_in(self, task: int, is_load: bool = False) -> Iterable[int]:
+        """Return the events of this moment that let a task into its zones, or unload there."""
+        return lets_in(self.rooms, [*self._moment()], self.world.at_work, task, is_load)
 
     def _moment(self) -> Iterator[tuple[int, str, int]]:
         """Yield the events of this moment: the number, the kind and the task of each."""

@@ -11,6 +11,7 @@ from teamformer.mission.parts.shifts import SAME, fits_all
 from teamformer.world.continuous.body import (
     CARRYING,
     FORMING,
+    QUEUEING,
     SERVING,
     UNLOADING,
     TeamWork,
@@ -100,7 +101,7 @@ class WorkingWorld(SeekingWorld):
         elif work.part == SERVING and real.to is not None:
             self._lift(task)
         elif work.part == CARRYING:
-            self._unload(task)
+            self._bring(task)
         else:
             del self.works[task]
             place = self.place_of(task) if real.to is None else real.to
@@ -160,6 +161,8 @@ class WorkingWorld(SeekingWorld):
             body = self.bodies[robot]
             body.way, body.since = work.way, work.event
         self.put(work.end, FINISH, task, work.event)
+        if self.mission.zones:
+            self.note(tasks=(task,))  # it leaves room where it was taken up
 
     def _way_together(
         self, robots: Sequence[int], here: Place, goal: Place
@@ -168,16 +171,48 @@ class WorkingWorld(SeekingWorld):
         real = [self.truth.robots[robot] for robot in robots]
         return way_together(self.ways, [(it.moves, it.speed) for it in real], here, goal)
 
-    def _unload(self, task: int) -> None:
+    def _bring(self, task: int) -> None:
+        """Let a load be where it is brought to: it is unloaded, or waits for room in a zone."""
         work, place = self.works[task], self.truth.tasks[task].to
         assert place is not None, "it is a load"
-        work.part, work.end = UNLOADING, work.all_done
-        work.event = self.tell("unload", work.robots, task, work.event, place=place, until=work.end)
-        self.lies[task] = place
+        self.lies[task], work.way = place, (Passed(self.now, place),)
         for robot in work.robots:
-            body = self.bodies[robot]
-            body.way, body.since = (Passed(self.now, place),), work.event
+            self.bodies[robot].way = work.way
+        if task not in self.may_queue:
+            self.unload(task, work.event)
+            return
+        work.part, work.end, work.all_done = QUEUEING, math.inf, math.inf
+        self.note(tasks=(task,))
+
+    def has_just_come(self, task: int) -> bool:
+        """Say whether a load that is to be unloaded has come at this moment."""
+        return self.works[task].way[0].at == self.now
+
+    def unload(self, task: int, cause: int) -> None:
+        """Let a load be unloaded that is where it is brought to."""
+        work, place = self.works[task], self.place_of(task)
+        if not self.has_just_come(task):  # else it is done when it was believed to be
+            work.expected = self.now + self.truth.tasks[task].unload
+        work.part, work.end, work.all_done = UNLOADING, work.expected, work.expected
+        work.event = self.tell("unload", work.robots, task, cause, place=place, until=work.end)
+        for robot in work.robots:
+            self.bodies[robot].since = work.event
         self.put(work.end, FINISH, task, work.event)
+
+    def queue_with_load(self, task: int) -> None:
+        """Tell that a team waits for room to unload, unless it has been told."""
+        work = self.works[task]
+        if self.events[work.event].kind == "queue":
+            return
+        work.event = self.tell("queue", work.robots, task, work.event, place=self.place_of(task))
+        for robot in work.robots:
+            self.bodies[robot].since = work.event
+
+    def expected_end(self, task: int) -> float:
+        """Return when a task is believed to be done that is under way; not in the past."""
+        work = self.works[task]
+        least = self.now + self.mission.tasks[task].unload * (work.part == QUEUEING)
+        return max(work.expected, least)
 
     def expect_anew(self, task: int) -> None:
         """Let a service be expected to end later, in the middle of the time that is left to it."""
@@ -219,7 +254,8 @@ class WorkingWorld(SeekingWorld):
         stub = turning(work.way, self.now, self.is_plane) if work.way else ()
         if work.part == CARRYING:
             self.lies[task] = self._set_down(task, work.way)
-        place = self.place_of(task) if work.part in (CARRYING, UNLOADING) else None
+        has_load = work.part in (CARRYING, UNLOADING, QUEUEING)
+        place = self.place_of(task) if has_load else None
         number = self.tell("broken", work.robots, task, cause, place=place)
         for robot in work.robots:
             body = self.bodies[robot]

@@ -175,6 +175,7 @@ class PhysicalWorld(ChargingWorld):
             self.stop_walking(robot)
         rota = self.truth.robots[robot].rota
         body.way, body.rest = stub, rota.worked(self.now, stub[-1].at)
+        body.walked = rota.worked(stub[0].at, self.now)
         body.is_lost, body.task = True, NOBODY
         self.leave_charger(robot)
         number = self.tell(kind, (robot,), NOBODY, NOBODY, place=stub[-1].place)
@@ -192,8 +193,10 @@ class PhysicalWorld(ChargingWorld):
         place = body.way[-1].place
         number = body.since = self.tell("back", (robot,), NOBODY, NOBODY, place=place)
         if body.is_walking:
-            shift = self.truth.robots[robot].rota.ends_leg(self.now, body.rest) - body.way[-1].at
-            self.stand(robot, tuple(p._replace(at=p.at + shift) for p in body.way), number)
+            before, after = body.way
+            arrives = self.truth.robots[robot].rota.ends_leg(self.now, body.rest)
+            leg = before._replace(at=self.now - body.walked), after._replace(at=arrives)
+            self.stand(robot, leg, number)
         self.note("robot back", robots=(robot,))
 
     def _call_off(self, task: int) -> None:

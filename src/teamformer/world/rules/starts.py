@@ -31,12 +31,25 @@ class Gap(NamedTuple):
 class RoomLeft(NamedTuple):
     """Of some tasks so many go on at once, and they begin in their order.
 
-    Others are `taken` until so and so: by what is under way there and none of these tasks.
+    Others are `taken` until so and so: by what is under way there and none of these tasks. `loads`
+    are unloaded there: who comes first is first.
     """
 
     tasks: frozenset[int]
     room: int
     taken: tuple[float, ...] = ()
+    loads: frozenset[int] = frozenset()
+
+
+class LoadTimes(NamedTuple):
+    """How long loads are taken up and unloaded, by task, and carried by some robots.
+
+    A load takes room in zones only while it is taken up or unloaded.
+    """
+
+    lifting: Mapping[int, float]
+    unloading: Mapping[int, float]
+    carried: Callable[[int, Sequence[int]], float]
 
 
 @dataclass(frozen=True)
@@ -58,6 +71,7 @@ class StartRules:
     forming: float = 0.0  # what a coalition takes whose robots do not come from one site
     rotas: Sequence[Rota] = ()  # by robot: when it works; empty where all always do
     rooms: Sequence[RoomLeft] = ()
+    loads: LoadTimes | None = None  # of all tasks with loads
 
     def arrival(self, robot: int, left: float, way: float) -> float:
         """Return when a robot is there that sets out at a time and walks so long."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.coordination import Known
-from teamformer.mission.parts.zones import rooms_of
+from teamformer.mission.parts.zones import ZoneRoom, rooms_of
 from teamformer.mission.precedence import tasks_before
 from teamformer.world.rules.starts import Gap, RoomLeft
 
@@ -46,10 +46,18 @@ def waits_at(known: Known, chosen: Sequence[int]) -> Waits:
         if task in among and (left := [other for other in others if other in among]):
             waits.before[task] = left
     for room in rooms_of(known.mission):
-        if inside := room.tasks & among:
-            taken = tuple(ends[task] for task in sorted(room.tasks & ends.keys()))
-            waits.rooms.append(RoomLeft(inside, room.room, taken))
+        inside, loads = room.tasks & among, room.loads & among
+        if inside or loads:
+            waits.rooms.append(RoomLeft(inside, room.room, room_taken(known, room), loads))
     return waits
+
+
+def room_taken(known: Known, room: ZoneRoom) -> tuple[float, ...]:
+    """Return until when there is less room in a zone by what is under way there, once for each."""
+    until = {task: known.loading.get(task, end) for task, end in known.under_way}
+    is_load = {task for task in until if known.mission.tasks[task].to is not None}
+    served = room.tasks & until.keys() - (is_load - known.loading.keys())
+    return tuple(until[task] for task in sorted(served | room.loads & known.unloading))
 
 
 def _keep(waits: Waits, task: int, least: float, most: float) -> None:

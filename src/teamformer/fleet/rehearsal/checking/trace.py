@@ -49,7 +49,7 @@ class Finished(NamedTuple):
 
 
 class Broke(NamedTuple):
-    """Something befell a robot: crash, restart, pause, resume, stuck, free."""
+    """Something befell a robot: crash, restart, pause, resume, stuck, free, drain."""
 
     at: float
     robot: int

@@ -14,6 +14,7 @@ from teamformer.mission.coordination import Known
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.charging import has_batteries
 from teamformer.mission.parts.grid import Place
+from teamformer.mission.parts.zones import has_loads_at_zones
 from teamformer.planning.continuous.posing.tables import distances
 from teamformer.planning.problem.batteries import ENDLESS, Batteries, with_permits
 from teamformer.planning.problem.coalition_problem import NEVER, CoalitionProblem, different_rows
@@ -39,10 +40,13 @@ class ChargedClock(NamedTuple):
 def charged_clock(
     known: Known, numbers: Sequence[int], chosen: Sequence[int]
 ) -> ChargedClock | None:
-    """Return the clock of some robots and tasks, by number; None if nobody has a battery."""
+    """Return the clock of some robots and tasks, by number; None if nobody ever queues.
+
+    Robots with batteries queue at chargers, teams with loads before zones.
+    """
     mission = known.mission
     robots = [mission.robots[robot] for robot in numbers]
-    if mission.charging is None or not has_batteries(robots):
+    if not has_batteries(robots) and not has_loads_at_zones(mission):
         return None
     tasks = [mission.tasks[task] for task in chosen]
     chargers = [charger.at for charger in mission.chargers]

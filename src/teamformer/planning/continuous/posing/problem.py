@@ -25,16 +25,18 @@ from teamformer.planning.problem.coalition_problem import (
     CoalitionProblem,
     pose_problem,
 )
+from teamformer.planning.problem.docks import docks_of
 from teamformer.planning.problem.links import PART_OF, Link, Links, link_tasks
 from teamformer.planning.problem.misses import Misses, misses_of
 from teamformer.planning.problem.permits import Permits, block, permits_of
 from teamformer.planning.problem.rotas import rotas_in_ticks
+from teamformer.world.rules.starts import RoomLeft
 
 
 def problem_of(rest: Remaining, ticks: Ticks, charging: ChargedClock | None) -> CoalitionProblem:
     """Return the problem, in ticks that are counted from the present."""
     mission, now, scale = rest.mission, rest.known.now, ticks.scale
-    permits = permits_of(rest.rooms, len(rest.tasks), now)
+    permits = permits_of(_rooms_in_searches(rest), len(rest.tasks), now)
     rotas = [robot.rota for robot in rest.own_robots]
     different = list(dict.fromkeys(rotas))
     apart = kinds_apart(rest.known, rest.robots, [different.index(rota) for rota in rotas])
@@ -57,14 +59,30 @@ def problem_of(rest: Remaining, ticks: Ticks, charging: ChargedClock | None) -> 
         ),
         permits=permits.number,
     )
-    if charging is not None:
+    if any(robot.battery for robot in rest.own_robots):
+        assert charging is not None, "somebody has a battery"
         batteries = batteries_of(charging, problem, rest.places, now, ticks.of)
         problem = problem._replace(batteries=batteries)
+    docks = docks_of(
+        rest.rooms,
+        [-1.0 if task.to is None else task.duration for task in rest.own_tasks],
+        [task.unload for task in rest.own_tasks],
+        ticks.of,
+        now,
+    )
+    problem = problem._replace(docks=docks)
     if mission.until is not None:
         problem = problem._replace(misses=_misses(rest, mission.until, ticks, problem))
     if judged_by(mission) is not None or rest.gaps:
         problem = problem._replace(links=_links(rest, scale))
     return problem
+
+
+def _rooms_in_searches(rest: Remaining) -> list[RoomLeft]:
+    """Return the rooms that searches count with: loads take none there."""
+    loads = {number for number, task in enumerate(rest.own_tasks) if task.to is not None}
+    kept = (room._replace(tasks=room.tasks - loads) for room in rest.rooms)
+    return [room for room in kept if room.tasks]
 
 
 def _with_permits(rest: Remaining, ticks: Ticks, permits: Permits) -> dict[str, Any]:

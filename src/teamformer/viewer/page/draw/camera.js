@@ -4,7 +4,7 @@ const MOST_PIXELS_PER_CELL = 96;
 const AROUND = [60, 72]; // pixels left and right, over and under a map that is fitted
 const LEAST_PIXELS_PER_CELL = 1.5;
 
-const AROUND_ON_PHONES = [44, 60];
+const AROUND_ON_PHONES = [52, 60];
 export const PHONE = 480; // pixels across
 
 // The pixels a cell at which what is used of a world fits into a box.

@@ -13,6 +13,8 @@ const PLACES_NAMED_FROM = 14;
 const TEAMS_NAMED = 3; // in one place
 const BADGE_FROM = 12; // robots
 const LONGEST_NAME = 40; // letters
+const WIDEST = 6; // cells, of the names of several tasks in one place
+const PROGRESS = 5; // pixels around a task in which what is made of it may be drawn
 const LOST_NAMED = 12; // robots, whatever the zoom
 
 export function drawNames(/** @type {View} */ view) {
@@ -26,11 +28,24 @@ export function drawNames(/** @type {View} */ view) {
   if (mission.world.roads && options.names && camera.cell >= PLACES_NAMED_FROM) namePlaces(view, taken, mission.world.roads);
 }
 
-// The places of roads, where their names cover no others.
+// The places of roads, over or under them, where their names cover no task and no other name.
 function namePlaces(/** @type {View} */ view, taken, /** @type {Roads} */ { names, places }) {
   const { camera, theme } = view;
   const above = Math.max(12, 0.8 * camera.cell);
-  places.forEach(([x, y], place) => drawName(view, taken, names[place], { x: camera.x(x), y: camera.y(y) - above }, theme.muted));
+  places.forEach(([right, up], place) => {
+    const [x, middle] = [camera.x(right), camera.y(up)];
+    const half = view.ctx.measureText(names[place]).width / 2;
+    const y = [middle - above, middle + above].find((at) => !isOverTask(view, { x, y: at, half }));
+    if (y !== undefined) drawName(view, taken, names[place], { x, y }, theme.muted);
+  });
+}
+
+function isOverTask(/** @type {View} */ view, { x, y, half }) {
+  return view.mission.tasks.some((_, task) => {
+    if (standingOf(view.history, task, view.scene.step) === "hidden") return false;
+    const box = taskBox(view, task);
+    return Math.abs(box.x - x) < box.half + half && Math.abs(box.y - y) < box.half + 6;
+  });
 }
 
 function nameTasksAndRobots(/** @type {View} */ view, taken, isRoomy) {
@@ -49,21 +64,27 @@ function nameTasksAndRobots(/** @type {View} */ view, taken, isRoomy) {
 }
 
 function drawTaskName(/** @type {View} */ view, taken, task) {
-  const { theme, mission, sites, history, scene } = view;
+  const { theme, sites, history, scene } = view;
   const standing = standingOf(history, task, scene.step);
   if (standing === "hidden") return;
   const { at, mates, isUp } = sites[task];
   const box = taskBox(view, mates.at(-1));
   const [x, y, half] = [isUp ? box.x : view.camera.x(at[0]), box.y, box.half];
   const colour = isOver(history, task, scene.step) ? theme.faint : theme.muted;
-  drawName(view, taken, namesOfPlace(mission, task, mates), { x, y: y + half + 10 }, colour);
+  const below = y + half + 10 + (standing === "served" ? PROGRESS : 0);
+  drawName(view, taken, namesOfPlace(view, mates), { x, y: below }, colour);
 }
 
-// One line for all tasks in one place.
-function namesOfPlace(/** @type {Mission} */ mission, task, mates) {
-  if (mates.length === 1) return taskName(mission, task);
-  const shown = mates.slice(0, MANY).map((mate) => taskName(mission, mate));
-  return shown.join(", ") + (mates.length > MANY ? ` + ${mates.length - MANY} more` : "");
+// One line for all tasks in one place: as many names as there is room for, one at least.
+function namesOfPlace(/** @type {View} */ { ctx, mission, camera }, /** @type {number[]} */ mates) {
+  const line = (count) => {
+    const shown = mates.slice(0, count).map((mate) => taskName(mission, mate));
+    return shown.join(", ") + (mates.length > count ? ` + ${mates.length - count} more` : "");
+  };
+  let count = Math.min(MANY, mates.length);
+  const isTooLong = (text) => text.length > LONGEST_NAME || ctx.measureText(text).width > WIDEST * camera.cell;
+  while (count > 1 && isTooLong(line(count))) count--;
+  return line(count);
 }
 
 function drawLostNames(/** @type {View} */ view, taken, lost, discs) {
@@ -91,7 +112,8 @@ function drawTeamNames(/** @type {View} */ view, taken, teams, discs) {
   const spots = teams.map((team) => teamSpot(view, team));
   const x = spots.reduce((sum, spot) => sum + spot.x, 0) / spots.length;
   const top = Math.min(...spots.map((spot) => spot.y - spot.r));
-  const y = Math.min(top, topOfTaskAround(view, x, top)) - 10;
+  const middle = spots.reduce((sum, spot) => sum + spot.y, 0) / spots.length;
+  const y = Math.min(top, topOfTaskAround(view, x, middle)) - 10;
   const own = new Set(teams.flatMap(({ robots }) => robots));
   const half = view.ctx.measureText(texts.join(", ")).width / 2;
   const isFree = (at) => !isOverDisc(view, discs, own, { x, y: at, half });
@@ -122,13 +144,13 @@ function isOverDisc(/** @type {View} */ view, discs, own, { x, y, half }) {
   return false;
 }
 
-// The upper edge of the task whose square a pixel is in; teams walk through such squares too.
+// The upper edge of the task whose square a pixel is in, if it is in one; teams walk through such squares too.
 function topOfTaskAround(/** @type {View} */ view, x, y) {
   const [column, row] = view.camera.placeAt(x, y).map(Math.round);
   const [task] = view.mission.tasksAt.get(cellKey(column, row)) ?? [];
-  if (task === undefined || standingOf(view.history, task, view.scene.step) === "hidden") return y;
+  if (task === undefined || standingOf(view.history, task, view.scene.step) === "hidden") return Infinity;
   const box = taskBox(view, task);
-  return Math.max(Math.abs(box.x - x), Math.abs(box.y - y)) <= box.half ? box.y - box.half : y;
+  return Math.max(Math.abs(box.x - x), Math.abs(box.y - y)) <= box.half ? box.y - box.half - PROGRESS : Infinity;
 }
 
 function drawBadges(/** @type {View} */ view, teams) {
@@ -150,11 +172,12 @@ function drawBadge(/** @type {View} */ view, /** @type {Team} */ team) {
   ctx.fillText(text, x, y + 0.5);
 }
 
-function drawName(/** @type {View} */ view, taken, name, { x, y }, colour) {
+function drawName(/** @type {View} */ view, taken, name, { x: middle, y }, colour) {
   const { ctx, theme } = view;
-  if (!isOnScreen(view, x, y, 60)) return;
+  if (!isOnScreen(view, middle, y, 60)) return;
   const text = name.length > LONGEST_NAME ? `${name.slice(0, LONGEST_NAME - 1)}…` : name;
   const half = ctx.measureText(text).width / 2 + 2;
+  const x = Math.max(half, Math.min(middle, view.width - half)); // not cut off at a side
   const covers = (box) => Math.abs(box.x - x) < box.half + half && Math.abs(box.y - y) < 13;
   if (taken.some(covers)) return;
   taken.push({ text, x, y, half });

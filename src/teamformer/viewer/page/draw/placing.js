@@ -8,7 +8,7 @@ import { TEAM_MARGIN, packTeams, robotSites } from "./packing.js";
 const ROBOT_RADIUS = 0.33; // of a robot alone in its cell, in cells
 export const TASK_HALF = 0.44; // half a task's side, in cells
 
-// By robot {x, y, r}, by slot {x, y, r} of the team, by cell the radius of all that is in it; in
+// By robot {x, y, r}, by cell the radius of all that is in it; in
 // cells, with y downwards on the screen turned by the camera. `cell` is a cell's side in pixels.
 export function placeEverybody(/** @type {TrialHistory} */ history, /** @type {Scene} */ scene, cell) {
   const { robots } = history.mission;
@@ -16,7 +16,6 @@ export function placeEverybody(/** @type {TrialHistory} */ history, /** @type {S
     x: new Float64Array(robots.length),
     y: new Float64Array(robots.length),
     r: new Float64Array(robots.length),
-    teams: new Map(),
     cells: new Map(),
   };
   for (const groups of groupsByCell(history, scene).values()) placeCell(places, groups, cell);
@@ -39,7 +38,6 @@ function placeCell(/** @type {Places} */ places, groups, cell) {
   groups.forEach((group, index) => {
     const circle = layout.circles[index];
     const middle = { x: group.x + circle.x * scale, y: group.y + circle.y * scale };
-    if (group.slot !== NOBODY) places.teams.set(group.slot, { ...middle, r: circle.r * scale });
     placeRobots(places, group.robots, middle, scale);
   });
   places.cells.set(cellKey(groups[0].x, groups[0].y), layout.radius * scale);

@@ -46,11 +46,7 @@ function drawRoads(/** @type {View} */ { ctx, camera, theme, mission }) {
     strokeAs(ctx, theme.grid, Math.max(2, ROAD * camera.cell));
   }
   ctx.lineCap = "butt";
-  spots.forEach(({ x, y }) => {
-    ctx.beginPath();
-    ctx.arc(x, y, Math.max(2.5, 0.2 * camera.cell), 0, 2 * Math.PI);
-    fillAs(ctx, theme.edge);
-  });
+  for (const { x, y } of spots) drawDisc(ctx, x, y, Math.max(2.5, 0.2 * camera.cell), theme.edge);
 }
 
 // On a plane from its lower left corner.

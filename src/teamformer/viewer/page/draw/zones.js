@@ -1,16 +1,18 @@
 // Zones: where they are, how many services go on in each, and for how many there is room.
 
-import { serviceAfter } from "../record/told.js";
+import { CARRYING, UNLOADING, serviceAfter } from "../record/told.js";
 import { fillAs, strokeAs, write } from "./shapes.js";
 
 const DASH = [5, 4];
 
 export function drawZones(/** @type {View} */ view) {
   for (const zone of view.mission.zones) {
-    const at = zone.area ? traceArea(view, zone.area) : markTasks(view, zone.tasks);
+    const at = zone.area ? traceArea(view, zone.area) : markTasks(view, zone);
     if (!at) continue;
     const { history, scene, theme } = view;
-    const busy = zone.tasks.filter((task) => serviceAfter(history, task, scene.step)).length;
+    const doing = (task) => serviceAfter(history, task, scene.step)?.doing;
+    const served = zone.tasks.filter((task) => ![undefined, CARRYING, UNLOADING].includes(doing(task)));
+    const busy = served.length + zone.loads.filter((task) => doing(task) === UNLOADING).length;
     const colour = busy < zone.room ? theme.muted : theme.wait;
     write(view.ctx, `${zone.name} ${busy}/${zone.room}`, at.x, at.y, colour, `11px ${theme.font}`, "left", "bottom", theme.ground);
   }
@@ -29,10 +31,11 @@ function traceArea(/** @type {View} */ { ctx, camera, theme }, /** @type {Place[
   return { x: left + 3, y: top - 2 };
 }
 
-// Where no area says where it is, its tasks are ringed.
-function markTasks(/** @type {View} */ { ctx, camera, theme, mission }, /** @type {number[]} */ tasks) {
+// Where no area says where it is, its tasks are ringed, and where loads are brought to.
+function markTasks(/** @type {View} */ { ctx, camera, theme, mission }, zone) {
   const r = Math.max(9, 0.75 * camera.cell);
-  const spots = tasks.map((task) => ({ x: camera.x(mission.tasks[task].at[0]), y: camera.y(mission.tasks[task].at[1]) }));
+  const places = [...zone.tasks.map((task) => mission.tasks[task].at), ...zone.loads.map((task) => mission.tasks[task].to)];
+  const spots = places.map(([x, y]) => ({ x: camera.x(x), y: camera.y(y) }));
   for (const { x, y } of spots) {
     ctx.beginPath();
     ctx.arc(x, y, r, 0, 2 * Math.PI);

@@ -1,7 +1,8 @@
 // What stands still around the map: the header, the legend, the notice of a trial that failed.
 
+import { costOf } from "../record/costs.js";
 import { robotsLostAt } from "../record/history.js";
-import { capitalised, describeSpan, plural } from "../record/lengths.js";
+import { capitalised, describeAmount, plural } from "../record/lengths.js";
 import { countCancelled, countDone } from "../record/scene.js";
 import { describeAt, listRobots } from "../record/words.js";
 import { byId, element, swatch } from "./dom.js";
@@ -52,12 +53,11 @@ export function showFigures(/** @type {App} */ app) {
   const { makespan } = history.end;
   const bound = history.lowerBound;
   const { world } = history.mission;
-  const shortSpan = (steps) => (world.isTimed ? describeSpan(world, steps) : String(steps));
   byId("figures").replaceChildren(
     figure("Tasks done", String(done), ` of ${history.doneAt.length}${cancelledText(history, player.step)}`),
-    figure("Makespan", makespan === null ? noMakespan(history) : shortSpan(makespan), ratioText(history)),
+    figure("Makespan", makespan === null ? noMakespan(history) : describeAmount(world, makespan), ratioText(history)),
     ...costFigure(history),
-    figure("Lower bound", bound === null ? "unknown" : shortSpan(bound), ""),
+    figure("Lower bound", bound === null ? "unknown" : describeAmount(world, bound), ""),
     ...lostFigure(history, player.step),
     ...brokenLinks(history),
   );
@@ -74,32 +74,9 @@ function cancelledText(/** @type {TrialHistory} */ history, step) {
 
 // What the mission cost, by its own weights.
 function costFigure(/** @type {TrialHistory} */ history) {
-  const cost = costOf(history);
   if (!history.mission.cost) return [];
+  const cost = costOf(history);
   return [figure("Cost", cost === null ? noMakespan(history) : String(Number(cost.toPrecision(6))), "")];
-}
-
-// What the mission cost, if it has a cost and is over; else null.
-export function costOf(/** @type {TrialHistory} */ history) {
-  if (history.isContinuous) return history.end.cost ?? null;
-  return history.mission.cost ? weighedBy(history.mission.cost, history) : null;
-}
-
-// The mean by weight of when all is over, and when tasks are done and how late; null before that.
-export function weighedBy(weights, /** @type {TrialHistory} */ { mission, doneAt, end }) {
-  const { tasks } = mission;
-  if (end.makespan === null) return null;
-  const done = [...tasks.keys()].filter((task) => doneAt[task] < Infinity);
-  const late = done.map((task) => Math.max(0, doneAt[task] - tasks[task].due));
-  const sum = (values) => values.reduce((total, value) => total + value, 0);
-  const parts = {
-    makespan: end.makespan,
-    tardiness: sum(done.map((task, at) => late[at] * tasks[task].weight)),
-    max_tardiness: Math.max(0, ...late),
-    completion: sum(done.map((task) => tasks[task].weight * doneAt[task])),
-  };
-  const weighed = Object.entries(weights).map(([part, weight]) => weight * parts[part]);
-  return sum(weighed) / sum(Object.values(weights));
 }
 
 function noMakespan(/** @type {TrialHistory} */ { end }) {

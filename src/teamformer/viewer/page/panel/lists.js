@@ -119,7 +119,7 @@ function eventRow(/** @type {App} */ app, /** @type {HistoryEvent} */ event) {
   };
 }
 
-const EVENT_COLOURS = { join: "accent", split: "muted", lost: "bad", back: "good", end: "ink" };
+const EVENT_COLOURS = { join: "accent", split: "muted", lost: "bad", empty: "bad", charges: "task", queues: "wait", full: "task", back: "good", end: "ink" };
 
 export function eventColour(/** @type {App} */ { map }, /** @type {HistoryEvent} */ { kind, task }) {
   return task === undefined ? map.theme[EVENT_COLOURS[kind]] : taskColour(task, map.isDark);

@@ -36,7 +36,7 @@ export class Timeline extends TimeCanvas {
   drawMarks(/** @type {Canvas2D} */ ctx, top) {
     const drawn = new Set();
     for (const event of this.app.events) {
-      if (!["join", "split", "lost", "back"].includes(event.kind)) continue;
+      if (!["join", "split", "lost", "empty", "back"].includes(event.kind)) continue;
       const x = Math.round(this.x(event.step));
       if (drawn.has(`${x} ${event.kind}`)) continue;
       drawn.add(`${x} ${event.kind}`);

@@ -4,8 +4,8 @@ import { rememberLast } from "./keeping.js";
 import { readMission } from "./mission.js";
 import { missionInSquares, squareOf, truthInSquares } from "./plane.js";
 import { laidOut, worldOfRoads } from "./roads.js";
-import { NOBODY } from "./state.js";
-import { AT_WORK, FORMING, LOST, WALKING, hearTold, readTold, runsOf } from "./told.js";
+import { emptyState } from "./state.js";
+import { AT_WORK, FORMING, LOST, WALKING, hearTold, listIn, readTold, runsOf } from "./told.js";
 import { Track } from "./tracks.js";
 import { inTicks, tickFor } from "./ticks.js";
 
@@ -126,14 +126,14 @@ function inTicksOf(/** @type {any} */ end, tick) {
 // What is told, with all times in ticks.
 function toldInTicks(told, tick) {
   if (!told) return told;
-  const whens = (rows, places) => listOf(rows).map((row) => row.map((value, at) => (places.includes(at) && typeof value === "number" ? value / tick : value)));
-  const byRobot = (rows) => listOf(rows).map((own) => whens(own, [0]));
+  const whens = (rows, places) => listIn(rows).map((row) => row.map((value, at) => (places.includes(at) && typeof value === "number" ? value / tick : value)));
+  const byRobot = (rows) => listIn(rows).map((own) => whens(own, [0]));
   return {
     ...told,
     services: whens(told.services, [2, 3]),
     phases: byRobot(told.phases),
     path: whens(told.path, [0, 1]),
-    charge: listOf(told.charge).map((own) => listOf(own).map((row) => levelInTicks(row, tick))),
+    charge: listIn(told.charge).map((own) => listIn(own).map((row) => levelInTicks(row, tick))),
   };
 }
 
@@ -145,18 +145,14 @@ function newsInTicks(told, tick) {
     services: told.services.map((row) => at(row, [2, 3])),
     phases: told.phases.map((row) => at(row, [0])),
     path: (told.path ?? []).map(([from, to, ...rest]) => [from / tick, to / tick, ...rest]),
-    charge: listOf(told.charge).map(([robot, row]) => [robot, levelInTicks(row, tick)]),
+    charge: listIn(told.charge).map(([robot, row]) => [robot, levelInTicks(row, tick)]),
   };
 }
 
 // How full a battery is from a moment on, and by how much that changes in a tick.
 function levelInTicks(row, tick) {
-  const [begun, full, rate] = listOf(row);
+  const [begun, full, rate] = listIn(row);
   return [begun / tick, full, rate * tick];
-}
-
-function listOf(value) {
-  return Array.isArray(value) ? value : [];
 }
 
 // The plans as records in steps have them: coalitions by the tasks of an order.
@@ -251,12 +247,7 @@ function take(history, event) {
 function standingAt(/** @type {TrialHistory} */ history, step) {
   const { mission, tracks = [] } = history;
   const count = mission.robots.length;
-  const state = {
-    team: new Int32Array(count).fill(NOBODY),
-    x: new Float64Array(count),
-    y: new Float64Array(count),
-    task: new Int32Array(count).fill(NOBODY),
-  };
+  const state = emptyState(count);
   const teams = new Map();
   for (let robot = 0; robot < count; robot++) {
     const run = runsOf(history, robot).findLast(({ from }) => from <= step);

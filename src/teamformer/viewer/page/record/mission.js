@@ -1,12 +1,10 @@
 // The mission of a record, with capabilities as numbers and counts as [capability, count] pairs.
 
-import { exact } from "./counts.js";
+import { addCounts } from "./counts.js";
 import { readPlane, readRadius } from "./plane.js";
 
 // By foresight, from which probability on plans count on needs that tasks may have.
 const LEAST_CHANCE = { needed: 0, scouting: 0.25, absent: Infinity };
-
-const LATENESS = 2; // what it weighs beside the makespan in a mission with windows and without a cost
 
 // `truth` says, by name, what an uncertain mission really was.
 export function readMission(/** @type {MissionTree} */ tree, truth, foresight = "scouting", /** @type {World | null} */ world = null) {
@@ -41,13 +39,23 @@ export function readMission(/** @type {MissionTree} */ tree, truth, foresight = 
   return mission;
 }
 
-// Each with the numbers of its tasks: those in its area, at its places, or named.
+// Each with the numbers of its tasks, those in its area, at its places, or named, and of its loads:
+// those that are brought there.
 function readZones(said, /** @type {Task[]} */ tasks) {
   const isIn = ([[left, low], [right, high]], [x, y]) => left <= x && x <= right && low <= y && y <= high;
   const isAt = (places, at) => places.some(([x, y]) => x === at[0] && y === at[1]);
   return Object.entries(said).map(([name, { area, places = [], tasks: names = [], room = 1 }]) => {
-    const has = (task) => names.includes(task.name) || isAt(places, task.at) || (area && isIn(area, task.at));
-    return { name, area: area ?? null, room, tasks: [...tasks.keys()].filter((number) => has(tasks[number])) };
+    const holds = (at) => isAt(places, at) || (area && isIn(area, at));
+    const has = (task) => names.includes(task.name) || holds(task.at);
+    const isBrought = (task) => task.to && holds(task.to);
+    const numbers = [...tasks.keys()];
+    return {
+      name,
+      area: area ?? null,
+      room,
+      tasks: numbers.filter((number) => has(tasks[number])),
+      loads: numbers.filter((number) => isBrought(tasks[number])),
+    };
   });
 }
 
@@ -86,12 +94,6 @@ function readTask(said, numbers, truth, leastChance) {
 
 export function hasDueTimes(/** @type {Mission} */ { tasks }) {
   return tasks.some(({ due }) => due < Infinity);
-}
-
-// What plans are judged by: the weights of the cost or, where tasks have windows, of makespan and
-// lateness; null where it is the makespan alone.
-export function weightsOf(/** @type {Mission} */ mission) {
-  return mission.cost ?? (hasDueTimes(mission) ? { makespan: 1, tardiness: LATENESS } : null);
 }
 
 // How many steps are made when a window begins.
@@ -139,9 +141,7 @@ function readCounts(/** @type {Iterable<Count>} */ counts, numbers) {
 }
 
 function sumPairs(pairs) {
-  const total = new Map();
-  for (const [cap, count] of pairs) total.set(cap, exact((total.get(cap) ?? 0) + count));
-  return [...total].sort((one, other) => one[0] - other[0]);
+  return [...addCounts([pairs])].sort((one, other) => one[0] - other[0]);
 }
 
 // A plain grid is drawn with y upwards, a map of rows as it says (downwards if it does not).

@@ -1,7 +1,7 @@
 // What there is to see after a step: teams with what they can do, and how each task stands.
 
 import { wayAhead } from "./continuous.js";
-import { exact, missing } from "./counts.js";
+import { addCounts, missing } from "./counts.js";
 import { isLost, needsAt, sitesAt, stateShown } from "./history.js";
 import { isSamePlace } from "./plane.js";
 import { NOBODY } from "./state.js";
@@ -38,18 +38,15 @@ function gatherTeams(/** @type {Mission} */ mission, /** @type {State} */ state)
     const slot = state.team[robot];
     if (slot === NOBODY) continue;
     if (!teams.has(slot)) teams.set(slot, newTeam(state, slot));
-    const team = teams.get(slot);
-    team.robots.push(robot);
-    for (const [cap, count] of mission.robots[robot].can) {
-      team.counts.set(cap, exact((team.counts.get(cap) ?? 0) + count));
-    }
+    teams.get(slot).robots.push(robot);
   }
+  for (const team of teams.values()) team.counts = addCounts(team.robots.map((robot) => mission.robots[robot].can));
   return teams;
 }
 
 function newTeam(/** @type {State} */ state, slot) {
   const assigned = state.task[slot];
-  return { slot, robots: [], counts: new Map(), x: state.x[slot], y: state.y[slot], assigned };
+  return { slot, robots: [], x: state.x[slot], y: state.y[slot], assigned };
 }
 
 function describeGoal(/** @type {TrialHistory} */ history, step, /** @type {Team} */ team, service, done) {
@@ -141,8 +138,7 @@ export function countCancelled(/** @type {TrialHistory} */ history, step) {
 
 // The open tasks in the order that everybody shares, as last computed.
 export function orderAt(/** @type {TrialHistory} */ history, step) {
-  let tasks = [];
-  for (const [made, order] of history.record.orders ?? []) if (made <= step) tasks = order;
+  const [, tasks] = (history.record.orders ?? []).findLast(([made]) => made <= step) ?? [0, []];
   return tasks.filter((task) => !isOver(history, task, step));
 }
 

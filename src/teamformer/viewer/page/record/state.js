@@ -2,15 +2,14 @@
 
 export const NOBODY = -1;
 
-// A state holds, by robot, the slot of its team, and by slot the team's place and task.
+// A state in which nobody is there: by robot the slot of its team, and by slot the team's place and task.
+/** @returns {State} */
+export function emptyState(count) {
+  return { team: new Int32Array(count).fill(NOBODY), x: new Float64Array(count), y: new Float64Array(count), task: new Int32Array(count).fill(NOBODY) };
+}
+
 export function startState(/** @type {RecordTree} */ record, /** @type {Mission} */ mission) {
-  const count = mission.robots.length;
-  const state = {
-    team: new Int32Array(count).fill(NOBODY),
-    x: new Float64Array(count),
-    y: new Float64Array(count),
-    task: new Int32Array(count).fill(NOBODY),
-  };
+  const state = emptyState(mission.robots.length);
   for (const [slot, robots, x, y] of record.start) {
     for (const robot of robots) state.team[robot] = slot;
     putTeam(state, [slot, x, y, null]);
@@ -31,12 +30,7 @@ export function fillHeadings(/** @type {StepTree[]} */ steps) {
 }
 
 export function copyState(/** @type {State} */ state) {
-  return {
-    team: state.team.slice(),
-    x: state.x.slice(),
-    y: state.y.slice(),
-    task: state.task.slice(),
-  };
+  return { team: state.team.slice(), x: state.x.slice(), y: state.y.slice(), task: state.task.slice() };
 }
 
 function putTeam(/** @type {State} */ state, [slot, x, y, task]) {

@@ -18,7 +18,7 @@ export function readTold(/** @type {RecordTree} */ { told = {} }, /** @type {Mis
 }
 
 // A list that whoever wrote it may have made something else.
-function listIn(value) {
+export function listIn(value) {
   return Array.isArray(value) ? value : [];
 }
 

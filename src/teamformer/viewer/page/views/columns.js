@@ -13,7 +13,7 @@ import { describeCounts, describeNeeds, listRobots, robotName, taskName } from "
 // or expected is drawn paler. `whole` returns the text where the one shown is shorter: filters and files
 // go by that. `isShown` says whether a mission has such a column at all.
 
-const STATES = ["can never be done", "open", "waiting", "on the way", "under way", "to come", "called off", "done"];
+const STATES = ["can never be done", "open", "waiting", "on the way", "under way", "to come", "called off", "missed", "done"];
 
 export const TASK_COLUMNS = [
   { name: "Task", of: ({ mission }, task) => word(taskName(mission, task)) },
@@ -122,7 +122,7 @@ function doingOf(/** @type {Moment} */ { scene, mission }, robot) {
   const team = teamOfRobot(scene, robot);
   if (!team) return "lost";
   const task = team.goal === NOBODY ? "" : taskName(mission, team.goal);
-  const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", leaves: "is lost next", idle: "idle", charges: "charges", queues: "waits for a charger", off: "off its shift", waits: `waits at ${task}` };
+  const words = { serves: `does ${task}`, done: `has just done ${task}`, told: "is told next", leaves: "is lost next", idle: "idle", charges: "charges", forms: `forms a team for ${task}`, "leads home": "walks to where it stops", queues: "waits for a charger", off: "off its shift", waits: `waits at ${task}` };
   return words[team.activity] ?? `walks to ${task}`;
 }
 

@@ -3,7 +3,7 @@
 import { penOf, write } from "../draw/shapes.js";
 import { element } from "../panel/dom.js";
 import { percent } from "../record/lengths.js";
-import { CARRYING, CHARGING, IDLE, LOADING, LOST, OFF, PHASES, QUEUEING, UNLOADING, deedsOfRobots, runsOf, stepsInPhases } from "../record/told.js";
+import { CHARGING, IDLE, LOST, OFF, PHASES, QUEUEING, deedsOfRobots, runsOf, stepsInPhases } from "../record/told.js";
 import { PHASE_COLOURS, STRENGTHS, describeBar, drawBarsOfRow, drawEndsOfRow } from "./bars.js";
 import { AXIS_HEIGHT, NAME_WIDTH, SHARE_WIDTH } from "./chart_sizes.js";
 import { drawCriticalPath } from "./critical_path.js";
@@ -252,7 +252,7 @@ export class Gantt {
     ctx.fillRect(x - 0.75, AXIS_HEIGHT - 4, 1.5, this.height);
   }
 
-  // The colours, and the fleet's mean shares; also what those hear who see no bars.
+  // The colours of all that robots do, and the fleet's mean shares; also what those hear who see no bars.
   showLegend() {
     const { map, options } = this.app;
     const told = [this.stillShown, this.app.titleItem()?.textContent];
@@ -261,11 +261,8 @@ export class Gantt {
     const robots = [...this.app.history.mission.robots.keys()];
     const mean = (phase) => robots.reduce((sum, robot) => sum + this.shareOf(robot, phase), 0) / robots.length;
     const isByTask = options.bars === "task";
-    const hasLoads = this.app.history.mission.tasks.some(({ to }) => to);
-    const isAny = (name) => mean(name) > 0;
-    const isThere = (name) => ([OFF, CHARGING, QUEUEING].includes(name) ? isAny(name) : hasLoads || ![LOADING, CARRYING, UNLOADING].includes(name));
     const items = PHASES.flatMap((name) => {
-      if (!isThere(name)) return [];
+      if (!mean(name)) return [];
       const isOwn = [IDLE, LOST, OFF, CHARGING, QUEUEING].includes(name);
       const colour = isByTask && !isOwn ? map.theme.ink : map.theme[PHASE_COLOURS[name]];
       const dot = element("span", { class: "dot", colour });

@@ -31,7 +31,7 @@ def stand_charged(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -
     robots = [mission.robots[robot] for robot in numbers]
     tasks = [mission.tasks[task] for task in chosen]
     charging, there = mission.charging, set(known.robots)
-    assert charging is not None, "somebody has a battery"
+    carried = [0.0 if charging is None else charging.carried(task) for task in chosen]
     return ChargeStart(
         places=[known.places[robot] for robot in numbers],
         left=[known.left[robot] for robot in numbers],
@@ -39,7 +39,7 @@ def stand_charged(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -
         task_places={number: task.at for number, task in enumerate(tasks)},
         task_ends={number: task.ends_at for number, task in enumerate(tasks)},
         homes=[home_of(mission, robot) if robot in there else None for robot in numbers],
-        spends=_spent(robots, tasks, [charging.carried(task) for task in chosen]),
+        spends=_spent(robots, tasks, carried),
         serves=_spent(robots, tasks, [0.0] * len(tasks)),
         services=[task.duration + task.unload for task in tasks],
     )

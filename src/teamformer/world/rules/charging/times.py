@@ -1,7 +1,7 @@
-"""When tasks start where robots have batteries: a plan carried out, moment by moment.
+"""When tasks start where robots queue: a plan carried out, moment by moment.
 
-Robots queue at chargers, so who charges when hangs on all that others do: tasks cannot be timed one
-after the other.
+Robots with batteries queue at chargers, and teams with loads before zones where they unload. So who
+has room when hangs on all that others do: tasks cannot be timed one after the other.
 """
 
 from __future__ import annotations
@@ -14,17 +14,10 @@ from typing import NamedTuple
 
 from teamformer.world.rules.charging.stops import ChargeRules
 from teamformer.world.rules.constants import NOBODY
-from teamformer.world.rules.starts import (
-    FIRST,
-    Gap,
-    StartRules,
-    Timed,
-    Visit,
-    ahead_in_rooms,
-    enters_rooms,
-)
+from teamformer.world.rules.entering import RoomsTaken
+from teamformer.world.rules.starts import FIRST, Gap, StartRules, Timed, Visit
 
-AT_CHARGER, FULL, DONE, LEAVE = range(4)
+AT_CHARGER, FULL, DONE, LEAVE, READY, FREED, LIFTED, BROUGHT = range(8)
 """What happens at a moment."""
 
 SAME = 1e-9
@@ -122,11 +115,7 @@ class _CarriedOut:
         self.left = list(standing.left)
         self.left_at_task: dict[tuple[int, int], float] = {}
         self.ended: set[int] = set()
-        self.rooms = ahead_in_rooms(rules.rooms, order)
-        self.behind: dict[int, list[int]] = {}  # by task, who is next in the rooms that it is in
-        for task, rooms in self.rooms.items():
-            for _, ahead in rooms:
-                self.behind.setdefault(ahead[-1] if ahead else NOBODY, []).append(task)
+        self.rooms = RoomsTaken(rules.rooms, order)
         self.agenda: list[tuple[float, int, int, int]] = []
         self.busy = [0] * len(charging.chargers)
         self.queues: list[list[tuple[float, int]]] = [[] for _ in charging.chargers]
@@ -136,6 +125,9 @@ class _CarriedOut:
         for charger, until in self.standing.taken:
             self.busy[charger] += 1
             heapq.heappush(self.agenda, (until, FULL, NOBODY, charger))
+        for zone, room in enumerate(self.rules.rooms):
+            for until in room.taken:
+                heapq.heappush(self.agenda, (until, FREED, zone, NOBODY))
         for robot, free in enumerate(self.rules.free):
             heapq.heappush(self.agenda, (free, LEAVE, robot, NOBODY))
         while self.agenda:
@@ -144,6 +136,8 @@ class _CarriedOut:
                 self._happen(*heapq.heappop(self.agenda))
             for charger in range(len(self.queues)):
                 self._fill(charger, now)
+            if self.rules.rooms:
+                self._fill_zones(now)
         return self.told
 
     def _happen(self, now: float, what: int, which: int, charger: int) -> None:
@@ -158,6 +152,14 @@ class _CarriedOut:
                 self._leave(which, now, self.charging.chargers[charger])
         elif what == DONE:
             self._done(which, now)
+        elif what == READY:
+            self.rooms.ready.add(which)
+        elif what == FREED:
+            self.rooms.free(which)
+        elif what == LIFTED:
+            self.rooms.leave(which)
+        elif what == BROUGHT:
+            self.rooms.queue.append((now, which))
         else:
             self._leave(which, now, self.standing.places[which])
 
@@ -210,11 +212,25 @@ class _CarriedOut:
         self.left_at_task[robot, task] = self.left[robot]
         self._start(task)
 
-    def _start(self, task: int) -> None:
-        """Let a task start if all are coming, what it is after has ended, and others are in zones.
+    def _fill_zones(self, now: float) -> None:
+        """Let loads be unloaded, and then tasks begin in zones, as far as there is room."""
+        for load in self.rooms.next_unloaded():
+            self._unload(load, now)
+        for task in self.rooms.next_begun():
+            fits = self.rules.fitted(self.robots_of[task], now, self.timed.takes[task])
+            if fits > now:
+                self.rooms.ready.discard(task)
+                self._put(fits, READY, task)
+            else:
+                self.rooms.begin(task)
+                self._begin(task, now)
 
-        Those are the tasks that enter its zones before it.
-        """
+    def _put(self, at: float, what: int, which: int) -> None:
+        if math.isfinite(at):
+            heapq.heappush(self.agenda, (at, what, which, NOBODY))
+
+    def _start(self, task: int) -> None:
+        """Let a task start if all come and what it is after has ended; in zones, if it may."""
         visits, before = self.timed.visits[task], self.rules.before.get(task, ())
         if len(visits) < len(self.robots_of[task]) or not self.ended.issuperset(before):
             return
@@ -223,15 +239,49 @@ class _CarriedOut:
         if rules.forming and len({rules.site(visit.robot, visit.before) for visit in visits}) > 1:
             there = rules.fitted(robots, there, rules.forming) + rules.forming
         ends = (self.timed.end(other) for other in before)
-        enters = enters_rooms(self.timed, self.rooms.get(task, ()))
-        start = max([rules.release[task], self.holds.get(task, 0.0), there, enters, *ends])
+        start = max([rules.release[task], self.holds.get(task, 0.0), there, *ends])
         start = rules.fitted(robots, start, self.timed.takes[task])
-        if math.isfinite(start) and all(self._spend(visit, task, start) for visit in visits):
-            self.timed.start[task] = start
-            heapq.heappush(self.agenda, (self.timed.end(task), DONE, task, NOBODY))
-            for other in self.behind.get(task, ()):
-                if math.isinf(self.timed.start[other]):
-                    self._start(other)
+        if task in self.rooms.entered:
+            self._put(start, READY, task)
+        elif math.isfinite(start):
+            self._begin(task, start)
+
+    def _begin(self, task: int, start: float) -> None:
+        """Let a task start at a time, unless somebody runs dry."""
+        if not all(self._spend(visit, task, start) for visit in self.timed.visits[task]):
+            return
+        self.timed.start[task] = start
+        end, loads = self.timed.end(task), self.rules.loads
+        if loads is not None and task in loads.lifting:
+            lifted = start + loads.lifting[task]
+            self._put(lifted, LIFTED, task)
+            if task in self.rooms.unloaded_in:
+                there = lifted + loads.carried(task, self.robots_of[task])
+                self._put(min(there, end) if loads.unloading[task] else end, BROUGHT, task)
+                return
+        self._put(end, DONE, task)
+
+    def _unload(self, task: int, now: float) -> None:
+        """Let a load be unloaded that has come before; nobody may run dry, nor his shift end."""
+        assert self.rules.loads is not None, "it is a load"
+        came, start = self.rooms.unload(task), self.timed.start[task]
+        if came < now:
+            self.timed.takes[task] = now + self.rules.loads.unloading[task] - start
+        robots, takes = self.robots_of[task], self.timed.takes[task]
+        is_charged = all(self._wait(robot, came, now) for robot in robots)
+        if is_charged and self.rules.fitted(robots, start, takes) == start:
+            self._put(self.timed.end(task), DONE, task)
+        else:
+            self.timed.start[task] = math.inf
+
+    def _wait(self, robot: int, begin: float, end: float) -> bool:
+        """Let a robot wait with a load; say whether it does not run dry."""
+        battery = self.charging.batteries[robot]
+        if battery is None:
+            return True
+        left, spent = self.left[robot], battery.waiting * self.rules.worked(robot, begin, end)
+        self.left[robot] = max(0.0, left - spent)
+        return battery.suffices(left, spent)
 
     def _spend(self, visit: Visit, task: int, start: float) -> bool:
         """Let a robot wait and serve; say whether it does not run dry."""
@@ -247,6 +297,7 @@ class _CarriedOut:
 
     def _done(self, task: int, now: float) -> None:
         self.ended.add(task)
+        self.rooms.leave(task)
         for robot in sorted(self.robots_of[task]):
             self.before[robot] = task
             self._leave(robot, now, self.standing.task_ends[task])

@@ -221,7 +221,8 @@ def _read_named_parts(
 ) -> tuple[Any, ...]:
     """Return what mappings by name become, in the order of their names."""
     if not isinstance(value, dict) or not value:
-        message = f"{name_of(where)} is {describe(value)}; write {{name: {{...}}}}, or drop it"
+        said = "an empty mapping" if value == {} else describe(value)
+        message = f"{name_of(where)} is {said}; write {{name: {{...}}}}, or drop it"
         reader.refuse(where, message)
         return ()
     return tuple(

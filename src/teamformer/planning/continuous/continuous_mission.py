@@ -23,7 +23,7 @@ from teamformer.planning.continuous.posing.ticks import (
     rounding_of,
     ticks_of,
 )
-from teamformer.planning.continuous.posing.times import TaskClock, clock_of
+from teamformer.planning.continuous.posing.times import TaskClock
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import (
@@ -145,7 +145,7 @@ class ContinuousMission:
 
         In that order they enter zones. Optional tasks that would be missed are not in it.
         """
-        if self.clock.rooms and not have_weights(self.problem.links):  # else it is so already
+        if self.clock.rest.rooms and not have_weights(self.problem.links):  # else it is so already
             starts = schedule_of(self.problem, plan).start[plan.order]
             order = plan.order[np.argsort(starts, kind="stable")]
             plan = plan._replace(order=order)
@@ -173,7 +173,9 @@ class ContinuousMission:
         found = self.in_turn(found)
         routes = self.time(found).routes
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
-        drops = len(self.clock.rotas) > 0 or not are_charged(self.problem.batteries)
+        drops = any(robot.rota for robot in self.clock.rest.own_robots) or not are_charged(
+            self.problem.batteries
+        )
         kept = [task for task in found.order.tolist() if found.size[task] > 0]
         order = [task for task in kept if not drops or math.isfinite(ends.get(task, math.inf))]
         is_done = all(math.isfinite(ends.get(task, math.inf)) for task in order)  # nobody runs dry
@@ -213,7 +215,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         now=known.now,
         robots=rest.robots,
         tasks=rest.tasks,
-        clock=clock_of(rest, charging),
+        clock=TaskClock(rest, charging),
         scale=ticks.scale,
         rounding=rounding_in(rest, ticks.scale),
         grain=grain_of(rest, ticks.scale),

@@ -31,12 +31,17 @@ def empty_plan(problem: CoalitionProblem) -> CoalitionPlan:
     )
 
 
-def plan_of_lists(order: Sequence[int], coalitions: Sequence[Sequence[int]]) -> CoalitionPlan:
-    """Return a plan as arrays; `coalitions` holds the robots of each task, by its number."""
+def plan_of_lists(
+    order: Sequence[int], coalitions: Sequence[Sequence[int]], seats: int = 0
+) -> CoalitionPlan:
+    """Return a plan as arrays; `coalitions` holds the robots of each task, by its number.
+
+    There is room for so many `seats` of each at least.
+    """
     largest = max(map(len, coalitions), default=0)
     plan = CoalitionPlan(
         np.array(order, np.int32),
-        np.full((len(coalitions), largest), NOBODY, np.int32),
+        np.full((len(coalitions), max(largest, seats)), NOBODY, np.int32),
         np.zeros(len(coalitions), np.int32),
     )
     for task, coalition in enumerate(coalitions):

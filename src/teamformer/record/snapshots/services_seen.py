@@ -6,6 +6,7 @@ until it has it no longer. Who takes up a load is known, and has it until it is 
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 from teamformer.mission.model import Mission
@@ -32,6 +33,11 @@ class ServicesSeen:
         self._over: set[int] = set()
         self._lies: dict[int, Place] = {}  # loads that are not where the mission has them
 
+    @property
+    def served(self) -> Collection[int]:
+        """Return the tasks that are being served."""
+        return self._serving.keys()
+
     def add(self, steps: list[Step], step: Step, mission: Mission) -> Step:
         """Add a step to others, with who serves what; return it.
 
@@ -56,6 +62,9 @@ class ServicesSeen:
         """Let services go on or end."""
         for task, _ in step.done:
             self._serving.pop(task, None)
+            self._over.add(task)
+        for task, _ in step.missed:
+            self._end(task, rows)
             self._over.add(task)
         for task, x, y in step.left:
             self._end(task, rows)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
@@ -18,6 +18,7 @@ from teamformer.record.snapshots.teams_seen import (
     teams_shown,
     who_did,
 )
+from teamformer.record.why_missed import why_missed
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,8 @@ class Sighting:
     """What was seen of a fleet in a step; robots and tasks are numbers.
 
     `said` has each robot's team by its word, and its place, of those that are there; `aims` what
-    each heads for. `done` are tasks that were done, `taken` loads that were taken up.
+    each heads for. `done` are tasks that were done, `taken` loads that were taken up, and `missed`
+    tasks are not done any more.
     """
 
     said: Mapping[int, tuple[int, Place]]
@@ -39,6 +41,8 @@ class Sighting:
     shown: tuple[int, ...] = ()  # tasks whose needs have become known
     found: tuple[int, ...] = ()  # tasks whose place has become known
     moved: tuple[TaskAt, ...] = ()  # tasks that are believed elsewhere
+    missed: tuple[int, ...] = ()
+    charge: Mapping[int, str] = field(default_factory=dict)  # what robots do at chargers
 
 
 class SnapshotWriter:
@@ -48,6 +52,7 @@ class SnapshotWriter:
         self.steps: list[Step] = []
         self._seen = ServicesSeen(mission)
         self._teams: Teams = {robot: (robot,) for robot in range(len(mission.robots))}
+        self._at_chargers: Mapping[int, str] = {}
         self._shown = {r: TeamAt(r, *one.at, None) for r, one in enumerate(mission.robots)}
 
     def pause(self, mission: Mission) -> None:
@@ -74,6 +79,7 @@ class SnapshotWriter:
         }
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
         self._teams, self._shown = teams, shown
+        served, aims = self._seen.served, {at.task for at in shown.values() if at.task is not None}
         made = Step(
             joins=joins,
             splits=splits,
@@ -87,8 +93,17 @@ class SnapshotWriter:
             shown=seen.shown,
             found=seen.found,
             moved=seen.moved,
+            charge=tuple(self._charge(seen.charge)),
+            missed=tuple((k, why_missed(mission, k, served, aims)) for k in seen.missed),
         )
         return self._seen.add(self.steps, made, mission)
+
+    def _charge(self, doing: Mapping[int, str]) -> Iterator[tuple[int, str]]:
+        """Yield the robots that do something else at chargers than in the step before."""
+        before, self._at_chargers = self._at_chargers, doing
+        for robot in sorted(before.keys() | doing.keys()):
+            if (now := doing.get(robot, "")) != before.get(robot, ""):
+                yield robot, now
 
     def _doer(self, deed: Deed, slot_of: Mapping[int, int]) -> int | None:
         """Return the team to show as the one that did a task; None if none of it is there."""
@@ -103,12 +118,13 @@ def fleet_record(
     blocked_tasks: tuple[str, ...] = (),
     truth: Mission | None = None,
 ) -> Record:
-    """Return the record of what was seen of a fleet; a completed one ends with its last task.
+    """Return the record of what was seen of a fleet; one that is over ends with its last task.
 
     `truth` is what an uncertain mission really was, where that is known.
     """
-    if status == "completed":
-        ends = [n for n, step in enumerate(steps, start=1) if step.done]
+    missed = sorted(task for step in steps for task, _ in step.missed)
+    if status in ("completed", "too late"):
+        ends = [n for n, step in enumerate(steps, start=1) if step.done or step.missed]
         off = (task.cancelled for task in mission.tasks if task.cancelled is not None)
         steps = steps[: max([*ends, *(math.ceil(at) for at in off)], default=0)]
     made = len(steps)
@@ -129,5 +145,6 @@ def fleet_record(
             splits=sum(len(step.splits) for step in steps),
             illegal_decisions=0,
             blocked_tasks=blocked_tasks,
+            missed=tuple(mission.tasks[task].name for task in missed),
         ),
     )

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 from teamformer.mission.model import Mission
+from teamformer.mission.parts.zones import AtWork
 from teamformer.record.phases import CARRYING, LOADING, SERVING, UNLOADING
 from teamformer.record.record import Step
 from teamformer.record.teams import Teams
@@ -36,6 +37,15 @@ class Services:
             slots = {teams.slot[robot] for robot in self._with[row.task]}
             work |= dict.fromkeys(slots - {NOBODY}, row.doing)
         return work
+
+    def at_work(self, waiting: Container[int]) -> AtWork:
+        """Return what takes room in zones; `waiting` has loads that wait for it where they go."""
+        doing = {task: self.rows[row].doing for task, row in self._open.items()}
+        return AtWork(
+            [task for task, what in doing.items() if what in (SERVING, LOADING)],
+            [task for task, what in doing.items() if what == UNLOADING],
+            [task for task, what in doing.items() if what == CARRYING and task in waiting],
+        )
 
     def is_up(self, task: int) -> bool:
         """Say whether a task is a load that is carried or unloaded."""

@@ -9,7 +9,7 @@ next; so is a load that they took up then. Operators' tasks are tasks that appea
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from teamformer.fleet.bodies.journey import Journey
@@ -27,6 +27,7 @@ from teamformer.fleet.rehearsal.checking.trace import (
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.fleet.rehearsal.records.at_chargers import AtChargers, dry_in
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
@@ -58,16 +59,25 @@ def record_in_steps(
     deeds = deeds_by_step(finished, by_key, mission.step)
     offs = (math.ceil(task.cancelled) for task in tasks if task.cancelled is not None)
     off = max((at for at in offs if (at - 1) * mission.step <= outcome.end), default=0)
-    length = max(math.ceil(outcome.end / mission.step), off)
+    length = max(math.ceil((outcome.end - SLACK) / mission.step), off)
     deeds += [[] for _ in range(len(deeds), length)]
-    robots = _robots_of(rehearsal, deeds)
+    status, until = STATUSES[outcome.status], mission.source.until
+    missed = dict[int, Collection[int]]()
+    if until is not None and status in ("completed", "too late"):  # the rest is given up
+        over = {deed.task for row in deeds for deed in row}
+        over |= {n for n, task in enumerate(tasks) if task.cancelled is not None}
+        missed[min(len(deeds), int(until))] = {*range(len(tasks))} - over
+    busy_until = _busy_until(deeds)
+    robots = _robots_of(rehearsal, busy_until)
     source = replace(mission.source, tasks=tasks, robots=robots, teams=(), arrivals=None)
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: int(step) for robot, step in ends if step is not None}
+    for robot, step in dry_in(events, mission.step).items():
+        lost.setdefault(robot, max(step, busy_until.get(robot, 0) + 1))
     true = replace(source, tasks=truth)
     writer = SnapshotWriter(true)
-    _Teller(true, mission.step, number).tell(writer, events, deeds, lost)
-    status, known = STATUSES[outcome.status], true if source.has_surprises else None
+    _Teller(true, mission.step, number).tell(writer, events, deeds, lost, missed)
+    known = true if source.has_surprises else None
     return fleet_record(source, writer.steps, status, seed, blocked_of(outcome, tasks), known)
 
 
@@ -125,14 +135,18 @@ def _with_call_offs(rehearsal: Rehearsal) -> Iterator[Task]:
         yield replace(task, cancelled=min(times) if is_off else None)
 
 
-def _robots_of(rehearsal: Rehearsal, deeds: Sequence[Sequence[Deed]]) -> tuple[Robot, ...]:
-    """Return the robots, with when each breaks down for good; `deeds` are those of each step."""
-    busy_until = {
+def _busy_until(deeds: Sequence[Sequence[Deed]]) -> dict[int, int]:
+    """Return the last step in which each robot is shown to have done something."""
+    return {
         robot: step
         for step, done in enumerate(deeds, start=1)
         for deed in done
         for robot in deed.robots
     }
+
+
+def _robots_of(rehearsal: Rehearsal, busy_until: Mapping[int, int]) -> tuple[Robot, ...]:
+    """Return the robots, with when each breaks down for good: after what it was busy with."""
     mission, faults = rehearsal.mission, rehearsal.faults
     return tuple(
         replace(
@@ -168,6 +182,7 @@ class _Teller:
         self._says = {robot: (robot, NOBODY) for robot in robots}
         self._shown: set[int] = set()  # tasks whose needs somebody knows
         self._lifted: dict[int, Lifted] = {}  # loads that are up, and no step shows it yet
+        self._at_chargers = AtChargers(mission)
 
     def tell(
         self,
@@ -175,8 +190,12 @@ class _Teller:
         events: Sequence[Event],
         deeds: Sequence[Sequence[Deed]],
         lost: Mapping[int, int],
+        missed: Mapping[int, Collection[int]],
     ) -> None:
-        """Write down each step; `deeds` has what it shows as done, `lost` who is lost when."""
+        """Write down each step; `deeds` has what it shows as done, `lost` who is lost when.
+
+        `missed` are the tasks that are missed in a step.
+        """
         position = 0
         for step, done in enumerate(deeds, start=1):
             heard, lifts = set[tuple[int, int, str]](), list[Lifted]()
@@ -184,9 +203,10 @@ class _Teller:
             while position < len(events) and events[position].at <= step * self._step + SLACK:
                 event = events[position]
                 position += 1
+                self._at_chargers.note(event)
                 if isinstance(event, Walked):
                     self._walks[event.robot] = event
-                elif isinstance(event, Said):
+                elif isinstance(event, Said) and event.robot in self._says:
                     self._says[event.robot] = (event.team, event.goal)
                 elif isinstance(event, Sent) and event.kind in HEARD:
                     heard.add((event.sender, event.receiver, event.kind))
@@ -199,8 +219,11 @@ class _Teller:
                     shown.add(event.task)
             gone = tuple(r for r, at in lost.items() if at == step)
             seen = self._seen(step * self._step, gone, done, lifts)
+            places = {robot: at for robot, (_, at) in seen.said.items()}
+            seen = replace(seen, charge=self._at_chargers.of(places))
             new, self._shown = tuple(sorted(shown - self._shown)), self._shown | shown
             seen = replace(seen, shown=new, found=tuple(found), moved=tuple(moved.values()))
+            seen = replace(seen, missed=tuple(sorted(missed.get(step, ()))))
             writer.add(self._mission, replace(seen, heard=tuple(sorted(heard))))
 
     def _seen(

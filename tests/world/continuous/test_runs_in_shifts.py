@@ -125,7 +125,7 @@ def test_a_robot_that_was_lost_goes_on_within_its_shifts() -> None:
 
 
 def test_who_is_back_between_two_cells_outside_its_shifts_goes_on_from_there() -> None:
-    """Lost a quarter of the way from 3 to 4; at 4 it is three quarters after 14, and at 6 2 later."""
+    """Lost a quarter of the way from 3 to 4; at 4 three quarters after 14, and at 6 two later."""
     away = replace(WORKER, absences=(Absence(3.25, 12),))
     record = run(replace(mission(away), world=Grid(12, 1)))
     assert times(record, "back", "serve", "done") == [

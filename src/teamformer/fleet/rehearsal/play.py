@@ -238,10 +238,11 @@ class Rehearsal:
         body = notice.body
         if type(body) is Beat:
             word = body.word
-            said = (word.team, word.goal, word.phase)
+            said = (word.team, word.goal, word.phase, word.waits_at)
             if said != self._said[robot] or word.phase > 1:
                 self._said[robot] = said
-                self.trace.events.append(Said(self.now, robot, *said, word.hold))
+                spoken = Said(self.now, robot, *said[:3], word.hold, word.waits_at)
+                self.trace.events.append(spoken)
         places = self.world.place if self.faults.radio is not None else None
         receivers = self._receivers(robot)
         self._network.send(self.now, robot, notice, receivers, places)

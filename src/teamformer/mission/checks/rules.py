@@ -17,7 +17,6 @@ from teamformer.mission.keys.key import (
     BEFOREHAND,
     CONTINUOUS,
     FLEETS,
-    FLEETS_IN_STEPS,
     ROBOTARIUM,
     STEPS,
 )
@@ -180,8 +179,6 @@ def rules_of_rehearsals(mission: Mission) -> Iterator[Problem]:
     yield from zones_not_served(mission)
     remedy = _remedy(mission, FLEETS)
     yield from told_once(mission, find_unknown(mission, FLEETS), remedy)
-    if mission.time == "steps":
-        yield from told_once(mission, find_unknown(mission, FLEETS_IN_STEPS), remedy)
     both = [
         (("tasks", number, "within"), f"task '{task.name}' has a load within a region")
         for number, task in enumerate(mission.tasks)

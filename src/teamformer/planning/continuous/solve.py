@@ -8,9 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous_bounds.cost import least_cost
-from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
+from teamformer.planning.continuous_bounds.raising import MANY_TASKS, raise_bound
 from teamformer.planning.problem.charged_plans import are_carried_out, charged_totals
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
@@ -18,7 +17,7 @@ from teamformer.planning.problem.links import have_weights, is_bounded
 from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.problem.schedule import COST, LATE, MAKESPAN, MISSED, schedule_of
 from teamformer.planning.race import Judgement, Race
-from teamformer.planning.search.arc_search import ArcSearch, has_few_tasks
+from teamformer.planning.search.arc_search import ArcSearch
 
 SECONDS_EACH = 3.0
 """A search of fewer than `MANY_TASKS` tasks anneals again every `SECONDS_EACH` seconds."""
@@ -35,6 +34,9 @@ more it anneals once in all the time there is."""
 CHARGED_SEARCHES, CHARGED_PARTS, CHARGED_PARTS_IF_WEIGHED = 4, 28, 50
 """Where robots may queue, so many annealings share the rounds, and of each plans are judged
 after so many parts, more if plans have a cost."""
+
+CHARGED_AGAIN = 2
+"""After news so many of these annealings are made."""
 
 
 @dataclass(frozen=True)
@@ -80,20 +82,21 @@ def _plan_charged(
     seed: int,
     start: CoalitionPlan | None = None,
     is_over: Callable[[], bool] = lambda: False,
+    searches: int = CHARGED_SEARCHES,
 ) -> Solution | None:
     """Return the best of several plans, judged with queues at chargers, which searches leave out.
 
-    A few annealings share the rounds; after each part of one its plans are judged. With a `start`
-    they begin there, less hot.
+    A few annealings share the rounds, of which so many are made; after each part of one its plans
+    are judged. With a `start` they begin there, less hot.
     """
     best = None if start is None else _timed(problem, start)
     parts = CHARGED_PARTS_IF_WEIGHED if have_weights(problem.links) else CHARGED_PARTS
-    for number in range(CHARGED_SEARCHES):
+    for number in range(searches):
         search = ArcSearch(problem, seed + number)
         if start is None or not search.begin_at(start):
             start = None
             if not search.begin_anew():
-                return None
+                return best
         for _ in search.anneal_in_parts(CHARGED_SEARCHES, parts, start is not None):
             for plan in (search.best, search.present):
                 found = _timed(problem, plan)
@@ -119,18 +122,14 @@ def plan_again(problem: CoalitionProblem, start: CoalitionPlan, seed: int = 0) -
 
 
 def _mend_charged(problem: CoalitionProblem, start: CoalitionPlan, seed: int) -> Solution | None:
-    """Return the plan after news where robots have batteries: by one annealing.
+    """Return the plan after news where robots have batteries.
 
     If somebody runs dry in it, it is searched for anew.
     """
-    search, best = ArcSearch(problem, seed), _timed(problem, start)
-    if search.begin_at(start):
-        search.anneal_again()
-        for plan in (search.best, search.present):
-            found = _timed(problem, plan)
-            best = found if found.rank < best.rank else best
-    anew = _plan_charged(problem, seed) if math.isinf(best.worth) else None
-    return _without_riders(problem, best if anew is None else anew)
+    best = _plan_charged(problem, seed, start, searches=CHARGED_AGAIN)
+    if best is None or math.isinf(best.worth):
+        return _plan_charged(problem, seed)
+    return best
 
 
 def solve(
@@ -155,7 +154,7 @@ def solve(
     first = (time.perf_counter() - begun, shared.worth)
     if start is not None:
         race.offer(measuring(problem)(start))
-    jobs = [partial(_prove_and_search, problem, seed + 1, race)]
+    jobs = [partial(_bound_and_search, problem, seed + 1, race)]
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
     best = _without_riders(problem, race.plan)
@@ -277,26 +276,10 @@ def _coolings(problem: CoalitionProblem, seconds: float) -> Sequence[int]:
     return COOLER if tasks >= MANY_TASKS else [1] * max(1, round(seconds / SECONDS_EACH))
 
 
-def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
-    """Work out a bound, prove small problems, and search for the rest of the time.
-
-    CP-SAT gets as large a share of what is left as bounds get.
-    """
-    tasks, is_weighed = len(problem.needs), have_weights(problem.links)
+def _bound_and_search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
+    """Work out a bound, and search for the rest of the time."""
     if is_bounded(problem.links) and not can_miss(problem.misses):
         raise_bound(
             problem, race, lambda: int(schedule_of(problem, race.plan.plan).total[MAKESPAN])
         )
-    is_provable = (
-        not is_weighed
-        and not can_miss(problem.misses)
-        and has_few_tasks(tasks)
-        and is_small(problem)
-    )
-    if is_provable and not race.is_over:
-        seconds = proof_share(tasks) * race.seconds_left
-        proof = solve_exactly(problem, race.plan.plan, race.bound, seconds)
-        race.raise_bound(proof.bound)
-        if proof.plan is not None:
-            race.offer(_timed(problem, proof.plan))
     _search(problem, seed, race)

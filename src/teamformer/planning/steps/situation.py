@@ -15,6 +15,7 @@ from teamformer.mission.parts.zones import all_rooms_of
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.permits import Permits, permits_of
 from teamformer.planning.problem.relaxed_problem import Future, Relaxed, future_of, relax_ways
+from teamformer.planning.problem.team_batteries import team_batteries
 from teamformer.planning.problem.ways import are_ways_straight, ends_of
 from teamformer.planning.step_times.crossings import Crossings, find_crossings, without_bound
 from teamformer.world.rules.constants import FAR
@@ -68,7 +69,8 @@ def situation_of(known: Known, in_table: bool = True) -> Situation:
         ),
         ready=np.array([known.free_at[robot] for robot in robots], np.int32),
     )
-    problem = problem._replace(permits=_permits(known))
+    batteries = team_batteries(known, places, spots, speed)
+    problem = problem._replace(permits=_permits(known), batteries=batteries)
     crossings = find_crossings(
         mission.world, spots, places, np.unique(speed), len(problem.lengths) > 1
     )

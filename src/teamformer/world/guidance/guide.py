@@ -243,7 +243,7 @@ def _lacking(have: Counts, needs: Counts) -> dict[str, float]:
 
 
 def _refuse(what: str) -> None:
-    raise TeamformerError(what, "see docs/reference/methods.md for what a coordinator returns")
+    raise TeamformerError(what, "see docs/reference/coordinators.md for what a coordinator returns")
 
 
 def _of_open_tasks(plan: Plan, known: Known) -> Plan:

@@ -53,7 +53,7 @@ class PlainTeam:
     named: int | None = None  # the task that it names; None for who leaves such a team
     pursued: int | None = None  # what it headed for in this step
     charger: int | None = None  # where it charges before it goes on
-    charges_for: int | None = None  # the task that it then goes on to
+    charges_for: int | None = None  # the task before which it has asked whether to
     has_walked: bool = False  # in this step
 
 

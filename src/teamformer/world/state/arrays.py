@@ -120,7 +120,7 @@ TEAM = np.dtype(
         ("task", np.int32),  # assignment, or NOBODY
         ("serves", np.int32),  # how many tasks it is serving
         ("charger", np.int32),  # where it charges before it goes on, or NOBODY
-        ("charges_for", np.int32),  # the task that it then goes on to
+        ("charges_for", np.int32),  # the task before which it has asked whether to, or NOBODY
         ("is_detour", np.bool_),  # the assignment was taken out of order
         # What follows lasts for one step.
         ("is_delayed", np.bool_),  # one of its robots stands still

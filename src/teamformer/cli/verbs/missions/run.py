@@ -209,44 +209,29 @@ def _counted(record: Record) -> str:
 
 
 def _verdict(record: Record) -> str:
-    end = record.end
-    if record.is_continuous:
-        return _verdict_in_time(record)
+    """Return how a trial ended: after how many steps or, in continuous time, at what time."""
+    end, bound, is_in_steps = record.end, record.lower_bound, not record.is_continuous
+    length = f"{end.steps} steps" if is_in_steps else f"{record.length:g}"
+    at = f"step {end.steps}" if is_in_steps else length
     if end.makespan is not None:
-        bound, seconds = record.lower_bound, seconds_of(record.mission, end.makespan)
-        what = "all done or called off" if cancelled_steps(record) else "all done"
-        done = f"{what} after {end.makespan} steps"
-        if seconds is not None:
+        ways = ["all done", *(["called off"] if cancelled_steps(record) else [])]
+        ways += ["missed"] if end.missed else []
+        done = f"{' or '.join(ways)} after {length}"
+        seconds = seconds_of(record.mission, end.makespan)
+        if seconds is not None and is_in_steps:
             done = f"{done}, {seconds:g} s"
         if not bound:
             return done
         ratio = 100 * (end.makespan / bound - 1)
-        return f"{done}; no plan can take less than {bound} (+{ratio:.0f}%)"
+        shown = bound if is_in_steps else f"{bound:g}"
+        return f"{done}; no plan can take less than {shown} (+{ratio:.0f}%)"
     if end.status == "infeasible":
-        return f"given up at step {end.steps}: {', '.join(end.blocked_tasks)} can never be done"
+        return f"given up at {at}: {', '.join(end.blocked_tasks)} can never be done"
     if end.status == "interrupted":
-        return f"interrupted at step {end.steps}"
-    return f"not done within the limit of {end.steps} steps"
-
-
-def _verdict_in_time(record: Record) -> str:
-    """Return how a mission in continuous time ended, in its unit."""
-    end, bound = record.end, record.lower_bound
-    if end.makespan is not None:
-        ways = [*(["called off"] if cancelled_steps(record) else [])]
-        ways += ["missed"] if end.missed else []
-        done = f"{' or '.join(['all done', *ways])} after {end.makespan:g}"
-        if not bound:
-            return done
-        ratio = 100 * (end.makespan / bound - 1)
-        return f"{done}; no plan can take less than {bound:g} (+{ratio:.0f}%)"
-    if end.status == "infeasible":
-        return f"given up at {record.length:g}: {', '.join(end.blocked_tasks)} can never be done"
-    if end.status == "interrupted":
-        return f"interrupted at {record.length:g}"
+        return f"interrupted at {at}"
     if end.status == "too late":
-        return f"too late at {record.length:g}: {', '.join(_failed(record))} must be done"
-    return f"not done within the limit of {record.length:g}"
+        return f"too late at {at}: {', '.join(_failed(record))} must be done"
+    return f"not done within the limit of {length}"
 
 
 def _failed(record: Record) -> list[str]:

@@ -35,6 +35,9 @@ CHARGED_SEARCHES, CHARGED_PARTS, CHARGED_PARTS_IF_WEIGHED = 4, 28, 50
 """Where robots may queue, so many annealings share the rounds, and of each plans are judged
 after so many parts, more if plans have a cost."""
 
+CHARGED_AGAIN = 2
+"""After news so many of these annealings are made."""
+
 
 @dataclass(frozen=True)
 class Solution:
@@ -79,20 +82,21 @@ def _plan_charged(
     seed: int,
     start: CoalitionPlan | None = None,
     is_over: Callable[[], bool] = lambda: False,
+    searches: int = CHARGED_SEARCHES,
 ) -> Solution | None:
     """Return the best of several plans, judged with queues at chargers, which searches leave out.
 
-    A few annealings share the rounds; after each part of one its plans are judged. With a `start`
-    they begin there, less hot.
+    A few annealings share the rounds, of which so many are made; after each part of one its plans
+    are judged. With a `start` they begin there, less hot.
     """
     best = None if start is None else _timed(problem, start)
     parts = CHARGED_PARTS_IF_WEIGHED if have_weights(problem.links) else CHARGED_PARTS
-    for number in range(CHARGED_SEARCHES):
+    for number in range(searches):
         search = ArcSearch(problem, seed + number)
         if start is None or not search.begin_at(start):
             start = None
             if not search.begin_anew():
-                return None
+                return best
         for _ in search.anneal_in_parts(CHARGED_SEARCHES, parts, start is not None):
             for plan in (search.best, search.present):
                 found = _timed(problem, plan)
@@ -118,18 +122,14 @@ def plan_again(problem: CoalitionProblem, start: CoalitionPlan, seed: int = 0) -
 
 
 def _mend_charged(problem: CoalitionProblem, start: CoalitionPlan, seed: int) -> Solution | None:
-    """Return the plan after news where robots have batteries: by one annealing.
+    """Return the plan after news where robots have batteries.
 
     If somebody runs dry in it, it is searched for anew.
     """
-    search, best = ArcSearch(problem, seed), _timed(problem, start)
-    if search.begin_at(start):
-        search.anneal_again()
-        for plan in (search.best, search.present):
-            found = _timed(problem, plan)
-            best = found if found.rank < best.rank else best
-    anew = _plan_charged(problem, seed) if math.isinf(best.worth) else None
-    return _without_riders(problem, best if anew is None else anew)
+    best = _plan_charged(problem, seed, start, searches=CHARGED_AGAIN)
+    if best is None or math.isinf(best.worth):
+        return _plan_charged(problem, seed)
+    return best
 
 
 def solve(

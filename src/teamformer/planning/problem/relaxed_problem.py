@@ -37,6 +37,7 @@ from teamformer.planning.problem.prices import (
     step_of_missed,
 )
 from teamformer.planning.problem.rotas import Rotas, rotas_in_ticks
+from teamformer.planning.problem.team_batteries import TeamBatteries, no_team_batteries
 from teamformer.planning.problem.ways import (
     are_ways_straight,
     ends_of,
@@ -82,6 +83,7 @@ class Relaxed(NamedTuple):
     misses: Misses  # what is missed if the mission is over before a task is done, in steps
     rotas: Rotas  # of each robot, in steps; empty where all always work. Nothing relaxed counts it
     permits: Permits  # room in zones, in steps; nothing relaxed counts it
+    batteries: TeamBatteries  # nothing relaxed counts them
 
 
 class Future(NamedTuple):
@@ -172,6 +174,7 @@ def relax_ways(
         misses=no_misses(),
         rotas=rotas_in_ticks([robot.rota for robot in robots], int, FAR, 0),
         permits=no_permits(len(tasks)),
+        batteries=no_team_batteries(),
     )
     if mission.until is None or not tasks:
         return problem

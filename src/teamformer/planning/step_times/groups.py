@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from teamformer.base.array_types import Array
+from teamformer.base.array_types import Array, Floats
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Relaxed
@@ -42,6 +42,10 @@ class Groups(NamedTuple):
     spares: Array  # (robots,) those of a coalition that it can do without
     together: Array  # (robots,) those of a coalition or a group whose shifts are looked at
     permits: Array  # (permits,) the step from which each can be used again
+    left: Floats  # (robots,) what each has in its battery; empty if nobody has one
+    dry: Array  # (1,) how often a robot has nothing left after a task
+    reach: Floats  # (5,) how far the robots of a team get that is looked at
+    onward: Floats  # (chargers,) how far it is from each to a task for them
 
 
 def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups:
@@ -75,6 +79,10 @@ def empty_groups(problem: Relaxed, company: Array, forming_steps: int) -> Groups
         spares=np.zeros(by_robot, np.int32),
         together=np.zeros(by_robot, np.int32),
         permits=np.zeros(problem.permits.number, np.int32),
+        left=np.zeros(len(problem.batteries.lasts)),
+        dry=np.zeros(1, np.int32),
+        reach=np.zeros(5),
+        onward=np.zeros(len(problem.batteries.fro)),
     )
 
 
@@ -92,11 +100,13 @@ def gather_at_start(problem: Relaxed, groups: Groups) -> None:
         groups.end[group] = groups.free[group] = problem.ready[robot]
     for permit in range(len(groups.permits)):
         groups.permits[permit] = problem.permits.free[permit]
+    for robot in range(len(groups.left)):
+        groups.left[robot] = problem.batteries.left[robot]
     for task in range(tasks):
         groups.is_done[task] = False
         groups.start[task] = groups.end[task] = FAR
         groups.passed_to[task] = NOBODY
-    groups.passes[0] = 0
+    groups.passes[0] = groups.dry[0] = 0
     groups.too_early[0] = groups.spare[0] = NOBODY
 
 

@@ -10,6 +10,8 @@ from teamformer.base.kernels.jit import kernel
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.permits import are_zoned
 from teamformer.planning.problem.relaxed_problem import Relaxed, pace_together
+from teamformer.planning.problem.team_batteries import may_charge
+from teamformer.planning.step_times.charging import spend_at
 from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.step_times.groups import Groups, can_do, opens
 from teamformer.planning.step_times.room import enters, take_room
@@ -32,6 +34,8 @@ def meet(
     if are_zoned(problem.permits):
         start = max(start, enters(problem, groups, task, count))
     start = fitted(problem, plan, groups, task, start, takes)
+    if may_charge(problem.batteries):
+        spend_at(problem, plan, groups, task, count, start)
     serve(problem, crossings, plan, groups, task, start, until, takes)
     if are_zoned(problem.permits):
         take_room(problem, groups, task)

@@ -28,7 +28,7 @@ STEP_OF_END = 30
 STEP_WALKED = 1
 """What a step walked by a robot costs a search, so that nobody trails along without use."""
 LATE = 10_000
-"""Steps of makespan that a robot lost before its task's end is worth."""
+"""Steps of makespan that a robot lost before its task's end is worth, or one that runs dry."""
 
 
 @entry
@@ -64,6 +64,7 @@ def time_plan(
         cost += missed
     if groups.losses[0]:
         cost += LATE * everything * count_late(problem, plan, groups)
+    cost += LATE * everything * groups.dry[0]
     return cost, cost + smooth * total + STEP_WALKED * walked
 
 

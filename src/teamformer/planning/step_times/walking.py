@@ -9,6 +9,8 @@ import numpy as np
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Relaxed, way_number
+from teamformer.planning.problem.team_batteries import may_charge
+from teamformer.planning.step_times.charging import charge_first
 from teamformer.planning.step_times.crossings import Crossings
 from teamformer.planning.step_times.groups import (
     Groups,
@@ -50,6 +52,11 @@ def walk(
             rank -= speeds
             way += len(plan.order) * len(groups.end)
         cells = problem.lengths[int(pace >= speeds), cells]
+    if may_charge(problem.batteries):
+        arrives = charge_first(problem, plan, groups, group, task, leave)
+        if arrives != NOBODY:  # what it passes on its way round is not looked at
+            groups.until[group] = leave
+            return arrives
     slot = slot_of(plan, groups, group, task)
     since, passed = leave, 0  # it walks on from the cell after so many, since then
     here, came, until = NOBODY, leave, leave  # the cell where it does something, and until when

@@ -3,7 +3,7 @@
 Each bound of a relaxed problem looks at one capability alone. It holds for the step rules too,
 whatever `forming_steps` is: forming never brings a robot nearer to a task. `lower_bound` also
 counts the steps that forming costs before a task can start at all and, by windows, that tasks of
-several capabilities start when all of these are there.
+several capabilities start when all of these are there, and that who cannot come along is joined.
 """
 
 from __future__ import annotations

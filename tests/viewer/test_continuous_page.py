@@ -170,6 +170,19 @@ def test_roads_are_drawn_at_every_size(open_page: Opener, size: tuple[int, int])
     assert opened.errors == []
 
 
+@pytest.mark.parametrize("width", [1024, 390])
+def test_names_of_zones_are_read_where_they_are_in_sight(open_page: Opener, width: int) -> None:
+    mission = world_of("zones", 3)
+    assert {zone.name: bool(zone.area) for zone in mission.zones} == {"tool": False, "yard": True}
+    opened = open_page(record_to_tree(tf.run(mission).record), "#time=218")
+    opened.page.set_viewport_size({"width": width, "height": 768})
+    opened.page.wait_for_timeout(200)
+    named = {it["text"]: it for it in opened.page.evaluate("window.teamformer.names()")}
+    assert {"tool 0/1", "yard 0/2"} <= set(named)
+    assert all(it["x"] >= it["half"] for it in named.values())  # not cut off at the left
+    assert not names_over_tasks(opened, {"tool 0/1"}, len(mission.tasks))
+
+
 def names_over_tasks(opened: Opened, places: set[str], tasks: int) -> list[str]:
     """Return the names of places that lie over the square of a task."""
     names = opened.page.evaluate("window.teamformer.names()")

@@ -210,11 +210,24 @@ def test_records_of_missions_with_zones_are_legal_and_kept(name: str) -> None:
         mission = drawn(rng, kind, number % 3 == 0)
         record = run_trial(mission, METHODS[name]).record
         assert judge(record).findings == ()
-        may_stop = ("step limit",) * ("shifts" in kind)  # nobody is asked when a last shift ends
+        may_stop = ("step limit",) * ("shifts" in kind)  # the paper's methods know of no shifts
         assert record.end.status in ("completed", "too late", "infeasible", *may_stop)
         assert record_from_tree(record_to_tree(record), "it") == record
         full += times_full(record)
     assert full > 8
+
+
+def test_crews_wait_for_nobody_whose_shifts_are_over() -> None:
+    """In some of these missions they would wait for robots that work no more from step 8, 19 or 17.
+
+    Crews are dealt anew when a last shift ends; as they are dealt, some would wait for it to begin.
+    """
+    for seed in (5, 77):
+        rng = np.random.default_rng(seed)
+        for _ in range(6):
+            record = run_trial(drawn(rng, "shifts", False), Crews()).record
+            assert judge(record).findings == ()
+            assert record.end.status != "step limit"
 
 
 def times_full(record: Record) -> int:

@@ -182,7 +182,7 @@ class Watch:
         places = {robot: at.at for robot, at in enumerate(self.source.robots)}
         for deeds in rows:
             said = {robot: (robot, place) for robot, place in places.items()}
-            self._writer.add(self.source, Sighting(said, {}, deeds))
+            self._writer.add(self.source, Sighting(said, {}, done=deeds))
             places |= {robot: deed.at for deed in deeds for robot in deed.robots}
         written = {deed.task for deeds in rows for deed in deeds}
         self._news = [key for key in self._news if self._number[key] not in written]
@@ -219,6 +219,7 @@ class Watch:
         seen = Sighting(
             said=said,
             aims={robot: self._goal_of(robot) for robot in said},
+            at_work=self._served_now(),
             done=deeds,
             taken=self._taking(lifted),
             left=left,
@@ -260,6 +261,17 @@ class Watch:
             robot: CHARGING if self.is_first(robot, terms) else QUEUEING
             for robot, terms in there.items()
             if terms is not None and robot in before
+        }
+
+    def _served_now(self) -> dict[int, tuple[int, ...]]:
+        """Return who was heard at work on tasks that is not told of as done, if they suffice."""
+        left = self.tasks.keys() - self._done.keys() | set(self._news)
+        said = {key: self._heard_at_work(key) for key in left}
+        is_able = self.mission.covers
+        return {
+            self._number[key]: robots
+            for key, robots in said.items()
+            if key in self._news or is_able(robots, self.tasks[key].needs)
         }
 
     def _note_called_off(self) -> None:

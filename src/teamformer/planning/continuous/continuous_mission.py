@@ -159,10 +159,10 @@ class ContinuousMission:
         misses, until = self.problem.misses, self.source.until
         if not can_miss(misses):
             return plan
-        plan = without_tasks(self.problem, plan, np.flatnonzero(plan.size == 0).tolist())
+        plan = without_tasks(self.problem.before, plan, ())
         ends = {stop.task: stop.end for route in self.time(plan).routes for stop in route.stops}
         late = [k for k, end in ends.items() if misses.optional[k] and not is_in_time(end, until)]
-        return self.in_time(without_tasks(self.problem, plan, late)) if late else plan
+        return self.in_time(without_tasks(self.problem.before, plan, late)) if late else plan
 
     def as_plan(self, found: CoalitionPlan, made_from: str = "") -> Plan:
         """Return a plan in the numbers of the mission, with the time at which each task ends.

@@ -222,8 +222,11 @@ def leave(problem: ArcProblem, graph: Graph, kind: int, place: int, seat: int) -
 def tail_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> int:
     """Return the longest chain from the start of a task to the end of all.
 
-    Forming on the way is not counted: who else comes from where may change.
+    Forming on the way is not counted: who else comes from where may change. Nobody waits for a task
+    that is left out, so it has none.
     """
+    if is_left_out(problem, graph, task):
+        return 0
     node, longest = graph.nodes[task], 0
     for seat in range(first_seat, first_seat + node.taken):
         record = graph.seats[seat]

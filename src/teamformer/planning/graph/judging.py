@@ -237,10 +237,10 @@ def accept(problem: ArcProblem, graph: Graph, trial: ArcChange) -> None:
             node = nodes[trial.log[place].index]
             node.key = 2 * (node.end - node.duration) + 1
     for place in range(number[LOGGED]):
-        is_longer = trial.log[place].what == DURATION
-        if is_longer or trial.log[place].what == NEXT:
-            node = trial.log[place].index
-            if not is_longer:
+        what, node = trial.log[place].what, trial.log[place].index
+        is_out = what == END and is_left_out(problem, graph, node)
+        if what in (DURATION, NEXT) or is_out:
+            if what == NEXT:
                 node = seats[node].node
             if node < len(problem.near) and not nodes[node].is_waiting:
                 nodes[node].key = 2 * (nodes[node].end - nodes[node].duration) + 1

@@ -104,16 +104,18 @@ def with_seats(problem: CoalitionProblem, plan: CoalitionPlan, most: int) -> Coa
     return seated
 
 
-def without_tasks(
-    problem: CoalitionProblem, plan: CoalitionPlan, tasks: Sequence[int]
-) -> CoalitionPlan:
-    """Return a plan without some tasks, and without all that come after them."""
-    left, out = list(tasks), plan.size.copy()
-    while left:
-        task = left.pop()
-        out[task] = 0
-        left += [other for other in problem.after[task] if other != NOBODY and out[other] > 0]
-    return CoalitionPlan(plan.order, plan.coalition, out)
+def without_tasks(before: Int32s, plan: CoalitionPlan, tasks: Sequence[int]) -> CoalitionPlan:
+    """Return a plan without some tasks, and without all that come after what it leaves out.
+
+    `before` (tasks, most) has the tasks before each, then NOBODY.
+    """
+    size = plan.size.copy()
+    size[list(tasks)] = 0
+    while True:
+        waits = ((before != NOBODY) & (size[before] == 0)).any(axis=1) & (size > 0)
+        if not waits.any():
+            return plan._replace(size=size)
+        size[waits] = 0
 
 
 class Judged(Protocol):

@@ -52,12 +52,20 @@ def soonest_plan(known: Known) -> Plan:
     if not known.possible_tasks:
         return Plan(made_from="nothing")
     situation = _present(known)
-    problem, schedule = pose_present(situation)
-    play_out(problem, schedule, empty_calls(problem, 0), 0)
-    plan = schedule.plan
-    if can_miss(problem.misses):
+    plan = soonest_in(situation)
+    if can_miss(situation.problem.misses):
         plan = time_team_plan(situation, plan).plan
     return replace(plan_of(situation, plan), made_from="soonest")
+
+
+def soonest_in(situation: Situation) -> CoalitionPlan:
+    """Return the plan by that rule of what is left of a mission, a situation with a table of ways.
+
+    It counts with shifts.
+    """
+    problem, schedule = pose_present(situation)
+    play_out(problem, schedule, empty_calls(problem, 0), 0)
+    return schedule.plan
 
 
 def reactive_plan(known: Known, old: Plan | None) -> Plan:

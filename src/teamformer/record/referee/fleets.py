@@ -26,10 +26,9 @@ from teamformer.record.snapshots.fleet_rules import (
     told_within,
     wrong_status,
 )
-from teamformer.record.snapshots.services_seen import ServicesSeen
+from teamformer.record.snapshots.services_seen import AtWork, ServicesSeen
 from teamformer.record.task_times import over_steps
 from teamformer.record.teams import Teams
-from teamformer.world.rules.constants import NOBODY
 
 NEVER_WRITTEN = ("named", "took", "pursued")
 """Kinds of rows that only steps have which are played by rules."""
@@ -217,21 +216,20 @@ class FleetSeen:
         self._at_chargers = {robot: what for robot, what in self._at_chargers.items() if what}
         taken = [0] * len(self._mission.chargers)
         for robot, what in self._at_chargers.items():
-            slot, who = self._teams.slot[robot], self._words.robot(robot)
-            here = self._teams.at[slot] if slot != NOBODY else None
-            charger = NOBODY if here is None else self._charger_at(here)
-            if charger == NOBODY or self._mission.robots[robot].battery is None:
+            is_lost, who = robot in self._teams.lost(), self._words.robot(robot)
+            charger = None if is_lost else self._charger_at(self._teams.place(robot))
+            if charger is None or self._mission.robots[robot].battery is None:
                 yield f"robot {who} is said to charge, and is at no charger or has no battery"
                 continue
             taken[charger] += what == CHARGING
             if taken[charger] > self._mission.chargers[charger].room:
                 yield f"robot {who} charges where there is no room to"
 
-    def _charger_at(self, place: Place) -> int:
-        """Return the charger at a place; NOBODY for none."""
+    def _charger_at(self, place: Place) -> int | None:
+        """Return the charger at a place, if there is one."""
         chargers = enumerate(self._mission.chargers)
         near = (n for n, it in chargers if is_same_place(self._mission, place, it.at))
-        return next(near, NOBODY)
+        return next(near, None)
 
     def _end_of(self, task: int) -> Place:
         """Return where a task is done: a load, where it is brought."""
@@ -282,10 +280,14 @@ def _judge_form(record: Record, notes: Notes) -> None:
 
 
 def _judge_services(record: Record, notes: Notes) -> None:
-    """Check who serves what: that follows from the rest."""
+    """Check who serves what: that follows from the rest, once it is said what is served."""
     seen, due = ServicesSeen(record.true_mission), list[Step]()
+    at_work: AtWork = {}
     for step in record.steps:
-        seen.add(due, replace(step, served=(), unloads=()), record.true_mission)
+        serving = {**at_work, **dict(step.served)}
+        at_work = {task: robots for task, robots in serving.items() if robots}
+        bare = replace(step, served=(), unloads=())
+        seen.add(due, bare, record.true_mission, at_work)
     words = Wording(record.mission)
     for notes.step, (said, found) in enumerate(zip(record.steps, due, strict=True), start=1):
         for kind in ("served", "unloads"):

@@ -10,7 +10,7 @@ from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
 from teamformer.record.record import FLEET, Ending, Record, Step, TaskAt, TeamAt
 from teamformer.record.snapshots.deeds import Deed
-from teamformer.record.snapshots.services_seen import ServicesSeen
+from teamformer.record.snapshots.services_seen import AtWork, ServicesSeen
 from teamformer.record.snapshots.teams_seen import (
     Teams,
     doers_goals,
@@ -26,12 +26,13 @@ class Sighting:
     """What was seen of a fleet in a step; robots and tasks are numbers.
 
     `said` has each robot's team by its word, and its place, of those that are there; `aims` what
-    each heads for. `done` are tasks that were done, `taken` loads that were taken up, and `missed`
-    tasks are not done any more.
+    each heads for. `at_work` has what is served. `done` are tasks that were done, `taken` loads
+    that were taken up, and `missed` tasks are not done any more.
     """
 
     said: Mapping[int, tuple[int, Place]]
     aims: Mapping[int, int | None]
+    at_work: AtWork = field(default_factory=dict)
     done: Sequence[Deed] = ()
     taken: Sequence[Deed] = ()
     left: tuple[TaskAt, ...] = ()  # loads that were set down
@@ -57,7 +58,7 @@ class SnapshotWriter:
 
     def pause(self, mission: Mission) -> None:
         """Write down a step of which nobody knows anything."""
-        self._seen.add(self.steps, Step(), mission)
+        self._seen.add(self.steps, Step(), mission, self._seen.served)
 
     def add(self, mission: Mission, seen: Sighting) -> Step:
         """Write down a step, and return it; the mission may have got more tasks.
@@ -96,7 +97,7 @@ class SnapshotWriter:
             charge=tuple(self._charge(seen.charge)),
             missed=tuple((k, why_missed(mission, k, served, aims)) for k in seen.missed),
         )
-        return self._seen.add(self.steps, made, mission)
+        return self._seen.add(self.steps, made, mission, seen.at_work)
 
     def _charge(self, doing: Mapping[int, str]) -> Iterator[tuple[int, str]]:
         """Yield the robots that do something else at chargers than in the step before."""

@@ -57,7 +57,12 @@ class Narrator:
             *(LogEntry(now.steps, "needs", task=task) for task in step.shown),
             *(LogEntry(now.steps, "appears", task=task) for task in now.news),
         ]
-        return [event.text(now.mission) for event in found]
+        over = [
+            f"the last shift of {robot.name} is over"
+            for number, robot in enumerate(now.source.robots)
+            if robot.rota.over == now.steps and now.teams.slot[number] != NOBODY
+        ]
+        return [*(event.text(now.mission) for event in found), *over]
 
     def _planned_anew(self) -> str:
         plans, world = self._now.plans, self._now.source.world

@@ -28,6 +28,7 @@ class Services:
         self.turned: set[int] = set()
         self._open: dict[int, int] = {}  # task -> its row that goes on
         self._with: dict[int, Robots] = {}  # task -> who serves it now
+        self._doing: dict[int, str] = {}  # what was done for tasks before the latest step ended
 
     def by_slot(self, teams: Teams) -> dict[int, str]:
         """Return what teams do for tasks; of several tasks, what they do for a load."""
@@ -39,8 +40,11 @@ class Services:
         return work
 
     def at_work(self, waiting: Container[int]) -> AtWork:
-        """Return what takes room in zones; `waiting` has loads that wait for it where they go."""
-        doing = {task: self.rows[row].doing for task, row in self._open.items()}
+        """Return what took room in zones in the latest step; `waiting` has loads that wait for it.
+
+        They wait where they are brought to.
+        """
+        doing = self._doing
         return AtWork(
             [task for task, what in doing.items() if what in (SERVING, LOADING)],
             [task for task, what in doing.items() if what == UNLOADING],
@@ -74,6 +78,7 @@ class Services:
         `ended` are tasks that were called off and loads that were set down, `taken` loads that were
         taken up, by which team.
         """
+        self._doing = {task: self.rows[row].doing for task, row in self._open.items()}
         self.under_way, self.turned = set(self._open), {self.rows[k].task for k in self.changed}
         self.changed, self.touched = [], set()
         for task in sorted(ended):

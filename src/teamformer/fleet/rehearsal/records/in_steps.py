@@ -34,6 +34,7 @@ from teamformer.mission.parts.plane import DECIMALS
 from teamformer.record.record import HEARD, Record, TaskAt
 from teamformer.record.snapshots.deeds import SLACK, Deed, deed_of, deeds_by_step
 from teamformer.record.snapshots.writer import Sighting, SnapshotWriter, fleet_record
+from teamformer.world.continuous.events import Event as OfWorld
 from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
 
@@ -183,6 +184,7 @@ class _Teller:
         self._shown: set[int] = set()  # tasks whose needs somebody knows
         self._lifted: dict[int, Lifted] = {}  # loads that are up, and no step shows it yet
         self._at_chargers = AtChargers(mission)
+        self._at_work: dict[int, tuple[int, ...]] = {}  # by task that is not shown as done
 
     def tell(
         self,
@@ -212,6 +214,8 @@ class _Teller:
                     heard.add((event.sender, event.receiver, event.kind))
                 elif isinstance(event, Lifted):
                     lifts.append(event)
+                elif isinstance(event, OfWorld) and event.task in self._number:
+                    self._note_service(event)
                 elif isinstance(event, Believed):
                     moved[event.task] = TaskAt(event.task, *self._as_place(*event.place))
                     found += [event.task] if event.is_found else []
@@ -238,11 +242,19 @@ class _Teller:
                 for robot, (team, _) in self._says.items()
             },
             aims={robot: self._number.get(goal) for robot, (_, goal) in self._says.items()},
+            at_work=dict(self._at_work),
             done=done,
             taken=[Deed(k, self._as_place(*it.place), it.robots) for k, it in lifted.items()],
             left=tuple(left.values()),
             lost=lost,
         )
+
+    def _note_service(self, event: OfWorld) -> None:
+        """Note that a service begins, or breaks off."""
+        if event.kind == "serve":
+            self._at_work[self._number[event.task]] = event.robots
+        elif event.kind == "broken":
+            self._at_work.pop(self._number[event.task], None)
 
     def _loads(
         self, lifts: Sequence[Lifted], done: Sequence[Deed]

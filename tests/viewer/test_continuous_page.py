@@ -179,7 +179,7 @@ def test_names_of_zones_are_read_where_they_are_in_sight(open_page: Opener, widt
     opened.page.wait_for_timeout(200)
     named = {it["text"]: it for it in opened.page.evaluate("window.teamformer.names()")}
     tool, yard = (next(it for it in named if it.startswith(zone)) for zone in ("tool ", "yard "))
-    assert tool.endswith("/1") and yard.endswith("/2")
+    assert (tool[-2:], yard[-2:]) == ("/1", "/2")
     assert all(it["x"] >= it["half"] for it in named.values())  # not cut off at the left
     assert not names_over_tasks(opened, {tool}, len(mission.tasks))
 

@@ -170,6 +170,20 @@ def test_roads_are_drawn_at_every_size(open_page: Opener, size: tuple[int, int])
     assert opened.errors == []
 
 
+@pytest.mark.parametrize("width", [1024, 390])
+def test_names_of_zones_are_read_where_they_are_in_sight(open_page: Opener, width: int) -> None:
+    mission = world_of("zones", 3)
+    assert {zone.name: bool(zone.area) for zone in mission.zones} == {"tool": False, "yard": True}
+    opened = open_page(record_to_tree(tf.run(mission).record), "#time=218")
+    opened.page.set_viewport_size({"width": width, "height": 768})
+    opened.page.wait_for_timeout(200)
+    named = {it["text"]: it for it in opened.page.evaluate("window.teamformer.names()")}
+    tool, yard = (next(it for it in named if it.startswith(zone)) for zone in ("tool ", "yard "))
+    assert (tool[-2:], yard[-2:]) == ("/1", "/2")
+    assert all(it["x"] >= it["half"] for it in named.values())  # not cut off at the left
+    assert not names_over_tasks(opened, {tool}, len(mission.tasks))
+
+
 def test_a_large_plane_is_all_there_on_a_phone(open_page: Opener) -> None:
     """A pixel and a half for each square of 0.2 m would be wider than the screen."""
     mission = tf.Mission(

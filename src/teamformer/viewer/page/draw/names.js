@@ -7,6 +7,7 @@ import { MANY, robotName, taskName } from "../record/words.js";
 import { ringColour } from "./palette.js";
 import { fillAs, isOnScreen, robotSpot, strokeAs, teamSpot, write } from "./shapes.js";
 import { taskBox } from "./tasks.js";
+import { zoneLabels } from "./zones.js";
 
 const NAMES_FROM = 20; // pixels a cell
 const PLACES_NAMED_FROM = 14;
@@ -24,8 +25,20 @@ export function drawNames(/** @type {View} */ view) {
   ctx.font = `500 11px ${theme.font}`;
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
+  nameZones(view, taken);
   nameTasksAndRobots(view, taken, options.names && camera.cell >= NAMES_FROM);
   if (mission.world.roads && options.names && camera.cell >= PLACES_NAMED_FROM) namePlaces(view, taken, mission.world.roads);
+}
+
+// What goes on in each zone, where that covers no task.
+function nameZones(/** @type {View} */ view, taken) {
+  for (const { text, colour, corners } of zoneLabels(view)) {
+    const half = view.ctx.measureText(text).width / 2 + 2;
+    const middles = corners.map(({ x, y }) => ({ x: x + half, y: y - 8, half }));
+    const isFree = (at) => isOnScreen(view, at.x, at.y, 0) && !isOverTask(view, at);
+    const middle = middles.find(isFree) ?? middles[0];
+    if (middle) drawName(view, taken, text, middle, colour);
+  }
 }
 
 // The places of roads, over or under them, where their names cover no task and no other name.
@@ -40,8 +53,7 @@ function namePlaces(/** @type {View} */ view, taken, /** @type {Roads} */ { name
   });
 }
 
-// Whether a text in the middle of a line, so far to both sides, covers a task.
-export function isOverTask(/** @type {View} */ view, { x, y, half }) {
+function isOverTask(/** @type {View} */ view, { x, y, half }) {
   return view.mission.tasks.some((_, task) => {
     if (standingOf(view.history, task, view.scene.step) === "hidden") return false;
     const box = taskBox(view, task);

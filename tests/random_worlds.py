@@ -190,6 +190,21 @@ def with_zones(mission: Mission, rng: np.random.Generator) -> Mission:
     return replace(mission, zones=tuple(zones))
 
 
+def with_docks(mission: Mission, rng: np.random.Generator) -> Mission:
+    """Return a mission with zones, some by area or place, to which loads are often brought."""
+    mission = with_zones(mission, rng)
+    goals = [task.to for task in mission.tasks if task.to is not None]
+    goals += [task.at for task in mission.tasks]
+    x, y = goals[0]
+    reach = 1 + int(rng.integers(4))
+    low, high = ((round(x + d, 3), round(y + d, 3)) for d in (-reach, reach))
+    area = (low, high)
+    places = tuple(goals[1 : 1 + int(rng.integers(1, 4))]) or (goals[0],)
+    zones = [*mission.zones, Zone("hall", area=area, room=int(rng.choice([1, 2])))]
+    zones.append(Zone("bay", places=tuple(dict.fromkeys(places))))
+    return replace(mission, zones=tuple(sorted(zones, key=lambda zone: zone.name)))
+
+
 def _absences(robot: int, lost: int | None, back: int | None) -> tuple[Absence, ...]:
     """Return when a robot is absent: every other one that is back is lost once more."""
     if lost is None:

@@ -81,6 +81,29 @@ def test_step_limit_makes_a_failure(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "not done within the limit of 3 steps" in capsys.readouterr().out
 
 
+def test_what_must_be_done_and_is_missed_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nobody is at `far` by step 5, and the mission is over then."""
+    text = """
+teamformer: 1
+world: {grid: [30, 1]}
+capabilities: [a]
+until: 5
+robots: [{name: r, at: [0, 0], can: [a]}]
+tasks:
+  - {name: near, at: [1, 0], needs: [a]}
+  - {name: far, at: [29, 0], needs: [a], KIND}
+"""
+    for kind, told in {
+        "optional: false": "too late at step 5: far must be done",
+        "optional: true": "all done or missed after 1 steps",
+    }.items():
+        (tmp_path / "far.yaml").write_text(text.replace("KIND", kind), encoding="utf-8")
+        teamformer("run", str(tmp_path / "far.yaml"))
+        assert told in capsys.readouterr().out
+
+
 def test_a_lost_capability_ends_the_trial_and_names_the_task(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -35,7 +35,9 @@ def test_our_coordinators_pass(make: Any) -> None:
 
 
 def test_the_classes_of_the_documents_pass() -> None:
-    check_coordinator(class_of("reference/methods.md", '```python title="mine.py"\n', "Soonest"))
+    check_coordinator(
+        class_of("reference/coordinators.md", '```python title="mine.py"\n', "Soonest")
+    )
     check_policy(class_of("reference/policies.md", '```python title="sociable.py"\n', "Sociable"))
     check_body(class_of("how-to/robots.md", "```python\n", "MyBody"), seconds=1.0)
 

@@ -24,7 +24,7 @@ from teamformer.world.continuous.events import KINDS
 ROOT = Path(__file__).parents[2]
 REFERENCE = ROOT / "docs" / "reference"
 PAGES = [
-    *(REFERENCE / name for name in ("mission.md", "record.md")),
+    *(REFERENCE / name for name in ("mission.md", "record-in-time.md")),
     *sorted(REFERENCE.glob("mission/*.md")),
 ]
 SCHEMA = ROOT / "mission.schema.json"

@@ -337,6 +337,12 @@ CASES = [
     ("speed: 0.5", "lost: 0", 7, "robot 'b' is lost at step 0; the first step is 1"),
     ("speed: 0.5", "lost: 4, back: 4", 7, "robot 'b' is lost at step 4 and back at step 4; it"),
     (
+        "- {name: x,",
+        "- {name: x, battery: {lasts: 3},",
+        9,
+        "task 1 has no key 'battery', which is a key of robots; move it there",
+    ),
+    (
         "speed: 0.5",
         "shifts: [[9, 5]]",
         7,
@@ -362,6 +368,13 @@ CASES = [
         9,
         "task 'x' takes 9, but robots that can do it have no shift that long in common; lengthen "
         "their shifts, or shorten the task",
+    ),
+    (
+        "speed: 0.5}\ntasks:\n  - {name: x,",
+        "speed: 0.5, shifts: [[0, 8]], every: 9}\ntasks:\n  - {duration: [1, 9], name: x,",
+        9,
+        "task 'x' may take 9, but robots that can do it have no shift that long in common; "
+        "lengthen their shifts, or shorten the task",
     ),
     (
         "speed: 0.5}",

@@ -111,6 +111,20 @@ def test_a_robot_that_cannot_get_home_is_refused(tmp_path: Path) -> None:
     read_mission(mission_of(tmp_path, ends, near, ("lasts: 60", "lasts: 28.29")))
 
 
+def test_linked_tasks_want_as_many_robots_that_get_away_from_there(tmp_path: Path) -> None:
+    """Both `a` and `c` lift, but only one of them is able for either task."""
+    robot = "{name: b, at: [5, 6], can: [scan]}"
+    other = "{name: c, at: [2, 2], can: [lift], battery: {lasts: 38, fills: 20}}"
+    task = "needs: [lift, scan], duration: 4}"
+    linked = f"{task}\n  - {{name: y, at: [32, 35], needs: [lift], starts: {{x: [0, 0]}}}}"
+    changes = ((robot, f"{robot}\n  - {other}"), (task, linked))
+    assert told(tmp_path, *changes) == [
+        "14: 'x', 'y' are done by different robots, and too few get to a charger from there; put "
+        "a charger nearer, or give batteries that last longer, or drop a link"
+    ]
+    read_mission(mission_of(tmp_path, *changes, ("lasts: 38", "lasts: 39")))
+
+
 STEPS = ("time: continuous", "time: steps")
 
 

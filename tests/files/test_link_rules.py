@@ -129,12 +129,14 @@ def test_robots_are_dealt_out_as_every_way_to_do_so_says(seed: int) -> None:
     rng = np.random.default_rng(seed)
     robots = [{"a": int(rng.integers(3)), "b": 0.5 * int(rng.integers(3))} for _ in range(5)]
     needs = [{"a": int(rng.integers(1, 4)), "b": 0.5 * int(rng.integers(4))} for _ in range(2)]
-    ways = product((0, 1, 2), repeat=len(robots))
-    groups = (
-        [[r for r, to in zip(robots, way, strict=True) if to == n] for n in (0, 1)] for way in ways
-    )
-    can_be = any(all(map(covers, map(total, group), needs)) for group in groups)
-    assert can_be_apart(needs, robots) == can_be
+    for is_able in (np.ones((5, 2), bool), rng.random((5, 2)) < 0.7):
+        ways = product((0, 1, 2), repeat=len(robots))
+        groups = (
+            [[robots[r] for r, to in enumerate(way) if to == n and is_able[r, n]] for n in (0, 1)]
+            for way in ways
+        )
+        can_be = any(all(map(covers, map(total, group), needs)) for group in groups)
+        assert can_be_apart(needs, robots, lambda r, n, able=is_able: able[r, n]) == can_be
 
 
 FILE = """teamformer: 1

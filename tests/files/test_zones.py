@@ -74,7 +74,7 @@ def test_on_roads_places_have_names() -> None:
         ({"tasks": ("x",), "places": ((1, 1),)}, ("places",), "has tasks and places; keep one"),
         ({"tasks": ("x",), "room": 0}, ("room",), "zone 'n' has room for 0 services; use 1 to"),
         ({"area": ((7, 7), (8, 8))}, ("area",), "no task is in zone 'n'; move it, or drop it"),
-        ({"area": ((1, 1),)}, ("area",), "has 1 corners; write two, [[x, y], [x, y]]"),
+        ({"area": ((1, 1),)}, ("area",), "has one corner; write two, [[x, y], [x, y]]"),
         ({"area": ((4, 1), (1, 5))}, ("area",), "goes from [4, 1] to [1, 5]; write the smaller"),
         ({"places": ((9, 1),)}, ("places", 0), "zone 'n' has a place at [9, 1], outside the map"),
     ],
@@ -164,14 +164,11 @@ def test_what_does_not_go_with_zones_is_refused() -> None:
         assert [*rules_not_run(mission)] == []
         messages = [problem.message for problem in rules_of_rehearsals(mission)]
         assert messages == ([told + rest.format(zone)] if told else [])
-        in_steps = [it.message for it in rules_not_played(replace(mission, time="steps"))]
-        assert in_steps == messages
+        assert [*rules_not_played(replace(mission, time="steps"))] == []
 
 
-def test_fleets_in_steps_refuse_zones() -> None:
+def test_fleets_take_zones_in_steps_and_in_continuous_time() -> None:
+    for time in ("steps", "continuous"):
+        mission = replace(MISSION, time=time)
+        assert list(rules_of_fleets(mission)) == []
     assert [*rules_not_played(replace(MISSION, time="steps"))] == []
-    assert list(rules_of_fleets(MISSION)) == []
-    assert any(
-        "the mission has zones, which fleets of processes do not know; " in problem.message
-        for problem in rules_of_fleets(replace(MISSION, time="steps"))
-    )

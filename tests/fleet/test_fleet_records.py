@@ -42,9 +42,10 @@ def by_hand() -> Record:
         goal = 0 if number < 5 else 1
         done = [Deed(0, (2, 0), (0, 1))] if number == 5 else []
         taken = [Deed(1, (8, 0), (0, 1))] if number == 12 else []
-        writer.add(mission, Sighting(said, {0: goal, 1: goal}, done, taken))
+        at_work = {0: (0, 1)} if 2 <= number <= 5 else {1: (0, 1)} if number > 10 else {}
+        writer.add(mission, Sighting(said, {0: goal, 1: goal}, at_work, done, taken))
     said = {0: (0, (15, 0)), 1: (0, (15, 0)), 2: (2, (19, 0))}
-    writer.add(mission, Sighting(said, {}, [Deed(1, (15, 0), (0, 1))]))
+    writer.add(mission, Sighting(said, {}, {1: (0, 1)}, [Deed(1, (15, 0), (0, 1))]))
     return fleet_record(mission, writer.steps, "completed")
 
 

@@ -17,13 +17,15 @@ from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import Terms, Word
 from teamformer.fleet.recharging import Recharge
-from teamformer.fleet.rehearsal.rehearse import judge, set_stage
+from teamformer.fleet.rehearsal.faults import Drain, Faults, draw_faults
+from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
 from teamformer.mission.checks.rules import rules_of_fleets
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.mission.parts.grid import Grid
 from teamformer.record.record import Record
 from teamformer.record.referee import judge as judge_record
+from teamformer.world.continuous.events import Event
 
 HALF = Battery(lasts=40, fills=8, starts=0.5, serving=0.5, waiting=0.25)
 
@@ -185,3 +187,47 @@ def test_every_promise_is_kept_with_batteries_under_schedules_of_faults() -> Non
     for number in range(10):
         verdict = judge(stage, 3, number)
         assert verdict.is_good, (number, verdict)
+
+
+def test_a_robot_whose_battery_is_drained_turns_back_to_the_charger() -> None:
+    """Full at 6.4 it is at 3.6 at 8, and has 19.2 of 40 from then on: not enough to 14 and back."""
+    mission = charged([errand("t", 14, duration=2)])
+    faults = Faults(drained=(Drain(0, 8.0, 0.5),))
+    rehearsal, outcome, violations = play(mission, plan_of(mission), faults)
+    assert (outcome.status, violations) == ("ended", [])
+    moves = (event for event in rehearsal.world.moves if isinstance(event, Event))
+    charges = [round(event.at, 1) for event in moves if event.kind == "charge"]
+    assert charges[0] == 2.0
+    assert len(charges) == 2
+    assert 8.0 < charges[1] < 14.0
+    assert faults.kinds == ("drained",)
+    assert list(faults.lines(mission)) == [
+        "8.00 s: the battery of r0 loses 50% of what it has left"
+    ]
+
+
+def test_a_robot_that_runs_dry_by_a_fault_leaves_its_task_to_others() -> None:
+    """Far from the charger it has nothing left: the other one does what it was to do."""
+    mission = charged([errand("t", 20, duration=2)], robots=2, starts=1.0, lasts=60)
+    faults = Faults(drained=(Drain(0, 10.0, 1.0),))
+    rehearsal, outcome, violations = play(mission, plan_of(mission), faults)
+    assert (outcome.status, violations) == ("ended", [])
+    kinds = [
+        (event.kind, event.robots) for event in rehearsal.world.moves if isinstance(event, Event)
+    ]
+    assert ("empty", (0,)) in kinds
+    assert outcome.tasks_done == 1
+
+
+def test_batteries_are_drained_in_schedules_where_there_are_any() -> None:
+    with_any, without = charged([errand("t", 14)], robots=3), errands_of(3)
+    drawn = [draw_faults(with_any, seed, 40.0).drained for seed in range(40)]
+    assert 5 < sum(map(bool, drawn)) < 30
+    assert {drain.share for drains in drawn for drain in drains} == {0.25, 0.5, 0.9}
+    assert not any(draw_faults(without, seed, 40.0).drained for seed in range(40))
+
+
+def errands_of(robots: int) -> FleetMission:
+    """Return robots without batteries, and an errand."""
+    who = tuple(Robot(f"r{n}", (0, 0), {"a": 1}) for n in range(robots))
+    return FleetMission(Mission("m", Grid(40, 1), ("a",), who, (errand("t", 14),)))

@@ -33,7 +33,8 @@ class Vehicle:
     One that `stays` does what it is told where it stands, and drives no further than `part` of the
     way. It is turned by `heading`, and to where it drives; it rejects orders for who is turned
     otherwise, as vehicles do. Each kind of action fails as often as `fails` says. It knows nothing
-    of actions that are not in `knows`, and `rejects` is why it takes no order at all.
+    of actions that are not in `knows`, and `rejects` is why it takes no order at all. Its battery
+    has `charge` percent, and is charged while it `is_charging`.
     """
 
     def __init__(
@@ -49,7 +50,8 @@ class Vehicle:
         self.orders, self.actions = list[dict[str, Any]](), list[dict[str, Any]]()
         self.stays, self.part, self.heading = stays, part, heading
         self.fails, self.rejects, self.map = Counter[str](), "", "yard"
-        self.knows = {"serve", "cancelOrder", "pick", "drop"}
+        self.knows = {"serve", "cancelOrder", "pick", "drop", "startCharging", "stopCharging"}
+        self.charge, self.is_charging = 80.0, False
         self.errors = list[dict[str, Any]]()
         self._serial = serial
         self._topic = f"uagv/v{version[0]}/acme/{serial}"
@@ -107,6 +109,8 @@ class Vehicle:
     def _act(self, action: dict[str, Any]) -> dict[str, Any]:
         has_failed = self.fails[action["actionType"]] > 0
         self.fails[action["actionType"]] -= has_failed
+        if "Charging" in action["actionType"] and not has_failed:
+            self.is_charging = action["actionType"] == "startCharging"
         status = "FAILED" if has_failed else "FINISHED"
         result = "actionResult" if self.version[0] == "3" else "resultDescription"
         state = {"actionId": action["actionId"], "actionStatus": status}
@@ -127,14 +131,14 @@ class Vehicle:
             return common | {
                 "agvPosition": where | {"positionInitialized": True},
                 "actionStates": self._done + self._acted,
-                "batteryState": {"batteryCharge": 80.0, "charging": False},
+                "batteryState": {"batteryCharge": self.charge, "charging": self.is_charging},
                 "safetyState": {"eStop": "NONE", "fieldViolation": False},
             }
         return common | {
             "mobileRobotPosition": where | {"localized": True},
             "actionStates": list(self._acted),
             "instantActionStates": list(self._done),
-            "powerSupply": {"stateOfCharge": 80.0, "charging": False},
+            "powerSupply": {"stateOfCharge": self.charge, "charging": self.is_charging},
             "safetyState": {"activeEmergencyStop": "NONE", "fieldViolation": False},
         }
 

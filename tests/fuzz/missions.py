@@ -196,18 +196,18 @@ def continuous_missions(
 
 
 def _write_zones(draw: st.DrawFn, tree: Tree, world: Drawn) -> None:
-    """Say in which zones tasks are: by name, by place, or in an area; loads are in none."""
-    named = [task["name"] for task in tree["tasks"] if "name" in task and "to" not in task]
-    is_road, is_loaded = "roads" in world.tree, any("to" in task for task in tree["tasks"])
+    """Say in which zones tasks are, and where loads go: by name, by place, or in an area."""
+    named = [task["name"] for task in tree["tasks"] if "name" in task]
+    goals = [task["to"] for task in tree["tasks"] if "to" in task]
+    is_road = "roads" in world.tree
     zones: Tree = {}
     if named:
         zones["by name"] = {"tasks": named[: 1 + pick(draw, range(len(named)))]}
-    if not is_loaded:
-        at = pick(draw, tree["tasks"])["at"]
-        zones["by place"] = {"places": [at]}
-        if not is_road:
-            reach = 3 if isinstance(at[0], int) else 3 * world.unit
-            zones["an area"] = {"area": [at, [at[0] + reach, at[1]]]}
+    at = pick(draw, [*(task["at"] for task in tree["tasks"]), *goals])
+    zones["by place"] = {"places": [at]}
+    if not is_road:
+        reach = 3 if isinstance(at[0], int) else 3 * world.unit
+        zones["an area"] = {"area": [at, [at[0] + reach, at[1]]]}
     for zone in zones.values():
         if now_and_then(draw, 2):
             zone["room"] = pick(draw, (1, 2, 1000))

@@ -180,7 +180,9 @@ def _compare_terminal(tree: Any, lines: list[Line], text: str) -> None:
     assert lost == losses_of(tree)
     end, is_called_off = tree["end"], any(line.kind == "cancelled" for line in lines)
     done = "all done or called off" if is_called_off else "all done"
+    done += " or missed" if end.get("missed") else ""
     assert {
+        "too late": f"too late at step {end['steps']}",
         "completed": f"{done} after {end['makespan']} steps",
         "infeasible": f"given up at step {end['steps']}",
         "step limit": f"not done within the limit of {end['steps']} steps",

@@ -2,8 +2,9 @@
 
 `python tests/fuzz/tiny.py continuous 2000 1` draws so many missions in continuous time, and gives
 `central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps,
-`optional` such with optional tasks, of which every plan leaves out others, and `zones` such with
-zones, which every plan enters in its order.
+`optional` such with optional tasks, of which every plan leaves out others, `zones` such with zones,
+which every plan enters in its order, `docks` such with loads at zones, and `charging` such with
+batteries.
 """
 
 from __future__ import annotations
@@ -21,15 +22,23 @@ from hypothesis import HealthCheck, given, seed, settings
 
 from missions import continuous_missions, missions
 from plain_times import Times, Ways, able_crews, all_plans
-from random_worlds import random_world, with_optional, with_zones
-from teamformer.base.errors import TeamformerError
+from random_worlds import (
+    random_world,
+    with_batteries,
+    with_docks,
+    with_loads,
+    with_optional,
+    with_zones,
+)
+from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.files.mission_files import mission_from_tree
 from teamformer.methods.by_name import Player
 from teamformer.methods.central.plays import Plays, price_of_missed
 from teamformer.methods.central.policy import Central
+from teamformer.methods.coordinators.shared_plan import SharedPlan
 from teamformer.mission.checks.costs import judged_by, weighed
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.zones import rooms_of
+from teamformer.mission.parts.zones import has_loads_at_zones, rooms_of
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import plan_continuous, warm_up
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, plan_of_lists
@@ -135,7 +144,37 @@ def draw_zones(number: int) -> Mission:
             return mission
 
 
-DRAWN_IN_STEPS = {"optional": draw_optional, "zones": draw_zones}
+def draw_docks(number: int) -> Mission:
+    """Draw a tiny mission in steps with loads that are taken up or unloaded in zones."""
+    rng = np.random.default_rng(number)
+    while True:
+        mission = random_world(rng, False, False)
+        tasks = tuple(replace(task, duration=int(rng.integers(1, 9))) for task in mission.tasks)
+        mission = with_docks(with_loads(replace(mission, tasks=tasks), rng), rng)
+        is_tiny = len(mission.robots) <= ROBOTS and 1 < len(mission.tasks) <= TASKS
+        if is_tiny and has_loads_at_zones(mission):
+            return mission
+
+
+def draw_charging(number: int) -> Mission:
+    """Draw a tiny mission in steps with batteries."""
+    rng = np.random.default_rng(number)
+    while True:
+        try:
+            mission = with_batteries(random_world(rng, False, False), rng)
+        except MissionError:  # there is no charger in some part of the map
+            continue
+        is_tiny = len(mission.robots) <= ROBOTS and 1 < len(mission.tasks) <= TASKS
+        if is_tiny and mission.charging:
+            return mission
+
+
+DRAWN_IN_STEPS = {
+    "optional": draw_optional,
+    "zones": draw_zones,
+    "docks": draw_docks,
+    "charging": draw_charging,
+}
 
 
 def main(kind: str, count: int, seconds: float) -> int:
@@ -155,7 +194,7 @@ def main(kind: str, count: int, seconds: float) -> int:
             warm_up(source)
             gap = gap_in_continuous_time(source, "central" if seconds else "plan", seconds)
         else:
-            gap = gap_in_steps(source, seconds)
+            gap = gap_in_steps(source, seconds, None if seconds else SharedPlan())
         if gap > 0:
             worse.append(gap)
             print(f"# {gap:.2%} worse, number {len(tried)}\n{text}", flush=True)

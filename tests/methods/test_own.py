@@ -25,7 +25,7 @@ WAREHOUSE = ROOT / "examples" / "warehouse.yaml"
 @pytest.fixture(autouse=True)
 def own_module(own_folder: Path) -> None:
     """The class of the documents in a folder that the user works in."""
-    page = (ROOT / "docs" / "reference" / "methods.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "coordinators.md").read_text(encoding="utf-8")
     code = page.split('```python title="mine.py"\n')[1].split("```")[0]
     assert len(code.splitlines()) <= 45
     (own_folder / "mine_of_docs.py").write_text(code, encoding="utf-8")

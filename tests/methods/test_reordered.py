@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from small_worlds import make, robot, task
 from teamformer.methods.coordinators.reordered import Reordered
 from teamformer.mission.coordination import Known, Plan
@@ -52,3 +54,19 @@ def test_the_order_that_a_mission_is_written_in_changes_nothing() -> None:
     spy = Spy()
     Reordered(spy, 0).update(known, None)
     assert spy.asked == [(known, None)]
+
+
+def test_all_that_is_known_of_robots_and_tasks_is_in_the_other_numbers() -> None:
+    """Whose battery has how much left, and which loads are taken up or unloaded, too."""
+    known = TeamFormation([make(ROBOTS, TASKS)]).known()
+    known = replace(known, left=(1.0, 2.0, 3.0, 4.0), loading={0: 7.0}, unloading=frozenset({2}))
+    spy = Spy()
+    Reordered(spy, 5).update(known, None)
+    ((there, _),) = spy.asked
+    robots, tasks = there.mission.robots, there.mission.tasks
+    assert {it.name: there.left[r] for r, it in enumerate(robots)} == {
+        it.name: known.left[r] for r, it in enumerate(known.mission.robots)
+    }
+    assert {tasks[k].name: until for k, until in there.loading.items()} == {"t0": 7.0}
+    assert {tasks[k].name for k in there.unloading} == {"t2"}
+    assert there.mission.step_limit == known.mission.step_limit

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
 from teamformer.base.errors import MissionError
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import BLOCKED, FREE, Grid, Place
-from teamformer.planning.relaxation.schedule import RelaxedSchedule
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
+from teamformer.planning.problem.relaxed_problem import Relaxed
+from teamformer.planning.relaxation.relaxed_plan import empty_timing, start_tasks
 
 
 class PlainWorld:
@@ -117,6 +120,26 @@ def serve(world: PlainWorld, task: Task, crew: tuple[int, ...], stays: list[Stay
     return end
 
 
+class RelaxedSchedule(NamedTuple):
+    """A relaxed plan with its times, per task."""
+
+    order: list[int]
+    coalitions: list[list[int]]
+    start: list[int]
+    end: list[int]
+    makespan: int
+
+
+def schedule_of(problem: Relaxed, plan: CoalitionPlan) -> RelaxedSchedule:
+    """Return a plan with the times that kernels work out."""
+    timing = empty_timing(problem, plan)
+    makespan, _, _ = start_tasks(problem, plan, timing)
+    rows = zip(plan.coalition.tolist(), plan.size.tolist(), strict=True)
+    coalitions = [robots[:size] for robots, size in rows]
+    start, end = timing.start.tolist(), timing.end.tolist()
+    return RelaxedSchedule(plan.order.tolist(), coalitions, start, end, int(makespan))
+
+
 def find_faults(mission: Mission, schedule: RelaxedSchedule) -> list[str]:
     """Return everything that is wrong with a schedule."""
     world, faults = PlainWorld(mission), []
@@ -128,9 +151,10 @@ def find_faults(mission: Mission, schedule: RelaxedSchedule) -> list[str]:
             faults.append(f"task {k} starts at {start} and ends at {end}")
         if any(end >= last_step(world.robots[r]) for r in schedule.coalitions[k]):
             faults.append(f"task {k} has a lost robot")
-    for r, route in enumerate(schedule.routes):
-        if sorted(route) != [k for k, crew in enumerate(schedule.coalitions) if r in crew]:
-            faults.append(f"robot {r} has route {route}")
+    if sorted(schedule.order) != list(range(len(world.tasks))):
+        faults.append(f"the order is {schedule.order}")
+    for r in range(len(world.robots)):
+        route = [k for k in schedule.order if r in schedule.coalitions[k]]
         stay = Stay(world.robots[r].at)
         for k in route:
             stay = stay.go(world, world.robots[r], world.tasks[k])

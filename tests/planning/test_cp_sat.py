@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from plain_plans import fastest_makespan, find_faults, tiny_world
+from plain_plans import RelaxedSchedule, fastest_makespan, find_faults, schedule_of, tiny_world
 from small_worlds import make, robot, task
 from teamformer.mission.model import Mission
 from teamformer.planning.problem.relaxed_problem import relax
@@ -15,15 +15,16 @@ from teamformer.planning.relaxation.cp_sat import (
     make_solver,
     minimise,
 )
-from teamformer.planning.relaxation.schedule import RelaxedSchedule
 
 
 def solve_alone(mission: Mission) -> tuple[int | None, list[RelaxedSchedule]]:
     """Return the least makespan and all schedules seen on the way."""
-    problem, seen = relax(mission), []
+    problem, seen = relax(mission), list[RelaxedSchedule]()
     horizon = latest_makespan(problem)
     has_seen_all, bound = minimise(
-        build_circuits(problem, 0, horizon), make_solver(seed=0), seen.append
+        build_circuits(problem, 0, horizon),
+        make_solver(seed=0),
+        lambda plan: seen.append(schedule_of(problem, plan)),
     )
     assert has_seen_all
     return (bound if bound <= horizon else None), seen

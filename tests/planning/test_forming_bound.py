@@ -10,6 +10,8 @@ import pytest
 from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.makespan import lower_bound
+from teamformer.planning.bounds.start_windows import raise_by_windows
+from teamformer.planning.problem.relaxed_problem import relax
 
 Team = tuple[int, tuple[int, ...]]  # where it is, and its robots
 LENGTH = 5
@@ -18,7 +20,7 @@ LENGTH = 5
 def corridor(places: list[int], kinds: str, tasks: list[Task], forming_steps: int = 1) -> Mission:
     pairs = enumerate(zip(places, kinds, strict=True))
     robots = tuple(Robot(f"r{n}", (x, 0), {kind: 1}) for n, (x, kind) in pairs)
-    world, caps = Grid(40, 1), ("a", "b")
+    world, caps = Grid(40, 1), ("a", "b", "c")
     return Mission("corridor", world, caps, robots, tuple(tasks), forming_steps=forming_steps)
 
 
@@ -54,6 +56,43 @@ def test_no_play_by_the_rules_is_faster(seed: int) -> None:
         gaps.append(fastest_play(mission) - lower_bound(mission))
     assert 0 <= min(gaps) <= 1
     assert np.mean(gaps) < 2
+
+
+def test_who_cannot_be_along_is_joined_and_left() -> None:
+    """The a serves T with the b, then U with the c; the b has to be at V too, and the c at W.
+
+        ab      c
+    V . T . . . U . W         V is at 0, T at 2, U at 6 and W at 8
+
+    The b joins the a at T in step 1, and they could be at U in step 5, where the c joins them in
+    step 6. But the b is at V sooner if they part at T in step 2: so the a is at U in step 6.
+    """
+    tasks = [Task("T", (2, 0), {"a": 1, "b": 1}), Task("U", (6, 0), {"a": 1, "c": 1})]
+    ends = [Task("V", (0, 0), {"b": 1}), Task("W", (8, 0), {"c": 1})]
+    assert lower_bound(corridor([2, 2, 6], "abc", tasks)) == 6
+    assert lower_bound(corridor([2, 2, 6], "abc", [*tasks, *ends])) == 7
+    assert lower_bound(corridor([2, 2, 6], "abc", [*tasks, *ends], forming_steps=0)) == 5
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_play_is_faster_where_each_has_a_capability_of_its_own(seed: int) -> None:
+    rng, gaps = np.random.default_rng(seed), []
+    for _ in range(6):
+        tasks = [
+            Task(f"t{k}", (int(rng.integers(LENGTH)), 0), dict.fromkeys(_some(rng, "abc"), 1))
+            for k in range(rng.integers(3, 6))
+        ]
+        mission = corridor(rng.integers(0, LENGTH, 3).tolist(), "abc", tasks)
+        bound = lower_bound(mission)
+        bound = raise_by_windows(mission, relax(mission), bound, lambda _: None, lambda: False)
+        gaps.append(fastest_play(mission) - bound)
+    assert min(gaps) == 0
+    assert np.mean(gaps) < 1
+
+
+def _some(rng: np.random.Generator, kinds: str) -> list[str]:
+    """Return some of the kinds, at least one."""
+    return sorted(rng.permutation(list(kinds))[: rng.integers(1, len(kinds) + 1)].tolist())
 
 
 def fastest_play(mission: Mission) -> int:

@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 
 from teamformer.files.drawn.generate import Spec, generate
+from teamformer.files.mission_files import mission_from_tree
 from teamformer.methods.by_name import load_method
 from teamformer.methods.central.policy import Central
 from teamformer.methods.coordinators.shared_plan import SharedPlan
@@ -99,3 +101,42 @@ def test_central_misses_no_more_than_the_plan_and_proves_nothing() -> None:
     assert judge(record).findings == ()
     assert missed_weight(record) <= missed_weight(run_trial(mission, SharedPlan()).record)
     assert (record.lower_bound or 0) <= record.end.steps
+
+
+CHAIN = """\
+teamformer: 1
+name: a chain
+world: {plane: [2.08, 2.27], step: 0.2, arrival_radius: 0.05, unit: 0.2}
+capabilities: [c0]
+robots:
+  - {name: r0, at: [1.52, 1.67], can: [c0]}
+  - {name: r1, at: [1.809, 0.361], can: [c0], speed: 0.3}
+  - {name: r2, at: [1.132, 0.0], can: [c0], lost: 26, back: 37}
+  - {name: r3, at: [0.303, 0.217], can: [c0], speed: 0.3}
+  - {name: r4, at: [1.809, 0.361], can: [c0], lost: 22}
+  - {name: r5, at: [1.809, 0.361], can: [c0]}
+tasks:
+  - {name: t2, at: [1.056, 0.937],
+     needs: [c0], duration: 4, after: [t1], weight: 0.5, optional: true}
+  - {name: t3, at: [0.303, 0.217], needs: [c0], duration: 1, after: [t0, t2], optional: true}
+  - {name: t1, at: [0.3, 0.2],
+     needs: [c0], duration: 4, after: [t0], between: [7, 26], weight: 2.0, optional: true}
+  - {name: t4, at: [1.056, 0.937],
+     needs: [c0], duration: 6, after: [t0, t1, t2], between: [5, 34], weight: 2.0, optional: true}
+  - {name: t0, at: [0.035, 2.27],
+     needs: [c0], duration: 6, between: [16, 26], weight: 0.5, optional: true}
+  - {name: t6, at: [2.08, 0.276], needs: {c0: 2}, after: [t5], optional: true}
+  - {name: t5, at: [1.76, 0.384], needs: [c0], after: [t1, t3], weight: 0.5, optional: true}
+forming_steps: 0
+until: 30
+zones: {dock: {tasks: [t2, t3, t1, t4, t6]}}
+"""
+"""Once a robot is lost, there is no time left for most of what comes one after the other."""
+
+
+def test_a_search_comes_to_its_end_whatever_is_left_out_of_a_chain() -> None:
+    """Tasks come after others that are left out, and robots go from one to another all the same."""
+    record = run_trial(mission_from_tree(yaml.safe_load(CHAIN)), SharedPlan(), 50117).record
+    assert judge(record).findings == ()
+    assert record.end.status == "completed"
+    assert "t0" not in record.end.missed

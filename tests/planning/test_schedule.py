@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from plain_plans import PlainWorld, Stay, find_faults, last_step, serve
+from plain_plans import PlainWorld, Stay, find_faults, last_step, schedule_of, serve
 from random_worlds import random_world
 from small_worlds import make, robot, task
 from teamformer.mission.model import Mission
 from teamformer.planning.problem.relaxed_problem import relax
-from teamformer.planning.relaxation.schedule import schedule_tasks
+from teamformer.trials.list_schedule import schedule_tasks
 
 
 def list_schedule(mission: Mission, ranking: list[int]) -> tuple[list[int], list[int]] | None:
@@ -55,16 +55,18 @@ def test_agrees_with_the_plain_one(seed: int) -> None:
     for _ in range(60):
         mission = random_world(rng)
         ranking = rng.permutation(len(mission.tasks)).tolist()
-        schedule = schedule_tasks(relax(mission), ranking)
+        problem = relax(mission)
+        plan = schedule_tasks(problem, ranking)
         plain = list_schedule(mission, ranking)
         missed += plain is None
         if plain is None:
-            assert schedule is None
+            assert plan is None
         else:
-            assert schedule is not None
+            assert plan is not None
+            schedule = schedule_of(problem, plan)
             assert find_faults(mission, schedule) == []
-            assert (list(schedule.start), [len(crew) for crew in schedule.coalitions]) == plain
-            assert schedule.order == tuple(ranking)
+            assert (schedule.start, [len(crew) for crew in schedule.coalitions]) == plain
+            assert schedule.order == ranking
     assert missed < 30
 
 
@@ -75,8 +77,9 @@ def test_the_crew_that_is_there_first() -> None:
     0 1 2 3 4 5 6 7
     """
     robots = [robot("a", 0), robot("b", 2), robot("a", 4)]
-    schedule = schedule_tasks(relax(make(robots, [task("ab", 3), task("aa", 7)])), [0, 1])
-    assert schedule is not None
-    assert schedule.coalitions == ((1, 2), (0, 2))
-    assert schedule.start == (1, 7)
-    assert schedule.routes == ((1,), (0,), (0, 1))
+    problem = relax(make(robots, [task("ab", 3), task("aa", 7)]))
+    plan = schedule_tasks(problem, [0, 1])
+    assert plan is not None
+    schedule = schedule_of(problem, plan)
+    assert [sorted(robots) for robots in schedule.coalitions] == [[1, 2], [0, 2]]
+    assert schedule.start == [1, 7]

@@ -68,7 +68,7 @@ def test_both_capabilities_decide_when_a_task_starts() -> None:
     problem = relax(mission)
     assert bound_makespan(problem) == 18
     start = earliest_in_order(mission, problem)
-    refuter = refuter_in_steps(problem, start, MOST_TASKS_A_TOUR)
+    refuter = refuter_in_steps(mission, problem, start, MOST_TASKS_A_TOUR)
     assert fastest_makespan(mission) == refuter.raised(18, 100) == 24
 
 

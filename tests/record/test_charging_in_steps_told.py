@@ -8,14 +8,17 @@ from pathlib import Path
 import pytest
 
 from small_worlds import make, robot, task
+from teamformer.files.mission_files import write_mission
 from teamformer.methods.by_name import load_method
 from teamformer.mission.parts.charging import Battery, Charger
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.csv_tables import write_tables
+from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.telling.whole import told_of
 from teamformer.trials.trial import run_trial
+from typed import teamformer
 
 
 @pytest.fixture(scope="module")
@@ -70,3 +73,24 @@ def test_it_is_told_how_full_batteries_are(record: Record, tmp_path: Path) -> No
     header, *rows = (tmp_path / "robots.csv").read_text().splitlines()
     column = header.split(",").index("charge_left")
     assert [row.split(",")[column] for row in rows] == ["0.6", "0.6"]
+
+
+def test_who_runs_dry_is_said_to_in_the_words_of_continuous_time(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It waits for the other from step 5 on, and has five left: dry in the sixth step, the 11th."""
+    pair = make([robot("a", 0), robot("b", 19)], [task("ab", 5)])
+    slow = replace(pair.robots[1], speed=0.1)
+    own = replace(pair.robots[0], battery=Battery(15, 0, starts=10 / 15, waiting=1))
+    mission = replace(pair, robots=(own, slow), chargers=(Charger((0, 0)),), step_limit=0)
+    record = run_trial(mission, load_method("plan"), seed=0).record
+    logged = [(entry.at, entry.text(mission)) for entry in events(record) if entry.robots]
+    assert (11, "r0 has run dry") in logged
+    write_tables(record, tmp_path)
+    header, *rows = (tmp_path / "robots.csv").read_text().splitlines()
+    column = header.split(",").index("lost_in_step")
+    assert [row.split(",")[column] for row in rows] == ["11", ""]
+    path = tmp_path / "dry.yaml"
+    write_mission(mission, path)
+    teamformer("run", str(path))
+    assert "has run dry: r0 in step 11" in capsys.readouterr().out

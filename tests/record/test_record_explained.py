@@ -15,7 +15,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "reference" / "record.md"
 
 def test_each_line_that_is_explained_stands_in_the_record(tmp_path: Path) -> None:
     text = PAGE.read_text(encoding="utf-8")
-    part = text[text.index("### A record, line by line") : text.index("### In continuous time")]
+    part = text[text.index("## A record, line by line") : text.index("## Plans in a record")]
     (tmp_path / "beam.yaml").write_text(re.findall(r"```yaml[^\n]*\n(.*?)```", part, re.DOTALL)[0])
     tf.run(tf.load(tmp_path / "beam.yaml")).save(tmp_path)
     record = (tmp_path / "record.json").read_text(encoding="utf-8")
@@ -27,8 +27,8 @@ def test_each_line_that_is_explained_stands_in_the_record(tmp_path: Path) -> Non
 
 
 def test_each_line_of_continuous_time_stands_in_the_record(tmp_path: Path) -> None:
-    text = PAGE.read_text(encoding="utf-8")
-    part = text[text.index("### In continuous time") : text.index("The kinds of events")]
+    text = PAGE.with_name("record-in-time.md").read_text(encoding="utf-8")
+    part = text[: text.index("The kinds of events")]
     save_record(RECORD, tmp_path / "record.json")
     record = (tmp_path / "record.json").read_text(encoding="utf-8")
     lines = re.findall(r"^\| `(.*?)` \|", part, re.MULTILINE)

@@ -104,7 +104,10 @@ def test_records_with_windows_are_compared_by_lateness_too(open_page: Opener) ->
 
 
 def test_records_are_compared_by_their_cost(open_page: Opener) -> None:
-    """Two tasks by step 15, or one by step 5 and the other one missed: 15 and 5 + 20, by 21."""
+    """Two tasks by step 15, or one by step 5 and the other one missed: 15 and 5 + 20, by 21.
+
+    Without a cost, what is missed counts before all else.
+    """
     mission = {
         **{"teamformer": 1, "name": "choice", "world": {"grid": [12, 1]}, "capabilities": ["a"]},
         "cost": {"makespan": 1, "missed": 20},
@@ -123,7 +126,15 @@ def test_records_are_compared_by_their_cost(open_page: Opener) -> None:
     opened = open_page([both, one], written=comparison_page)
     opened.details()
     rows = {row[0]: row[2:] for row in table_of(opened)}
-    assert rows == {"both": ["15", "0.714286", "+0%"], "one": ["5", "1.19048", "+67%"]}
+    assert rows == {
+        "both": ["15", "0.714286", "0", "+0%"],
+        "one": ["5", "1.19048", "1", "+67%"],
+    }
+    del both["mission"]["cost"]
+    opened = open_page([both, one], written=comparison_page)
+    opened.details()
+    rows = {row[0]: row[2:] for row in table_of(opened)}
+    assert rows == {"both": ["15", "0", "+0%"], "one": ["5", "1", ""]}  # more is missed
 
 
 def test_in_continuous_time_a_record_says_what_it_cost(open_page: Opener) -> None:

@@ -170,6 +170,29 @@ def test_roads_are_drawn_at_every_size(open_page: Opener, size: tuple[int, int])
     assert opened.errors == []
 
 
+def test_a_large_plane_is_all_there_on_a_phone(open_page: Opener) -> None:
+    """A pixel and a half for each square of 0.2 m would be wider than the screen."""
+    mission = tf.Mission(
+        "yard",
+        tf.Plane(60, 40),
+        ("a",),
+        (tf.Robot("r", (0.0, 0.0), {"a": 1}),),
+        (tf.Task("low", (60.0, 0.0), {"a": 1}), tf.Task("high", (0.0, 40.0), {"a": 1})),
+        time="continuous",
+    )
+    opened = open_page(record_to_tree(tf.run(mission, "soonest").record))
+    opened.page.set_viewport_size({"width": 390, "height": 780})
+    opened.page.wait_for_timeout(200)
+    for _ in range(2):
+        low, high = (opened.page.evaluate(f"window.teamformer.taskBox({n})") for n in (0, 1))
+        sides = opened.page.eval_on_selector("canvas", "it => [it.clientWidth, it.clientHeight]")
+        assert low["x"] + low["half"] <= sides[0]
+        assert low["y"] + low["half"] <= sides[1]
+        assert min(high["x"] - high["half"], high["y"] - high["half"]) >= 0
+        opened.page.keyboard.press("-")  # what is shown is not drawn larger by that
+    assert opened.errors == []
+
+
 def names_over_tasks(opened: Opened, places: set[str], tasks: int) -> list[str]:
     """Return the names of places that lie over the square of a task."""
     names = opened.page.evaluate("window.teamformer.names()")

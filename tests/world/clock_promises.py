@@ -175,12 +175,18 @@ def _check_services(truth: Mission, events: Sequence[Event]) -> None:
 def _check_zones(mission: Mission, events: Sequence[Event]) -> None:
     """Check that no more services go on at once in a zone than there is room for."""
     for zone in mission.zones:
-        inside, under_way = set(zone.tasks_in(mission.tasks)), set[int]()
+        places, under_way = {k: task.at for k, task in enumerate(mission.tasks)}, set[int]()
+        loads = set(zone.loads_in(mission.tasks))
         for event in events:
-            if event.kind == "serve" and event.task in inside:
+            is_served = event.kind == "serve" and zone.has(
+                mission.tasks[event.task], places[event.task]
+            )
+            if is_served or (event.kind == "unload" and event.task in loads):
                 under_way.add(event.task)
-            elif event.kind in ("done", "broken"):
+            elif event.kind in ("done", "broken", "lift"):
                 under_way.discard(event.task)
+            if event.kind == "broken" and event.place is not None:
+                places[event.task] = event.place
             assert len(under_way) <= zone.room, f"{zone.name} has no room for {event}"
 
 

@@ -36,8 +36,10 @@ CORRIDOR = Mission(
     step_limit=30,
 )
 
-PAGE = Path(__file__).parents[2] / "docs" / "reference" / "environment.md"
-EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
+PAGES = [REFERENCE / name for name in ("environment.md", "learners-environments.md")]
+TEXT = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+EXAMPLES = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 
 
 @pytest.mark.parametrize("actions", ["counts", "original"])
@@ -268,7 +270,7 @@ def test_no_view_depends_on_the_future_of_random_worlds() -> None:
 
 @pytest.mark.parametrize("code", EXAMPLES)
 def test_the_examples_print_what_they_say(code: str, capsys: pytest.CaptureFixture[str]) -> None:
-    exec(compile(code, PAGE.name, "exec"), {})
+    exec(compile(code, "docs/reference", "exec"), {})
     assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.+)", code)
 
 

@@ -12,7 +12,7 @@ Key = tuple[str, str, int]
 """Setting, method and world seed: what tells one trial from all others in a folder."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Row:
     """A trial, as `run --json` tells it, and everything needed to run it again.
 
@@ -36,28 +36,28 @@ class Row:
     seed: int
     completed: bool
     makespan: float | None
-    cost: float | None
-    missed: float | None
-    steps: float | None
-    tasks_done: int | None
+    cost: float | None = None
+    missed: float | None = None
+    steps: float | None = None
+    tasks_done: int | None = None
     tasks: int
     robots: int
     capabilities: int
-    joins: int | None
-    splits: int | None
-    illegal_decisions: int | None
-    decisions: int | None
-    decision_seconds: float | None
-    decision_cpu_seconds: float | None
-    total_seconds: float | None
-    side_by_side: int
-    best_known: float | None
-    lower_bound: float | None
-    list_schedule: int | None
-    relaxed: int | None
-    relaxed_bound: int | None
-    curve: list[list[float]] | None
-    time_limit: float | None
+    joins: int | None = None
+    splits: int | None = None
+    illegal_decisions: int | None = None
+    decisions: int | None = None
+    decision_seconds: float | None = None
+    decision_cpu_seconds: float | None = None
+    total_seconds: float | None = None
+    side_by_side: int = 1
+    best_known: float | None = None
+    lower_bound: float | None = None
+    list_schedule: int | None = None
+    relaxed: int | None = None
+    relaxed_bound: int | None = None
+    curve: list[list[float]] | None = None
+    time_limit: float | None = None
     code: str
     rerun: str
     version: str = ""

@@ -103,8 +103,6 @@ def generate(
     seed: Seed = 0,
 ) -> None:
     """Write a random mission file."""
-    if out.exists():
-        raise TeamformerError(f"{out}: there is such a file", "remove it, or name another")
     if setting is not None:
         from teamformer.cli.verbs.missions.generate import generate_setting
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
@@ -70,7 +69,7 @@ def bench(
         methods=split_names(methods),
         settings=split_names(settings),
         worlds=tuple(worlds or ()),
-        workers=workers or os.cpu_count() or 1,
+        workers=workers,
         folder=out,
         results=report,
     )

@@ -42,35 +42,29 @@ Finder = Callable[[Mission], Iterable[Problem]]
 """Finds what keeps a mission from being used for something."""
 
 
-def read_mission(path: Path, find_problems: Finder | None = None) -> Mission:
+def read_mission(path: Path, *finders: Finder) -> Mission:
     """Read a mission file; raises `MissionError` with every problem in it, each by line.
 
-    Maps are looked for beside the file. `find_problems` looks for more in a mission that is good.
+    Maps are looked for beside the file. `finders` look for more in a mission that is good.
     """
-    return _checked(_parsed(path), path, find_problems)
+    return _checked(_parsed(path), path, *finders)
 
 
-def read_content(
-    content: str | Mapping[str, Any], path: Path, find_problems: Finder | None = None
-) -> Mission:
+def read_content(content: str | Mapping[str, Any], path: Path) -> Mission:
     """Return the mission that a file would hold, given its text or its tree; writes nothing.
 
     Raises `MissionError` as `read_mission` does; a tree has no lines.
     """
     if isinstance(content, str):
-        return _checked(_parsed_text(content, path), path, find_problems)
-    return _checked(reader.from_value(content), path, find_problems)
+        return _checked(_parsed_text(content, path), path)
+    return _checked(reader.from_value(content), path)
 
 
-def _checked(tree: reader.Tree, path: Path, find_problems: Finder | None) -> Mission:
+def _checked(tree: reader.Tree, path: Path, *finders: Finder) -> Mission:
     mission = _read(tree, str(path), path.stem, path.parent)
-    finders = [
-        find_hopeless_windows,
-        find_hopeless_until,
-        *([find_problems] if find_problems else ()),
-    ]
-    for problem in (problem for find in finders for problem in find(mission)):
-        tree.refuse(problem.where, problem.message)
+    for find in (find_hopeless_windows, find_hopeless_until, *finders):
+        for problem in find(mission):
+            tree.refuse(problem.where, problem.message)
     if tree.problems:
         raise error_of(tree, str(path))
     return mission

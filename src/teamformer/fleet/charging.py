@@ -7,7 +7,7 @@ from collections.abc import Hashable
 
 from teamformer.fleet.messages import TaskFact
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.charging import longest_carry
+from teamformer.mission.parts.charging import longest_carry, walks_at
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.world.continuous.ways import Ways
@@ -32,7 +32,7 @@ class FleetCharging:
         assert isinstance(here, tuple), "places are pairs"
         assert isinstance(there, tuple), "places are pairs"
         it = self._source.robots[robot]
-        return self._ways.length(here, there, it.moves) / it.speed
+        return self._ways.length(here, there, it.moves) / walks_at(self._source, it)
 
     def starts(self, robot: int) -> float:
         """Return how full the battery of a robot is as the mission begins, 0 to 1."""

@@ -79,6 +79,12 @@ class Word(Struct, frozen=True, array_like=True, gc=False):
     terms: Terms | None = None
 
     @property
+    def waits_at(self) -> int:
+        """Return the charger at which the robot is to charge, or charges; NOBODY for none."""
+        is_there = self.terms is not None and self.terms.since < LONGEST
+        return self.terms.charger if self.terms is not None and is_there else NOBODY
+
+    @property
     def life(self) -> int:
         """Return which life of the robot this is of."""
         return self.version // LIFE

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 from operator import itemgetter
 from typing import NamedTuple, Protocol
 
-from teamformer.base.errors import MissionError
 from teamformer.fleet.charging import FleetCharging
 from teamformer.fleet.fleet_mission import FleetMission, place_in
 from teamformer.fleet.in_shifts import who_can
 from teamformer.fleet.messages import LONGEST, TaskFact, Terms
 from teamformer.mission.coordination import UNFORESEEN, Coordinator, Known, Plan
+from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.model import Mission, Task, as_believed
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
@@ -161,7 +161,7 @@ def _note_batteries(
 ) -> None:
     """Note what all have left, and who charges: who came first to a charger, where there is room.
 
-    Who charges is free when it is full.
+    Who charges is free when it is full, in steps after the step in which it is.
     """
     terms = {r: said.get(r, Terms(charge=rules.starts(r))) for r in range(mission.robots)}
     there = ((it.charger, it.since, robot) for robot, it in terms.items() if it.since < LONGEST)
@@ -176,6 +176,7 @@ def _note_batteries(
             continue
         taken[charger] += 1
         until = present.now + battery.time_to_full(present.left[robot])
+        until = math.ceil(until) if mission.source.time == "steps" else until
         present.places[robot], present.free_at[robot] = rules.chargers[charger], until
         present.left[robot] = battery.lasts
         present.charging.append((charger, until))
@@ -210,6 +211,10 @@ def _old_plan(situation: FleetSituation, number_of: Mapping[int, int]) -> Plan |
 def _change(
     mission: FleetMission, news: Sequence[TaskFact], over: frozenset[int]
 ) -> Mission | None:
+    """Return the mission as it is believed to be; nobody could have planned it so beforehand.
+
+    None if a service takes longer than steps can be counted.
+    """
     whole = mission.believed
     caps = whole.capabilities
     names = {whole.tasks[key].name for key in over}
@@ -237,13 +242,10 @@ def _change(
         for task in news
         if task.key >= len(whole.tasks)
     ]
-    if whole.time == "continuous":  # as it may be that nobody could have planned beforehand
-        zones = _zones_by_name(mission, tasks[len(whole.tasks) :])
-        return as_believed(whole, tasks=tuple(tasks), zones=zones)
-    try:
-        return replace(whole, tasks=tuple(tasks))
-    except MissionError:  # as of a service that takes longer than can be counted
+    if whole.time == "steps" and any(task.duration > LARGEST_NUMBER for task in tasks):
         return None
+    zones = _zones_by_name(mission, tasks[len(whole.tasks) :])
+    return as_believed(whole, tasks=tuple(tasks), zones=zones)
 
 
 def _zones_by_name(mission: FleetMission, added: Sequence[Task]) -> tuple[Zone, ...]:

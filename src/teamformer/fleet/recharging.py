@@ -36,7 +36,8 @@ class Recharge:
     ) -> bool:
         """Take in what a body tells of its battery; say whether that is less than believed.
 
-        It has spent no more since it last told than one does that moves, waits or serves.
+        It has spent no more since it last told than one does that moves, waits or serves. With less
+        it looks again, on its way too, whether it has to go to a charger.
         """
         if self._battery is None or charge is None:
             return False
@@ -46,6 +47,8 @@ class Recharge:
         share -= max(rates) * units / battery.lasts
         self.charge = charge
         is_less = charge < share - LESS
+        if is_less and not self.is_away:
+            self._target = None
         self._believed = age, charge if is_less else max(share, charge)
         return is_less
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.mission.model import Mission
+from teamformer.mission.model import Mission, as_believed
 
 
 class WritingOrder(NamedTuple):
@@ -33,12 +33,19 @@ def draw_order(mission: Mission, number: int) -> WritingOrder:
 
 
 def in_order(mission: Mission, order: int) -> Mission:
-    """Return the same mission with robots and tasks written in another order."""
+    """Return the same mission with robots and tasks written in another order.
+
+    It is as possible as it was: one that is believed at some moment may not be.
+    """
     if order == 0:
         return mission
     drawn = draw_order(mission, order)
-    tasks = tuple(mission.tasks[task] for task in drawn.tasks)
-    return with_robots(replace(mission, tasks=tasks), drawn.robots)
+    return as_believed(
+        mission,
+        robots=tuple(mission.robots[robot] for robot in drawn.robots),
+        tasks=tuple(mission.tasks[task] for task in drawn.tasks),
+        teams=_teams_of(mission, drawn.robots),
+    )
 
 
 def with_robots(mission: Mission, chosen: Sequence[int]) -> Mission:
@@ -46,11 +53,12 @@ def with_robots(mission: Mission, chosen: Sequence[int]) -> Mission:
 
     Raises `MissionError` if they cannot do it.
     """
+    robots = tuple(mission.robots[robot] for robot in chosen)
+    return replace(mission, robots=robots, teams=_teams_of(mission, chosen), step_limit=0)
+
+
+def _teams_of(mission: Mission, chosen: Sequence[int]) -> tuple[tuple[int, ...], ...]:
+    """Return the teams of those of some robots that start together, by where they stand there."""
     number_of = {robot: number for number, robot in enumerate(chosen)}
     teams = (tuple(sorted(number_of[r] for r in team if r in number_of)) for team in mission.teams)
-    return replace(
-        mission,
-        robots=tuple(mission.robots[robot] for robot in chosen),
-        teams=tuple(team for team in teams if len(team) > 1),
-        step_limit=0,
-    )
+    return tuple(team for team in teams if len(team) > 1)

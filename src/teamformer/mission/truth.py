@@ -115,11 +115,13 @@ def believed_mission(
     mission: Mission,
     needs: Mapping[int, Counts],
     places: Mapping[int, Place] | None = None,
+    lies: Mapping[int, Place] | None = None,
 ) -> Mission:
     """Return an uncertain mission as an ordinary one: with the needs that are believed, by task.
 
     `places` says where tasks are believed to be; left out, it is where they are before anybody has
-    looked. Durations and speeds are what to expect; nobody breaks down, and no more tasks appear.
+    looked; `lies` where loads were set down. Durations and speeds are what to expect; nobody breaks
+    down, and no more tasks appear.
     """
     if not mission.has_surprises and not places:
         return mission
@@ -133,7 +135,7 @@ def believed_mission(
         for number, task in enumerate(mission.tasks)
     )
     robots = tuple(robot.as_expected for robot in mission.robots)
-    zones = zones_by_name(mission)  # which a task does not leave that is elsewhere
+    zones = zones_by_name(mission, lies)  # which a task does not leave that is elsewhere
     return as_believed(mission, arrivals=None, tasks=tuple(tasks), robots=robots, zones=zones)
 
 

@@ -26,6 +26,7 @@ TOLD = {
     "sets down": "{task} set down at {place}",
     "breaks off": "{task} broken off",
     "lost": "{names} lost",
+    "dry": "{names} has run dry",
     "back": "{names} back",
     "splits": "{names} part",
     "joins": "{names} are one team",
@@ -43,8 +44,8 @@ class LogEntry:
     """
 
     at: float
-    kind: str  # appears, splits, joins, cancelled, lost, back, found, needs, takes up, sets down,
-    # breaks off, missed, done, or how the trial ended
+    kind: str  # appears, splits, joins, cancelled, lost, dry, back, found, needs, takes up,
+    # sets down, breaks off, missed, done, or how the trial ended
     robots: tuple[int, ...] = ()
     task: int | None = None
     place: Place | None = None  # of what is set down
@@ -75,6 +76,7 @@ IN_THE_LOG = {
     "cancel": "cancelled",
     "missed": "missed",
     "lost": "lost",
+    "empty": "dry",
     "back": "back",
     "found": "found",
     "know": "needs",
@@ -95,6 +97,13 @@ def _of_events(record: Record) -> Iterator[LogEntry]:
     yield LogEntry(record.length, record.end.status)
 
 
+def loss_of(truth: Mission, robot: int, step: int) -> LogEntry:
+    """Return that a robot is lost in a step, or has run dry: then the mission has no loss of it."""
+    is_lost = any(away.lost == step for away in truth.robots[robot].absences)
+    is_dry = truth.robots[robot].battery is not None and not is_lost
+    return LogEntry(step, "dry" if is_dry else "lost", (robot,))
+
+
 def _of_steps(record: Record) -> Iterator[LogEntry]:
     teams = Teams(record.mission.robots, record.start)
     appears: defaultdict[float, list[int]] = defaultdict(list)
@@ -113,7 +122,7 @@ def _of_steps(record: Record) -> Iterator[LogEntry]:
             yield LogEntry(number, "cancelled", task=task)
         for robot in step.lost:
             teams.lose(robot)
-            yield LogEntry(number, "lost", (robot,))
+            yield loss_of(record.true_mission, robot, number)
         for robot in step.back:
             teams.bring_back(robot)
             yield LogEntry(number, "back", (robot,))

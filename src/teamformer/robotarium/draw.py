@@ -16,6 +16,7 @@ import numpy as np
 from teamformer.base.errors import TeamformerError
 from teamformer.base.extras import how_to_install
 from teamformer.mission.model import Mission
+from teamformer.mission.parts.capabilities import covers, describe, total
 from teamformer.robotarium.flight import Snapshot
 from teamformer.robotarium.robots.arena import DIAMETER, HEIGHT, MIDDLE, TICK, WIDTH
 
@@ -129,9 +130,8 @@ def _draw_tasks(axes: Any, mission: Mission, palette: Palette, moment: Snapshot)
         colour, is_done = palette.tasks[number], bool(moment.is_done[number])
         marker = "x" if is_done else "s"
         axes.plot(*task.at, marker, color=colour, markersize=13, markeredgewidth=3, zorder=1)
-        needs = ", ".join(f"{n} x {c}" if n > 1 else c for c, n in task.needs.items())
         late = "" if is_done or moment.is_open[number] else ", later"
-        text = f"{task.name}: {'done' if is_done else needs}{late}"
+        text = f"{task.name}: {'done' if is_done else describe(task.needs)}{late}"
         below = task.at[1] > HEIGHT - 0.4
         axes.annotate(
             text,
@@ -159,7 +159,8 @@ def _draw_team(
     task: int | None,
 ) -> None:
     """Draw the robots of a team, and thin lines that say that they belong together."""
-    is_met = task is not None and _covers(mission, robots, task)
+    brought = total(mission.robots[robot].can for robot in robots)
+    is_met = task is not None and covers(brought, mission.tasks[task].needs)
     colour = palette.tasks[task] if task is not None and is_met else TEAM_COLOURS[number % 4]
     places = moment.poses[list(robots), :2] + MIDDLE
     middle = places.mean(axis=0)
@@ -176,13 +177,6 @@ def _draw_team(
         axes.add_patch(circle((x, y), 0.045, fill=False, edgecolor=inner, linewidth=5, zorder=4))
         nose = np.array([np.cos(heading), np.sin(heading)]) * DIAMETER / 2
         axes.plot([x, x + nose[0]], [y, y + nose[1]], color="black", linewidth=1.5, zorder=5)
-
-
-def _covers(mission: Mission, robots: Sequence[int], task: int) -> bool:
-    """Say whether some robots bring together what a task needs."""
-    has = [mission.robots[robot].can for robot in robots]
-    needs = mission.tasks[task].needs
-    return all(sum(can.get(name, 0) for can in has) >= n for name, n in needs.items())
 
 
 def _colour_of(mission: Mission, palette: Palette, robot: int) -> Any:

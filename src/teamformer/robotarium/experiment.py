@@ -85,41 +85,26 @@ def run_experiment(
     """Run one experiment; raises `MissionError` for a mission that robots have no room for."""
     check_mission(mission)
     method = as_method(player)
-    policy, coordinator = method.policy, method.coordinator
     begun = time.perf_counter()
-    poses, report = start_poses(mission, seed), ""
-    if simulator == "plant":
-        plant = Plant(poses, weather, seed)
-        outcome = fly(
-            mission=mission,
-            policy=policy,
-            robots=plant,
-            solve=with_daqp(),
-            seed=seed,
-            watch=watch,
-            coordinator=coordinator,
-        )
-        faults = plant.faults
-    else:
-        robots = RpsRobots(poses)
-        outcome = fly(
-            mission=mission,
-            policy=policy,
-            robots=robots,
-            solve=with_daqp(),
-            seed=seed,
-            watch=watch,
-            coordinator=coordinator,
-        )
-        faults, report = robots.faults, robots.finish()
-    seconds = time.perf_counter() - begun
+    poses = start_poses(mission, seed)
+    robots = Plant(poses, weather, seed) if simulator == "plant" else RpsRobots(poses)
+    outcome = fly(
+        mission=mission,
+        policy=method.policy,
+        robots=robots,
+        solve=with_daqp(),
+        seed=seed,
+        watch=watch,
+        coordinator=method.coordinator,
+    )
+    report = robots.finish() if isinstance(robots, RpsRobots) else ""
     return Experiment(
         mission=mission,
         method=method.name,
         seed=seed,
         outcome=outcome,
-        faults=faults,
-        seconds=seconds,
+        faults=robots.faults,
+        seconds=time.perf_counter() - begun,
         report=report,
     )
 

@@ -15,6 +15,9 @@ from teamformer.base.whole_files import own_number, write_whole
 from teamformer.viewer.modules import joined, page_file
 from teamformer.viewer.page_keys import keys_script
 
+STYLES = ("base", "frame", "stage", "side", "live", "help", "narrow", "compared")
+"""The styles of a page; what comes later counts where two say something of one thing."""
+
 
 def plain_page(title: str, style: str, body: str) -> str:
     """Return a page that needs nothing else, has no scripts and loads nothing."""
@@ -66,7 +69,7 @@ def live_page(name: str) -> str:
 
 def _page(title: str, opener: str, tree: object, allowed: str) -> str:
     """Return a page that the module `opener` opens."""
-    style = page_file("page.css") + page_file("compared/compared.css")
+    style = "".join(page_file(f"styles/{name}.css") for name in STYLES)
     script = f"{keys_script()}\n{joined(opener)}"
     return Template(page_file("page.html")).substitute(
         title=html.escape(title),

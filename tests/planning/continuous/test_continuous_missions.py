@@ -18,9 +18,8 @@ from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.roads import Roads
 from teamformer.planning.continuous.continuous_mission import pose_mission
-from teamformer.planning.continuous.cp_sat import solve_exactly
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
-from teamformer.planning.continuous.solve import judge, measuring, plan_together
+from teamformer.planning.continuous.solve import judge, measuring, solve
 from teamformer.planning.problem.coalition_plan import empty_plan
 from teamformer.planning.problem.coalition_problem import CoalitionProblem, pose_problem
 from teamformer.planning.problem.routes import MissionPlan
@@ -87,14 +86,13 @@ def at_one_moment() -> CoalitionProblem:
     )
 
 
-def test_a_proven_plan_does_what_happens_at_one_moment_in_its_order() -> None:
+def test_a_plan_does_what_happens_at_one_moment_in_its_order() -> None:
     problem = at_one_moment()
-    first = plan_together(problem)
-    assert first is not None
-    proof = solve_exactly(problem, first.plan, 0, 10.0)
-    assert proof.plan is not None
-    assert proof.plan.order.tolist() == [2, 1, 0]
-    assert schedule_of(problem, proof.plan).start.tolist() == [2, 2, 2]
+    found = solve(problem, 10.0)
+    assert found is not None
+    assert found.is_proven
+    assert found.plan.order.tolist() == [2, 1, 0]
+    assert schedule_of(problem, found.plan).start.tolist() == [2, 2, 2]
 
 
 def test_tasks_of_no_duration_that_follow_one_another_are_planned() -> None:
@@ -106,8 +104,7 @@ def test_tasks_of_no_duration_that_follow_one_another_are_planned() -> None:
         Task("u1", (2, 7), {"b": 1}),
     ]
     robots = [robot("r1", 8, 4), robot("r2", 3, 5, can="b")]
-    plan = planned(mission(robots, tasks, Grid(10, 10)), "central", 5.0)
-    assert (plan.makespan, plan.is_proven) == (19, True)
+    assert planned(mission(robots, tasks, Grid(10, 10)), "central", 1.0).makespan == 19
 
 
 def weighed(**cost: float) -> Mission:

@@ -24,9 +24,10 @@ def survey(ends: str | None = None) -> Mission:
 
 def test_ways_are_by_robot() -> None:
     mission = pose_mission(survey("home"))
-    ways = mission.clock.ways[mission.clock.pace, mission.clock.origin, 0]
+    rest = mission.clock.rest
+    ways = rest.ways[rest.pace, rest.origin, 0]
     assert ways.tolist() == [2 / 0.5, 6 / 2.0]
-    assert mission.clock.home[:, 0].tolist() == [2 / 0.5, 6 / 2.0]
+    assert rest.home[:, 0].tolist() == [2 / 0.5, 6 / 2.0]
 
 
 @pytest.mark.parametrize("method", ["plan", "central", "reactive"])

@@ -187,8 +187,7 @@ from teamformer.planning.graph.changes import (undo)
 from teamformer.planning.graph.judging import (propagate)
 from teamformer.planning.graph.ledger import accept_change, begin_change, sum_up_change
 from teamformer.planning.operators.draws import draw_task
-from teamformer.planning.operators.moved import take_back
-from teamformer.planning.operators.swaps import swap_heads
+from teamformer.planning.operators.exchanges import exchange_rests
 from teamformer.planning.operators.task_moves import move_task
 from teamformer.planning.search.arc_search import ArcSearch
 
@@ -198,15 +197,14 @@ for seed in range(6):
     search = ArcSearch(problem, seed)
     search.begin_at(drawn_plan(problem, seed))
     arcs, state = search.arcs, search.state
-    graph, trial, ledger, moved = state.graph, state.trial, state.ledger, state.moved
+    graph, trial, ledger = state.graph, state.trial, state.ledger
     for turn in range(200):
         before = [array.copy() for array in graph]
         limit = graph.total[COST] // (1 + turn % 3 // 2) + 100 * (turn % 3)
         task = draw_task(arcs, state)
         what = "swap" if turn % 2 else "move"
         begin_change(trial, ledger)
-        moved.number[0] = 0
-        change = swap_heads if what == "swap" else move_task
+        change = exchange_rests if what == "swap" else move_task
         is_short = change(arcs, state, task, 40, limit)
         is_short = is_short and propagate(arcs, graph, trial, limit)
         if is_short:
@@ -217,7 +215,6 @@ for seed in range(6):
             continue
         changed[what] += trial.number[0] > 0
         undo(graph, trial)
-        take_back(graph, moved)
         most = most_seats(problem)
         taken = [at * most + np.arange(n) for at, n in enumerate(before[0].taken[:12])]
         depots_and_homes = np.arange(12 * most, len(before[1]))

@@ -165,8 +165,8 @@ def watch(name, made):
         return is_short
     return watched
 
-def take_back(graph, moved):
-    taken_back(graph, moved)
+def undo(graph, trial):
+    undone(graph, trial)
     problem, nodes, *before = latest[0]
     most = problem.most[0]
     in_use = [nodes[n].first + np.arange(nodes[n].taken) for n in range(len(problem.near))]
@@ -176,9 +176,9 @@ def take_back(graph, moved):
     assert (before[3][in_use] == graph.comes[in_use]).all()
     assert (before[2] == graph.total).all()
 
-latest, taken_back = [None], annealing.take_back
-annealing.take_back = take_back
-for name in ("swap_heads", "ride", "move_task", "move_stretch"):
+latest, undone = [None], annealing.undo
+annealing.undo = undo
+for name in ("exchange_rests", "ride", "move_task", "move_stretch"):
     setattr(annealing, name, watch(name, getattr(annealing, name)))
 for seed in range(4):
     arcs = TeamArcs(drawn(seed)[1], seed)

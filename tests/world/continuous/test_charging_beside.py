@@ -161,3 +161,16 @@ def test_who_is_back_between_two_cells_goes_on_to_the_next_before_it_charges() -
     assert judge(record).findings == ()
     [charge] = [event for event in record.events if event.kind == "charge"]
     assert (charge.at, charge.place) == (37.5, (10, 0))
+
+
+def test_a_mission_is_over_when_nobody_gets_to_a_task_any_more_be_there_shifts_to_come() -> None:
+    # Home at 44 it has 2 left, and the charger is at 10. The next task appears at 100.
+    mission = with_robot(
+        battery=replace(LANE.robots[0].battery, lasts=44), shifts=((0.0, 90.0),), every=95.0
+    )
+    late = Task("late", (25, 0), {"lift": 1}, appears=100)
+    mission = replace(mission, tasks=(*mission.tasks, late), ends="home", step_limit=0)
+    record = run_trial(mission, SharedPlan()).record
+    assert judge(record).findings == ()
+    assert (record.end.status, record.end.blocked_tasks) == ("infeasible", ("late",))
+    assert record.events[-1].at == 100

@@ -125,10 +125,14 @@ def test_a_robot_that_was_lost_goes_on_within_its_shifts() -> None:
 
 
 def test_who_is_back_between_two_cells_outside_its_shifts_goes_on_from_there() -> None:
-    """Lost a quarter of the way from 3 to 4; at 4 it is three quarters after 14, and at 6 2 later."""
+    """Lost a quarter of the way from 3 to 4; at 4 three quarters after 14, and at 6 two later."""
     away = replace(WORKER, absences=(Absence(3.25, 12),))
     record = run(replace(mission(away), world=Grid(12, 1)))
-    assert times(record, "back", "serve", "done") == [(12, "back"), (16.75, "serve"), (21.75, "done")]
+    assert times(record, "back", "serve", "done") == [
+        (12, "back"),
+        (16.75, "serve"),
+        (21.75, "done"),
+    ]
     back = next(number for number, event in enumerate(record.events) if event.kind == "back")
     assert record.events[back + 1].way == ((11.75, (3, 0)), (14.75, (4, 0)))
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from statistics import fmean
 from typing import Any
 
-from teamformer.base.errors import TeamformerError
 from teamformer.bench.others.instances import Instance, prize_of
 from teamformer.bench.others.plan_given_out import plan_given_out
 from teamformer.bench.others.published import Published
@@ -142,12 +141,9 @@ def _judged(made: MissionPlan, mission: Mission) -> float:
 
 
 def result_of(row: dict[str, Any]) -> Result:
-    """Return the result that a row of a file holds; raises `TeamformerError` if it holds none."""
-    try:
-        curve = tuple((float(when), float(value)) for when, value in row["curve"])
-        return Result(**{**row, "curve": curve})
-    except (KeyError, TypeError, ValueError):
-        raise TeamformerError("this row is none of `bench others`") from None
+    """Return the result in a row of a file; KeyError, TypeError or ValueError if there is none."""
+    curve = tuple((float(when), float(value)) for when, value in row["curve"])
+    return Result(**{**row, "curve": curve})
 
 
 def compare(results: Sequence[Result], method: str) -> MethodMeans:

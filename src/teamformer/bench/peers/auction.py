@@ -23,14 +23,14 @@ NOISE = 0.3
 """By how much of a task's usual length bids of a re-auction are changed at most."""
 
 
-def auction(problem: CoalitionProblem, seconds: float, seed: int = 0) -> PeerPlan | None:
+def auction(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:
     """Return the best plan of auctions that were held in so many seconds.
 
     The first is fair; in each later one all robots give up what starts after a random moment, and
     offers are changed by chance. None if some task finds no coalition.
     """
     deadline = time.perf_counter() + seconds
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     usual = float(problem.duration.mean() + np.median(problem.ways))
     best: list[Timetable] | None = None
     least = NEVER

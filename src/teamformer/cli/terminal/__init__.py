@@ -1,1 +1,1 @@
-"""The verbs of the command line, one file each."""
+"""What verbs share: the console, progress, Ctrl-C, compiling on a first run."""

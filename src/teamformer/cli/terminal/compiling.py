@@ -10,7 +10,6 @@ need. With `--everything` it compiles what any first run needs, for a wheel that
 from __future__ import annotations
 
 import atexit
-import os
 import subprocess
 import sys
 import time
@@ -18,7 +17,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from teamformer.cli.terminal.console import Waiting, say
+from teamformer.cli.terminal.console import Waiting, processors, say
 
 if TYPE_CHECKING:
     from teamformer.methods.by_name import Method
@@ -45,7 +44,7 @@ def compile_ahead(methods: Iterable[Method], mission: Mission | None = None) -> 
     wanted = {method.name: method for method in methods}
     has_new_planner = "plan" in wanted and needs_compiling(anneal)
     is_new = needs_compiling(step_worlds)
-    if has_new_planner and is_new and (os.cpu_count() or 1) > 1:
+    if has_new_planner and is_new and processors() > 1:
         compile_beside("--simulator")
     if (
         is_new

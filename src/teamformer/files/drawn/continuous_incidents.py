@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from itertools import count
 
 import numpy as np
 
@@ -29,14 +28,13 @@ def robots_to_spare(mission: Mission) -> list[int]:
 
 def let_happen(mission: Mission, incident: str, rng: np.random.Generator) -> Mission:
     """Return the mission with an incident of `INCIDENTS`, drawn until it can be done as asked."""
-    for _ in count():
+    while True:
         try:
             changed = INCIDENTS[incident](mission, rng)
         except MissionError:  # as where linked tasks may need more than there is
             continue
         if not any(find_hopeless_windows(changed)):
             return changed
-    raise AssertionError
 
 
 def _can_do_without(mission: Mission, robot: int) -> bool:

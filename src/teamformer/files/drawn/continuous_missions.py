@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -88,68 +87,62 @@ ZONE_ROOM = (1, 1, 2, 3)
 class ContinuousFamily:
     """How missions of a family are drawn, and how large they are at most."""
 
-    draw: Callable[[np.random.Generator, str], Mission]
+    draw_any: Callable[[np.random.Generator, str], Mission]
     robots: int = ROBOTS[1]
     capabilities: int = len(CAPABILITIES)
+
+    def draw(self, rng: np.random.Generator, name: str) -> Mission:
+        """Return the first mission that can be done, without some robot too, and in its windows."""
+        while True:
+            try:
+                mission = self.draw_any(rng, name)
+            except MissionError:  # as where linked tasks want more robots than there are
+                continue
+            hopeless = (*find_hopeless_windows(mission), *find_hopeless_until(mission))
+            if not hopeless and robots_to_spare(mission):
+                return mission
 
 
 def draw_on_roads(rng: np.random.Generator, name: str) -> Mission:
     """Return a mission of a hospital or of a warehouse; robots that carry may be carts."""
-
-    def draw() -> Mission:
-        graph = draw_hospital(rng) if rng.random() < 0.5 else draw_warehouse(rng)
-        world = graph.roads()
-        places = [world.at(place) for place in world.places]
-        starts = [places[k] for k in rng.permutation(len(places))[:3].tolist()]
-        robots = [
-            replace(robot, moves=CART if "carry" in robot.can and rng.random() < 0.5 else GROUND)
-            for robot in _draw_robots(rng, starts)
-        ]
-        tasks = _draw_tasks(rng, robots, places)
-        tasks = [_with_load(rng, task, lambda: places[_below(rng, places)]) for task in tasks]
-        tasks = _with_windows(rng, _in_order(rng, tasks))
-        return _mission(name, world, robots, tasks)
-
-    return _first_sound(draw)
+    graph = draw_hospital(rng) if rng.random() < 0.5 else draw_warehouse(rng)
+    world = graph.roads()
+    places = [world.at(place) for place in world.places]
+    starts = [places[k] for k in rng.permutation(len(places))[:3].tolist()]
+    robots = [
+        replace(robot, moves=CART if "carry" in robot.can and rng.random() < 0.5 else GROUND)
+        for robot in _draw_robots(rng, starts)
+    ]
+    tasks = _draw_tasks(rng, robots, places)
+    tasks = [_with_load(rng, task, lambda: places[_below(rng, places)]) for task in tasks]
+    tasks = _with_windows(rng, _in_order(rng, tasks))
+    return _mission(name, world, robots, tasks)
 
 
 def draw_by_the_clock(rng: np.random.Generator, name: str) -> Mission:
     """Return a mission with every key that plans in continuous time know."""
-
-    def draw() -> Mission:
-        world = Plane(WIDTH, HEIGHT)
-        starts = [_spot(rng) for _ in range(2)]
-        robots = _draw_robots(rng, starts)
-        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
-        tasks = [_with_load(rng, task, lambda: _spot(rng)) for task in tasks]
-        tasks = _linked(rng, tasks, total(robot.can for robot in robots))
-        tasks = _with_windows(rng, _in_order(rng, tasks))
-        late = [replace(t, appears=int(rng.integers(1, 90))) for t in tasks]
-        tasks = [late[n] if rng.random() < LATE else task for n, task in enumerate(tasks)]
-        more: dict[str, Any] = {
-            "forming": float(rng.integers(0, 5)),
-            "ends": "home" if rng.random() < 0.5 else None,
-        }
-        cost = {"makespan": 1.0, "tardiness": 2.0, "travel": 0.05}
-        more["cost"] = cost if rng.random() < 0.5 else None
-        return _mission(name, world, robots, tasks, **more)
-
-    return _first_sound(draw)
+    world = Plane(WIDTH, HEIGHT)
+    starts = [_spot(rng) for _ in range(2)]
+    robots = _draw_robots(rng, starts)
+    tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+    tasks = [_with_load(rng, task, lambda: _spot(rng)) for task in tasks]
+    tasks = _linked(rng, tasks, total(robot.can for robot in robots))
+    tasks = _with_windows(rng, _in_order(rng, tasks))
+    tasks, more = _some_late(rng, tasks), _forming_and_ends(rng)
+    cost = {"makespan": 1.0, "tardiness": 2.0, "travel": 0.05}
+    more["cost"] = cost if rng.random() < 0.5 else None
+    return _mission(name, world, robots, tasks, **more)
 
 
 def draw_in_shifts(rng: np.random.Generator, name: str) -> Mission:
     """Return a mission of robots that work in shifts."""
-
-    def draw() -> Mission:
-        starts = [_spot(rng) for _ in range(2)]
-        robots = [_in_a_shift(rng, robot) for robot in _draw_robots(rng, starts)]
-        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
-        tasks = _with_windows(rng, _in_order(rng, tasks))
-        ends = "home" if rng.random() < 0.5 else None
-        mission = _mission(name, Plane(WIDTH, HEIGHT), robots, tasks)
-        return replace(mission, forming=float(rng.integers(0, 5)), ends=ends)
-
-    return _first_sound(draw)
+    starts = [_spot(rng) for _ in range(2)]
+    robots = [_in_a_shift(rng, robot) for robot in _draw_robots(rng, starts)]
+    tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+    tasks = _with_windows(rng, _in_order(rng, tasks))
+    ends = "home" if rng.random() < 0.5 else None
+    mission = _mission(name, Plane(WIDTH, HEIGHT), robots, tasks)
+    return replace(mission, forming=float(rng.integers(0, 5)), ends=ends)
 
 
 def _in_a_shift(rng: np.random.Generator, robot: Robot) -> Robot:
@@ -159,26 +152,22 @@ def _in_a_shift(rng: np.random.Generator, robot: Robot) -> Robot:
 
 def draw_optional(rng: np.random.Generator, name: str) -> Mission:
     """Return a mission that is over before everything can be done; the first tasks must be."""
-
-    def draw() -> Mission:
-        starts = [_spot(rng) for _ in range(2)]
-        robots = _draw_robots(rng, starts)
-        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
-        weights = rng.choice(WEIGHTS, len(tasks)).tolist()
-        tasks = [
-            replace(task, optional=number >= MUST, weight=weights[number] if number >= MUST else 1)
-            for number, task in enumerate(tasks)
-        ]
-        tasks = _with_windows(rng, _in_order(rng, tasks))
-        until = max(float(rng.uniform(*UNTIL)), _when_done(robots, tasks[:MUST]))
-        more: dict[str, Any] = {
-            "until": round(until, 1),
-            "ends": "home" if rng.random() < 0.5 else None,
-            "cost": {"makespan": 1.0, "missed": 20.0} if rng.random() < 0.5 else None,
-        }
-        return _mission(name, Plane(WIDTH, HEIGHT), robots, tasks, **more)
-
-    return _first_sound(draw)
+    starts = [_spot(rng) for _ in range(2)]
+    robots = _draw_robots(rng, starts)
+    tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+    weights = rng.choice(WEIGHTS, len(tasks)).tolist()
+    tasks = [
+        replace(task, optional=number >= MUST, weight=weights[number] if number >= MUST else 1)
+        for number, task in enumerate(tasks)
+    ]
+    tasks = _with_windows(rng, _in_order(rng, tasks))
+    until = max(float(rng.uniform(*UNTIL)), _when_done(robots, tasks[:MUST]))
+    more: dict[str, Any] = {
+        "until": round(until, 1),
+        "ends": "home" if rng.random() < 0.5 else None,
+        "cost": {"makespan": 1.0, "missed": 20.0} if rng.random() < 0.5 else None,
+    }
+    return _mission(name, Plane(WIDTH, HEIGHT), robots, tasks, **more)
 
 
 def _when_done(robots: Sequence[Robot], tasks: Sequence[Task]) -> float:
@@ -198,51 +187,28 @@ def _when_done(robots: Sequence[Robot], tasks: Sequence[Task]) -> float:
 
 def draw_charging(rng: np.random.Generator, name: str) -> Mission:
     """Return a mission of robots with batteries, and chargers; some tasks come after others."""
-
-    def draw() -> Mission:
-        starts = [_spot(rng) for _ in range(2)]
-        robots = [_with_battery(rng, robot) for robot in _draw_robots(rng, starts)]
-        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
-        tasks = _in_order(rng, tasks)
-        late = [replace(task, appears=int(rng.integers(1, 90))) for task in tasks]
-        tasks = [late[n] if rng.random() < LATE else task for n, task in enumerate(tasks)]
-        number = int(rng.integers(CHARGERS[0], CHARGERS[1] + 1))
-        chargers = tuple(Charger(_spot(rng), int(rng.choice(CHARGER_ROOM))) for _ in range(number))
-        forming, ends = float(rng.integers(0, 5)), "home" if rng.random() < 0.5 else None
-        return Mission(
-            name,
-            Plane(WIDTH, HEIGHT),
-            CAPABILITIES,
-            tuple(robots),
-            tuple(tasks),
-            time="continuous",
-            forming=forming,
-            ends=ends,
-            chargers=chargers,
-        )
-
-    return _first_sound(draw)
+    starts = [_spot(rng) for _ in range(2)]
+    robots = [_with_battery(rng, robot) for robot in _draw_robots(rng, starts)]
+    tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+    tasks = _some_late(rng, _in_order(rng, tasks))
+    number = int(rng.integers(CHARGERS[0], CHARGERS[1] + 1))
+    chargers = tuple(Charger(_spot(rng), int(rng.choice(CHARGER_ROOM))) for _ in range(number))
+    more = _forming_and_ends(rng) | {"chargers": chargers}
+    return _mission(name, Plane(WIDTH, HEIGHT), robots, tasks, **more)
 
 
 def draw_zones(rng: np.random.Generator, name: str) -> Mission:
     """Return a mission with an area in which few services go on at once, and some such tasks."""
-
-    def draw() -> Mission:
-        starts = [_spot(rng) for _ in range(2)]
-        robots = _draw_robots(rng, starts)
-        tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
-        tasks = _with_windows(rng, _in_order(rng, tasks))
-        drawn = rng.permutation(len(tasks))[: len(tasks) // 4].tolist()
-        yard = Zone("yard", area=_area(rng), room=int(rng.choice(ZONE_ROOM)))
-        tool = Zone("tool", tasks=tuple(tasks[k].name for k in sorted(drawn)))
-        more: dict[str, Any] = {
-            "forming": float(rng.integers(0, 5)),
-            "ends": "home" if rng.random() < 0.5 else None,
-            "zones": (tool, yard) if rng.random() < 0.5 else (yard,),
-        }
-        return _mission(name, Plane(WIDTH, HEIGHT), robots, tasks, **more)
-
-    return _first_sound(draw)
+    starts = [_spot(rng) for _ in range(2)]
+    robots = _draw_robots(rng, starts)
+    tasks = _draw_tasks(rng, robots, [_spot(rng) for _ in range(TASKS[1])])
+    tasks = _with_windows(rng, _in_order(rng, tasks))
+    drawn = rng.permutation(len(tasks))[: len(tasks) // 4].tolist()
+    yard = Zone("yard", area=_area(rng), room=int(rng.choice(ZONE_ROOM)))
+    tool = Zone("tool", tasks=tuple(tasks[k].name for k in sorted(drawn)))
+    more = _forming_and_ends(rng)
+    more["zones"] = (tool, yard) if rng.random() < 0.5 else (yard,)
+    return _mission(name, Plane(WIDTH, HEIGHT), robots, tasks, **more)
 
 
 def _area(rng: np.random.Generator) -> tuple[Place, Place]:
@@ -288,24 +254,18 @@ def split_continuous(setting: str) -> tuple[str, str | None] | None:
     return name, incident or None
 
 
-def _first_sound(draw: Callable[[], Mission]) -> Mission:
-    """Return the first mission that can be done, without some robot too, with windows to keep."""
-    for _ in count():
-        try:
-            mission = draw()
-        except MissionError:  # as where linked tasks want more robots than there are
-            continue
-        hopeless = (*find_hopeless_windows(mission), *find_hopeless_until(mission))
-        if not hopeless and robots_to_spare(mission):
-            return mission
-    raise AssertionError
-
-
 def _mission(
     name: str, world: World, robots: Sequence[Robot], tasks: Sequence[Task], **more: Any
 ) -> Mission:
     made = (tuple(robots), tuple(tasks))
     return Mission(name, world, CAPABILITIES, *made, time="continuous", **more)
+
+
+def _forming_and_ends(rng: np.random.Generator) -> dict[str, Any]:
+    return {
+        "forming": float(rng.integers(0, 5)),
+        "ends": "home" if rng.random() < 0.5 else None,
+    }
 
 
 def _spot(rng: np.random.Generator) -> Place:
@@ -349,6 +309,12 @@ def _in_order(rng: np.random.Generator, tasks: Sequence[Task]) -> list[Task]:
         if rng.random() < BEHIND and not is_linked and not other.starts:
             ordered[number] = replace(tasks[number], after=(other.name,))
     return ordered
+
+
+def _some_late(rng: np.random.Generator, tasks: Sequence[Task]) -> list[Task]:
+    """Let some tasks appear later."""
+    late = [replace(task, appears=int(rng.integers(1, 90))) for task in tasks]
+    return [late[n] if rng.random() < LATE else task for n, task in enumerate(tasks)]
 
 
 def _with_windows(rng: np.random.Generator, tasks: Sequence[Task]) -> list[Task]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,23 +82,16 @@ def draw_mission(
     "charging" most have batteries; with "zones" few services go on at once in an area; with one of
     `SURPRISES` not everything is known. The mission itself is the same.
     """
-    for _ in count():
+    spare: list[int] = []
+    while not spare:
         mission, spare = _draw(family, rng, name)
-        if spare:
-            break
+    if incident is None:
+        return mission
     if incident == "lost":
         return _lose_one(mission, spare, rng)
-    if incident is not None and incident in SURPRISES:
+    if incident in SURPRISES:
         return make_uncertain(mission, incident, rng)
-    if incident == "ordered":
-        return _put_in_order(mission, rng)
-    if incident == "shifts":
-        return _work_in_shifts(mission, rng)
-    if incident == "charging":
-        return _give_batteries(mission, rng)
-    if incident == "zones":
-        return _share_zones(mission, rng)
-    return mission if incident is None else _let_arrive(mission, rng)
+    return CHANGES[incident](mission, rng)
 
 
 def _draw(family: Family, rng: np.random.Generator, name: str) -> tuple[Mission, list[int]]:
@@ -384,3 +376,13 @@ def _area(world: World, rng: np.random.Generator) -> tuple[Place, Place]:
 
 def _draw_step(rng: np.random.Generator) -> int:
     return int(rng.integers(INCIDENT_STEPS[0], INCIDENT_STEPS[1] + 1))
+
+
+CHANGES: Mapping[str, Callable[[Mission, np.random.Generator], Mission]] = {
+    "arrivals": _let_arrive,
+    "ordered": _put_in_order,
+    "shifts": _work_in_shifts,
+    "charging": _give_batteries,
+    "zones": _share_zones,
+}
+"""What makes another mission of one, by ending of a setting's name."""

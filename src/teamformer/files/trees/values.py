@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache, singledispatch
+from functools import lru_cache
 from typing import Any
 
 from teamformer.files.trees.world import read_at
@@ -67,40 +67,92 @@ def stand_in(kind: kinds.Kind) -> Any:
     return 0
 
 
-@singledispatch
-def read(kind: Any, reader: Reader, where: Where, value: Any, given: Given) -> Any:
+def read(kind: kinds.Kind, reader: Reader, where: Where, value: Any, given: Given) -> Any:
     """Return what a value of some kind means; what is wrong with it is noted in the reader."""
+    span = reader.number if given.time == "continuous" else reader.whole
+    match kind:
+        case kinds.Text():
+            return reader.text(where, value, kind.longest)
+        case kinds.Number():
+            return reader.number(where, value, kind.can_be_infinite)
+        case kinds.Whole(is_checked_later=True):
+            return reader.whole(where, value)
+        case kinds.Whole():
+            return reader.whole(where, value, kind.least, kind.most)
+        case kinds.Time():
+            return span(where, value)
+        case kinds.Range():
+            return _pair(reader, where, value, kind.remedy, span)
+        case kinds.Window():
+            return _pair(reader, where, value, f"write it as {kind.form}", reader.number)
+        case kinds.Counts():
+            return reader.counts(where, value)
+        case kinds.Names():
+            return tuple(reader.names(where, value))
+        case kinds.Place():
+            return read_at(reader, where, value, given.world)
+        case kinds.OneOf():
+            return reader.word(value)
+        case kinds.Truth():
+            return reader.truth(where, value)
+        case kinds.Chances():
+            form = "a mapping to probabilities, such as {weld: 0.4}"
+            return _read_named(reader, where, value, kinds.Number(0, 1), form, given)
+        case kinds.StartLinks():
+            gap, form = kinds.Window("[least, most]"), "{TASK: [least, most]}"
+            gaps = _read_named(reader, where, value, gap, form, given)
+            return {name: gap for name, gap in gaps.items() if gap is not None}
+        case kinds.Moments():
+            if given.time == "continuous":
+                return [reader.number(at, moment) for at, moment in _entries(where, value)]
+            return [reader.whole(at, step, most=kind.most) for at, step in _entries(where, value)]
+        case kinds.KeyedPart():
+            return _read_keyed(kind, reader, where, value, given)
+        case kinds.NamedParts():
+            return _read_named_parts(kind, reader, where, value, given)
+        case kinds.Moves():
+            return _read_moves(kind, reader, where, value, given)
+        case kinds.Either():
+            chosen = kind.listed if isinstance(value, list) else kind.plain
+            if isinstance(chosen, kinds.OneOf) and isinstance(given.world, Roads):
+                chosen = chosen if value in chosen.choices else kind.listed  # the name of a place
+            return read(chosen, reader, where, value, given)
+    return _read_list(kind, reader, where, value, given)
+
+
+def _read_list(kind: kinds.Kind, reader: Reader, where: Where, value: Any, given: Given) -> Any:
+    """Return what a list of some kind means."""
+    match kind:
+        case kinds.Shifts():
+            if value == []:
+                reader.refuse(where, "shifts names no time; write [[begin, end]], or drop it")
+            windows = _read_each(kinds.Window(), reader, where, value, given)
+            return tuple(window for window in windows if window is not None)
+        case kinds.RobotNames():
+            if value == []:
+                reader.refuse(where, f"{where[-1]} names no robot; name one, or drop it")
+            return _read_robots(reader, where, value, given)
+        case kinds.TeamLists():
+            teams = enumerate(reader.sequence(where, value))
+            return tuple(_read_robots(reader, (*where, n), team, given) for n, team in teams)
+        case kinds.Places():
+            if value == []:
+                reader.refuse(where, f"{name_of(where)} is an empty list; name a place, or drop it")
+            return _read_each(kinds.Place(), reader, where, value, given)
+        case kinds.KeyedParts():
+            if value == []:
+                reader.refuse(where, f"{name_of(where)} is an empty list; write one, or drop it")
+            one = kinds.KeyedPart(kind.keys, kind.makes)
+            return _read_each(one, reader, where, value, given)
     raise NotImplementedError(kind)
 
 
-@read.register
-def _(kind: kinds.Text, reader: Reader, where: Where, value: Any, given: Given) -> str:
-    return reader.text(where, value, kind.longest)
-
-
-@read.register
-def _(kind: kinds.Number, reader: Reader, where: Where, value: Any, given: Given) -> float:
-    return reader.number(where, value, kind.can_be_infinite)
-
-
-@read.register
-def _(kind: kinds.Whole, reader: Reader, where: Where, value: Any, given: Given) -> int:
-    if kind.is_checked_later:
-        return reader.whole(where, value)
-    return reader.whole(where, value, kind.least, kind.most)
-
-
-@read.register
-def _(kind: kinds.Time, reader: Reader, where: Where, value: Any, given: Given) -> float:
-    is_continuous = given.time == "continuous"
-    return reader.number(where, value) if is_continuous else reader.whole(where, value)
-
-
-@read.register
-def _(kind: kinds.Moments, reader: Reader, where: Where, value: Any, given: Given) -> list[float]:
-    if given.time == "continuous":
-        return [reader.number(at, moment) for at, moment in _entries(where, value)]
-    return [reader.whole(at, step, most=kind.most) for at, step in _entries(where, value)]
+def _read_each(
+    kind: kinds.Kind, reader: Reader, where: Where, value: Any, given: Given
+) -> tuple[Any, ...]:
+    """Return the entries of a list, all of one kind."""
+    entries = enumerate(reader.sequence(where, value))
+    return tuple(read(kind, reader, (*where, number), one, given) for number, one in entries)
 
 
 def _entries(where: Where, value: Any) -> list[tuple[Where, Any]]:
@@ -110,55 +162,15 @@ def _entries(where: Where, value: Any) -> list[tuple[Where, Any]]:
     return [((*where, entry), one) for entry, one in enumerate(value)]
 
 
-@read.register
-def _(
-    kind: kinds.Range, reader: Reader, where: Where, value: Any, given: Given
+def _pair(
+    reader: Reader, where: Where, value: Any, remedy: str, read_one: Callable[[Where, Any], float]
 ) -> tuple[float, float] | None:
-    pair = reader.pair(where, value, kind.remedy)
+    """Return two times, or None for what are none; `remedy` says how they are written."""
+    pair = reader.pair(where, value, remedy)
     if pair is None:
         return None
-    read = reader.number if given.time == "continuous" else reader.whole
-    least, most = (read((*where, part), time) for part, time in enumerate(pair))
-    return least, most
-
-
-@read.register
-def _(
-    kind: kinds.Window, reader: Reader, where: Where, value: Any, given: Given
-) -> tuple[float, float] | None:
-    pair = reader.pair(where, value, f"write it as {kind.form}")
-    if pair is None:
-        return None
-    begin, end = (reader.number((*where, part), time) for part, time in enumerate(pair))
-    return begin, end
-
-
-@read.register
-def _(
-    kind: kinds.Shifts, reader: Reader, where: Where, value: Any, given: Given
-) -> tuple[tuple[float, float], ...]:
-    windows = enumerate(reader.sequence(where, value))
-    if value == []:
-        reader.refuse(where, "shifts names no time; write [[begin, end]], or drop it")
-    read_one = (read(kinds.Window(), reader, (*where, n), window, given) for n, window in windows)
-    return tuple(window for window in read_one if window is not None)
-
-
-@read.register
-def _(
-    kind: kinds.StartLinks, reader: Reader, where: Where, value: Any, given: Given
-) -> dict[str, tuple[float, float]]:
-    gap, form = kinds.Window("[least, most]"), "{TASK: [least, most]}"
-    gaps = _read_named(reader, where, value, gap, form, given)
-    return {name: gap for name, gap in gaps.items() if gap is not None}
-
-
-@read.register
-def _(
-    kind: kinds.Chances, reader: Reader, where: Where, value: Any, given: Given
-) -> dict[str, float]:
-    form = "a mapping to probabilities, such as {weld: 0.4}"
-    return _read_named(reader, where, value, kinds.Number(0, 1), form, given)
+    first, second = (read_one((*where, part), time) for part, time in enumerate(pair))
+    return first, second
 
 
 def _read_named(
@@ -174,35 +186,6 @@ def _read_named(
     }
 
 
-@read.register
-def _(
-    kind: kinds.Counts, reader: Reader, where: Where, value: Any, given: Given
-) -> dict[str, float]:
-    return reader.counts(where, value)
-
-
-@read.register
-def _(kind: kinds.Names, reader: Reader, where: Where, value: Any, given: Given) -> tuple[str, ...]:
-    return tuple(reader.names(where, value))
-
-
-@read.register
-def _(
-    kind: kinds.RobotNames, reader: Reader, where: Where, value: Any, given: Given
-) -> tuple[int, ...]:
-    if value == []:
-        reader.refuse(where, f"{where[-1]} names no robot; name one, or drop it")
-    return _read_robots(reader, where, value, given)
-
-
-@read.register
-def _(
-    kind: kinds.TeamLists, reader: Reader, where: Where, value: Any, given: Given
-) -> tuple[tuple[int, ...], ...]:
-    teams = enumerate(reader.sequence(where, value))
-    return tuple(_read_robots(reader, (*where, entry), team, given) for entry, team in teams)
-
-
 def _read_robots(reader: Reader, where: Where, value: Any, given: Given) -> tuple[int, ...]:
     """Return the robots in a list of names; those that are none are refused."""
     found: list[int] = []
@@ -214,49 +197,17 @@ def _read_robots(reader: Reader, where: Where, value: Any, given: Given) -> tupl
     return tuple(found)
 
 
-@read.register
-def _(kind: kinds.Place, reader: Reader, where: Where, value: Any, given: Given) -> Any:
-    return read_at(reader, where, value, given.world)
-
-
-@read.register
-def _(
-    kind: kinds.Places, reader: Reader, where: Where, value: Any, given: Given
-) -> tuple[Any, ...]:
-    if value == []:
-        reader.refuse(where, f"{name_of(where)} is an empty list; name a place, or drop it")
-    places = enumerate(reader.sequence(where, value))
-    return tuple(read_at(reader, (*where, entry), place, given.world) for entry, place in places)
-
-
-@read.register
-def _(kind: kinds.OneOf, reader: Reader, where: Where, value: Any, given: Given) -> str:
-    return reader.word(value)
-
-
-@read.register
-def _(kind: kinds.Truth, reader: Reader, where: Where, value: Any, given: Given) -> bool:
-    return reader.truth(where, value)
-
-
-@read.register
-def _(kind: kinds.Moves, reader: Reader, where: Where, value: Any, given: Given) -> str:
+def _read_moves(kind: kinds.Moves, reader: Reader, where: Where, value: Any, given: Given) -> str:
     word = reader.text(where, value)
     if word not in kind.choices and not isinstance(given.world, Roads):
         reader.refuse(where, f"{name_of(where)} is '{word}'; write {' or '.join(kind.choices)}")
     return word
 
 
-@read.register
-def _(kind: kinds.Either, reader: Reader, where: Where, value: Any, given: Given) -> Any:
-    chosen = kind.listed if isinstance(value, list) else kind.plain
-    if isinstance(chosen, kinds.OneOf) and isinstance(given.world, Roads):
-        chosen = chosen if value in chosen.choices else kind.listed  # the name of a place
-    return read(chosen, reader, where, value, given)
-
-
-@read.register
-def _(kind: kinds.KeyedPart, reader: Reader, where: Where, value: Any, given: Given) -> Any:
+def _read_keyed(
+    kind: kinds.KeyedPart, reader: Reader, where: Where, value: Any, given: Given
+) -> Any:
+    """Return what a mapping with keys of its own becomes, or the one value that stands for it."""
     if kind.alone and not isinstance(value, dict):
         [key] = [key for key in kind.keys if key.name == kind.alone]
         said = {key.field: read(key.kind, reader, where, value, given)}
@@ -265,23 +216,13 @@ def _(kind: kinds.KeyedPart, reader: Reader, where: Where, value: Any, given: Gi
     return MADE[kind.makes](**said) if kind.makes else said
 
 
-@read.register
-def _(
-    kind: kinds.KeyedParts, reader: Reader, where: Where, value: Any, given: Given
-) -> tuple[Any, ...]:
-    one = kinds.KeyedPart(kind.keys, kind.makes)
-    if value == []:
-        reader.refuse(where, f"{name_of(where)} is an empty list; write one, or drop it")
-    parts = enumerate(reader.sequence(where, value))
-    return tuple(read(one, reader, (*where, number), part, given) for number, part in parts)
-
-
-@read.register
-def _(
+def _read_named_parts(
     kind: kinds.NamedParts, reader: Reader, where: Where, value: Any, given: Given
 ) -> tuple[Any, ...]:
+    """Return what mappings by name become, in the order of their names."""
     if not isinstance(value, dict) or not value:
-        message = f"{name_of(where)} is {describe(value)}; write {{name: {{...}}}}, or drop it"
+        said = "an empty mapping" if value == {} else describe(value)
+        message = f"{name_of(where)} is {said}; write {{name: {{...}}}}, or drop it"
         reader.refuse(where, message)
         return ()
     return tuple(

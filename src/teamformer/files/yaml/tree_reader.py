@@ -10,11 +10,26 @@ from typing import Any
 from teamformer.files.yaml.reader import Tree, Where
 from teamformer.files.yaml.words import Misread, describe, kind_of, misread, shorten
 from teamformer.mission.checks.rules import counted_from
+from teamformer.mission.keys.charging_keys import BATTERY_KEYS, CHARGER_KEYS
 from teamformer.mission.keys.kinds import INFINITE, LARGEST_COUNT, LARGEST_NUMBER, LONGEST_TEXT
+from teamformer.mission.keys.mission_keys import MISSION_KEYS
+from teamformer.mission.keys.robot_keys import ROBOT_KEYS
+from teamformer.mission.keys.task_keys import TASK_KEYS
+from teamformer.mission.keys.zone_keys import ZONE_KEYS
 from teamformer.mission.parts.capabilities import PLACES, exact, is_exact
 from teamformer.mission.parts.grid import Place
 
 TRUTHS = {"true": True, "false": False}
+
+OWNERS = {
+    "the file": MISSION_KEYS,
+    "robots": ROBOT_KEYS,
+    "tasks": TASK_KEYS,
+    "batteries": BATTERY_KEYS,
+    "chargers": CHARGER_KEYS,
+    "zones": ZONE_KEYS,
+}
+"""Whose keys there are that somebody may have written elsewhere."""
 
 
 class Reader:
@@ -219,6 +234,9 @@ def _suggest(key: Any, keys: Mapping[str, bool]) -> str:
     meant = MEANT.get(shown.lower())
     if meant is not None and meant in keys:
         return f"'{shown}'; write {HOW.get(meant, meant)}"
+    owners = [owner for owner, own in OWNERS.items() if any(one.name == shown for one in own)]
+    if len(owners) == 1:
+        return f"'{shown}', which is a key of {owners[0]}; move it there"
     near = difflib.get_close_matches(shown, list(keys), 1)
     return f"'{shown}'; " + (f"did you mean '{near[0]}'?" if near else f"known are {_list(keys)}")
 

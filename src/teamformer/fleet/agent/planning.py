@@ -89,6 +89,7 @@ def make_plan(
     stops: Sequence[Stop] = ()
     if able:
         stops = planner.plan(mission, situation._replace(tasks=tuple(able)))
+        stops = _by_who_is_able(mission, situation, stops)
         stops = _by_who_has_time(mission, situation, stops)
     planned = {key for key, _ in stops}
     given_up = tuple(task.key for task in able if task.key not in planned)
@@ -96,6 +97,26 @@ def make_plan(
     order = tuple(keep_precedence(list(who), mission.before))
     coalitions = tuple(who[key] for key in order)
     return PlanNote(epoch, maker, robots, order, coalitions, left_out, given_up)
+
+
+def _by_who_is_able(
+    mission: FleetMission, situation: FleetSituation, stops: Sequence[Stop]
+) -> list[Stop]:
+    """Return stops with others for those whose batteries do not last for a task, if any do.
+
+    Missions promise that those of all do, but not where operators add tasks, or loads lie by now.
+    """
+    charging, places = mission.charging, situation.places
+    if charging is None:
+        return list(stops)
+    tasks, found = {task.key: task for task in situation.tasks}, list[Stop]()
+    for key, who in stops:
+        able = [r for r in who if charging.is_able(r, tasks[key], mission.step)]
+        if not mission.covers(able, tasks[key].needs):
+            there = (r for r in places if mission.reach(r, tasks[key], places[r]))
+            able = [r for r in there if charging.is_able(r, tasks[key], mission.step)]
+        found.append((key, tuple(sorted(able))))
+    return found
 
 
 def _by_who_has_time(

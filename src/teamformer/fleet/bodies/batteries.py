@@ -104,6 +104,14 @@ class BatteryWorld(WalkingWorld):
             return 0.0
         return battery.serving if self.is_in_team(robot, key) else battery.waiting
 
+    def drain(self, robot: int, share: float) -> None:
+        """Let the battery of a robot lose a share of what it has left; who charges goes on."""
+        battery = self._batteries[robot]
+        self.left[robot] *= 1 - share
+        if robot in self._charging:
+            until = battery.time_to_full(self.left[robot]) * self.mission.step
+            self._charging[robot] = self.now + until
+
     def plug(self, touched: set[int]) -> None:
         """Let those charge that want to and came first, as far as there is room."""
         if not self._batteries:

@@ -7,7 +7,7 @@ nobody can tell it is recorded that it is done by then, and that nobody knows by
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,6 +15,7 @@ from msgspec import structs
 
 from teamformer.fleet.fleet_mission import FleetMission, place_in
 from teamformer.fleet.messages import (
+    LONGEST,
     SERVE,
     Beat,
     DeedFact,
@@ -22,11 +23,13 @@ from teamformer.fleet.messages import (
     LoadFact,
     Message,
     TaskFact,
+    Terms,
     Word,
 )
 from teamformer.mission.model import Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
+from teamformer.record.phases import CHARGING, QUEUEING
 from teamformer.record.record import Record, Step, TaskAt
 from teamformer.record.snapshots.deeds import Deed, deed_of, deeds_by_step
 from teamformer.record.snapshots.writer import Sighting, SnapshotWriter, fleet_record
@@ -36,7 +39,8 @@ STAYS = 3
 """Steps for which a robot's word that it is at work holds on, if it says something else since."""
 
 HEARD_WITHIN = STAYS
-"""Steps, or units of time, within which is heard of what was done before a mission was over."""
+"""Steps, or seconds if these are more, within which is heard of what was done before a mission was
+over."""
 
 ANSWERS = 1.5
 """Seconds that agents have to tell who did a task, after STAYS steps at the earliest."""
@@ -77,6 +81,10 @@ class Watch:
         self._left: dict[int, TaskAt] = {}  # those that have been set down since the last step
         self._carried: set[int] = set()
         self._lost: set[int] = set()
+        self._were_at: set[int] = set()  # robots that were at chargers in the step before
+        self.missed: set[int] = set()  # tasks that were not over when the mission was
+        within = max(HEARD_WITHIN, math.ceil(HEARD_WITHIN / mission.step))
+        self._closes = mission.in_time(mission.until) + within
 
     @property
     def steps(self) -> list[Step]:
@@ -98,7 +106,7 @@ class Watch:
     @property
     def is_closed(self) -> bool:
         """Say whether the mission is over by its `until`, and all has been heard of before."""
-        return self.made >= self.mission.in_time(self.mission.until) + HEARD_WITHIN
+        return self.made >= self._closes
 
     def open_tasks(self) -> list[tuple[int, TaskFact]]:
         """Return the tasks that are not over, with their numbers."""
@@ -174,7 +182,7 @@ class Watch:
         places = {robot: at.at for robot, at in enumerate(self.source.robots)}
         for deeds in rows:
             said = {robot: (robot, place) for robot, place in places.items()}
-            self._writer.add(self.source, Sighting(said, {}, deeds))
+            self._writer.add(self.source, Sighting(said, {}, done=deeds))
             places |= {robot: deed.at for deed in deeds for robot in deed.robots}
         written = {deed.task for deeds in rows for deed in deeds}
         self._news = [key for key in self._news if self._number[key] not in written]
@@ -191,7 +199,8 @@ class Watch:
         Losses come first in a step: who has done something in it is lost in the next. What was done
         is told once there is anybody who may have done it.
         """
-        ripe, deeds = self._ripe_deeds()
+        is_last = self.made + 1 >= self._closes
+        ripe, deeds = self._ripe_deeds(is_last)
         busy = {robot for deed in deeds for robot in deed.robots} - self._lost
         gone = {robot for robot, word in self.words.items() if word.is_lost} - busy
         if len(gone) == self.mission.robots:
@@ -210,15 +219,60 @@ class Watch:
         seen = Sighting(
             said=said,
             aims={robot: self._goal_of(robot) for robot in said},
+            at_work=self._served_now(),
             done=deeds,
             taken=self._taking(lifted),
             left=left,
             lost=lost,
             back=back,
+            charge=self._at_chargers(said),
+            missed=self._given_up({deed.task for deed in deeds}) if is_last else (),
         )
         told = self._writer.add(self.source, seen)
         self._note_called_off()
         return told
+
+    def _given_up(self, done: Set[int]) -> tuple[int, ...]:
+        """Return the tasks that are missed as the mission is over, with a step that shows some."""
+        told = {task for step in self.steps for task, _ in step.done}
+        off = {self._number[key] for key in self._off}
+        new = {*range(len(self.source.tasks))} - told - done - off - self.missed
+        self.missed |= new
+        return tuple(sorted(new))
+
+    def is_first(self, robot: int, own: Terms) -> bool:
+        """Say whether a robot is at its charger, and not too many were there before it."""
+        said = ((other, word.terms) for other, word in self.words.items() if not word.is_lost)
+        ahead = [
+            other
+            for other, terms in said
+            if terms is not None
+            and terms.charger == own.charger
+            and (terms.since, other) < (own.since, robot)
+        ]
+        return own.since < LONGEST and len(ahead) < self.source.chargers[own.charger].room
+
+    def _at_chargers(self, robots: Iterable[int]) -> dict[int, str]:
+        """Return what robots do at chargers that have been there since the step before."""
+        said = {robot: self.words[robot] for robot in robots if robot in self.words}
+        there = {r: word.terms for r, word in said.items() if word.waits_at != NOBODY}
+        before, self._were_at = self._were_at, set(there)
+        return {
+            robot: CHARGING if self.is_first(robot, terms) else QUEUEING
+            for robot, terms in there.items()
+            if terms is not None and robot in before
+        }
+
+    def _served_now(self) -> dict[int, tuple[int, ...]]:
+        """Return who was heard at work on tasks that is not told of as done, if they suffice."""
+        left = self.tasks.keys() - self._done.keys() | set(self._news)
+        said = {key: self._heard_at_work(key) for key in left}
+        is_able = self.mission.covers
+        return {
+            self._number[key]: robots
+            for key, robots in said.items()
+            if key in self._news or is_able(robots, self.tasks[key].needs)
+        }
 
     def _note_called_off(self) -> None:
         """Note the tasks that are called off by now by the mission's file."""
@@ -226,16 +280,24 @@ class Watch:
             if task.cancelled is not None and task.cancelled <= self.made:
                 self._note_off(number, task.cancelled)
 
-    def _ripe_deeds(self) -> tuple[list[int], list[Deed]]:
-        """Return the tasks of which it is to be told now that they are done, and who did them."""
-        ripe = [key for key in self._news if self._is_ripe(key)]
+    def _ripe_deeds(self, is_last: bool) -> tuple[list[int], list[Deed]]:
+        """Return the tasks of which it is to be told now that they are done, and who did them.
+
+        That `is_last` says that the mission is over with it.
+        """
+        ripe = [key for key in self._news if is_last or self._is_ripe(key)]
         return ripe, [self._deed(key) for key in ripe]
 
     def record(self) -> Record:
         """Return what has been seen so far; it ends with the step in which all tasks are done."""
         done = sum(len(step.done) for step in self.steps)
-        is_complete = done + len(self._off) == len(self.source.tasks)
-        return fleet_record(self.source, self.steps, "completed" if is_complete else "interrupted")
+        is_over = done + len(self._off) + len(self.missed) == len(self.source.tasks)
+        return fleet_record(self.source, self.steps, self._status(self.missed, is_over))
+
+    def _status(self, missed: Set[int], is_over: bool) -> str:
+        """Return how the mission has ended, if it has."""
+        is_late = any(not self.source.tasks[task].optional for task in missed)
+        return "too late" if is_late else "completed" if is_over else "interrupted"
 
     def _take(self, word: Word) -> None:
         known = self.words.get(word.robot)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 
 from teamformer.fleet.fleet_mission import FleetMission
-from teamformer.fleet.messages import HERE, LONGEST, SERVE, Terms, Word
+from teamformer.fleet.messages import HERE, SERVE, Terms, Word
 from teamformer.fleet.observer.watch import Watch
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.plane import Plane
@@ -67,7 +67,7 @@ class WatchInTime(Watch):
                 self.seen.tell(now, "lost" if word.is_lost else "back", (robot,), place=place)
             if not word.is_lost:
                 self._tell_robot(now, robot, word)
-        ripe, deeds = self._ripe_deeds()
+        ripe, deeds = self._ripe_deeds(self.is_closed)
         for deed in deeds:
             self._tell_done(now, deed)
         self._news = [key for key in self._news if key not in ripe]
@@ -83,9 +83,7 @@ class WatchInTime(Watch):
         """Return what has been seen so far; it ends when the last task is over."""
         is_over = len(self.seen.over) == len(self.source.tasks)
         at = max(self.seen.over.values(), default=0.0) if is_over else float(self._made)
-        is_late = any(not self.source.tasks[task].optional for task in self.seen.missed)
-        status = "too late" if is_late else "completed" if is_over else "interrupted"
-        return self.seen.record(self.source, at, status)
+        return self.seen.record(self.source, at, self._status(self.seen.missed, is_over))
 
     def _tell_appeared(self, now: float) -> None:
         known = {event.task for event in self.seen.events if event.kind == "appear"}
@@ -116,7 +114,7 @@ class WatchInTime(Watch):
 
     def _tell_charging(self, now: float, robot: int, terms: Terms) -> bool:
         """Say whether a robot charges, and tell if it has begun to, or is full."""
-        is_charging = terms.charger != NOBODY and self._is_first(robot, terms)
+        is_charging = terms.charger != NOBODY and self.is_first(robot, terms)
         if is_charging and robot not in self._charging:
             battery, charger = self.source.robots[robot].battery, self.source.chargers
             assert battery is not None, "only those with one charge"
@@ -131,18 +129,6 @@ class WatchInTime(Watch):
             if terms.charge == 1.0:
                 self.seen.tell(now, "charged", (robot,), place=self._last[robot].place)
         return is_charging
-
-    def _is_first(self, robot: int, own: Terms) -> bool:
-        """Say whether a robot is at its charger, and not too many were there before it."""
-        said = ((other, word.terms) for other, word in self.words.items() if not word.is_lost)
-        ahead = [
-            other
-            for other, terms in said
-            if terms is not None
-            and terms.charger == own.charger
-            and (terms.since, other) < (own.since, robot)
-        ]
-        return own.since < LONGEST and len(ahead) < self.source.chargers[own.charger].room
 
     def _tell_free(self, now: float, robot: int, place: Place) -> None:
         """Tell where a robot has come that goes to no task."""

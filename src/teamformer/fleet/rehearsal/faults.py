@@ -52,6 +52,15 @@ class Spell:
 
 
 @dataclass(frozen=True)
+class Drain:
+    """The battery of a robot loses at once a share of what it has left."""
+
+    robot: int
+    at: float
+    share: float
+
+
+@dataclass(frozen=True)
 class Order:
     """An operator adds a task; the word of it reaches the robots over the same bad network."""
 
@@ -88,6 +97,7 @@ class Faults:
     stuck: tuple[Spell, ...] = ()
     orders: tuple[Order, ...] = ()
     withdrawals: tuple[Withdrawal, ...] = ()
+    drained: tuple[Drain, ...] = ()
 
     @property
     def over(self) -> float:
@@ -99,6 +109,7 @@ class Faults:
             times.append(spell.begin if spell.end is None else spell.end)
         times += [order.at for order in self.orders]
         times += [withdrawal.at for withdrawal in self.withdrawals]
+        times += [drain.at for drain in self.drained]
         return max(times)
 
     @property
@@ -136,6 +147,9 @@ class Faults:
         for robot, lag in enumerate(self.lag):
             if lag:
                 yield f"the body of {names[robot]} reports {lag:.2f} s late"
+        for drain in self.drained:
+            lost = f"{100 * drain.share:.0f}% of what it has left"
+            yield f"{drain.at:.2f} s: the battery of {names[drain.robot]} loses {lost}"
         for order in self.orders:
             yield f"{order.at:.2f} s: an operator adds task {order.task.name}"
         for off in self.withdrawals:
@@ -181,6 +195,7 @@ def draw_faults(mission: FleetMission, seed: int, span: float) -> Faults:
             *_arrivals_of(mission, truth),
         ),
         withdrawals=tuple(_draw_withdrawals(rng, mission, span)) if rng.random() < 0.15 else (),
+        drained=tuple(_draw_drains(rng, mission, span)),
     )
 
 
@@ -285,6 +300,14 @@ def _draw_withdrawals(
         at = rng.uniform(0, span)
         if at < mission.until:
             yield Withdrawal(at, key)
+
+
+def _draw_drains(rng: random.Random, mission: FleetMission, span: float) -> Iterator[Drain]:
+    """Draw what happens to batteries; nothing is drawn where nobody has one."""
+    charged = [number for number, robot in enumerate(mission.source.robots) if robot.battery]
+    if charged and rng.random() < HARD:
+        for robot in rng.sample(charged, rng.randint(1, min(2, len(charged)))):
+            yield Drain(robot, rng.uniform(0, span), rng.choice((0.25, 0.5, 0.9)))
 
 
 def _draw_orders(rng: random.Random, mission: FleetMission, span: float) -> Iterator[Order]:

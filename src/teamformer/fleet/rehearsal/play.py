@@ -238,10 +238,11 @@ class Rehearsal:
         body = notice.body
         if type(body) is Beat:
             word = body.word
-            said = (word.team, word.goal, word.phase)
+            said = (word.team, word.goal, word.phase, word.waits_at)
             if said != self._said[robot] or word.phase > 1:
                 self._said[robot] = said
-                self.trace.events.append(Said(self.now, robot, *said, word.hold))
+                spoken = Said(self.now, robot, *said[:3], word.hold, word.waits_at)
+                self.trace.events.append(spoken)
         places = self.world.place if self.faults.radio is not None else None
         receivers = self._receivers(robot)
         self._network.send(self.now, robot, notice, receivers, places)
@@ -293,6 +294,8 @@ class Rehearsal:
                 self._put(spell.begin, what, spell.robot)
                 if spell.end is not None:
                     self._put(spell.end, ending, spell.robot)
+        for number, drain in enumerate(faults.drained):
+            self._put(drain.at, "drain", number)
         for number, at in enumerate(self._desk.times):
             self._put(at, "order", number)
         for at in self.mission.off_at.values():
@@ -316,7 +319,11 @@ class Rehearsal:
             return self._offer(who)
         if what == "junk":
             return self._spoil()
-        robot = self.faults.crashes[who].robot if what in ("crash", "restart") else who
+        robot = who
+        if what in ("crash", "restart"):
+            robot = self.faults.crashes[who].robot
+        elif what == "drain":
+            robot = self.faults.drained[who].robot
         self.trace.events.append(Broke(self.now, robot, what))
         if what == "crash":
             self.agents[robot] = None
@@ -332,6 +339,8 @@ class Rehearsal:
             del self._inbox[robot][:-MOST_WAITING]
         elif what == "stuck":
             return self.world.hold_fast(robot)
+        elif what == "drain":
+            self.world.drain(robot, self.faults.drained[who].share)
         elif what == "free":
             self.world.let_go(robot)
         return {robot}

@@ -13,7 +13,7 @@ from teamformer.mission.model import Mission
 Fails = Callable[[FleetMission, Faults], bool]
 """Says whether a mission still fails under a schedule."""
 
-LISTS = ("cuts", "crashes", "pauses", "stuck", "orders", "withdrawals")
+LISTS = ("cuts", "crashes", "pauses", "stuck", "orders", "withdrawals", "drained")
 CALM: dict[str, Any] = {
     **{"loss": 0.0, "twice": 0.0, "late": 0.0, "delay": 0.0, "radio": None, "junk": 0.0},
     **{"stutter": 0.0, "skew": (), "drift": (), "lag": ()},

@@ -25,12 +25,12 @@ from teamformer.live.running.incidents import (
     NewWeight,
     PlanTakenOver,
     Present,
+    mission_after,
     plan_of,
 )
 from teamformer.methods.by_name import Method
 from teamformer.methods.coordinators.reordered import Reordered
 from teamformer.methods.coordinators.replayed import Replayed
-from teamformer.mission.arrivals import once_appeared
 from teamformer.mission.coordination import Coordinator, Plan
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
@@ -211,10 +211,7 @@ class RunningCourse:
         return incident
 
     def mission_with(self, happening: Happening) -> Mission:
-        """Return the mission if something happened now; TeamformerError says why it cannot.
-
-        What has appeared at random until now is known then, as tasks of the mission.
-        """
+        """Return the mission if something happened now; TeamformerError says why it cannot."""
         return self._mission_at(self._moment(), happening)
 
     def work_out_bound(self) -> float | None:
@@ -283,16 +280,9 @@ class RunningCourse:
         return (self.now + min(upcoming, self.now + 2 * least)) / 2
 
     def _mission_at(self, moment: float, happening: Happening) -> Mission:
-        if self._needs_everything:
-            raise TeamformerError(
-                f"'{self.method_name}' plans with all that the mission says, so that nothing can "
-                "happen to it; run it by another method"
-            )
-        if isinstance(happening, PlanTakenOver):
-            return self.source
-        known = once_appeared(self.source, self.truth, self.now)
         present = Present(moment, moment, self.truth, self.ends(), is_planned=True)
-        return happening.apply(known, present)
+        planner = self.method_name if self._needs_everything else None
+        return mission_after(happening, self.source, present, planner)
 
     def _changed(self, happening: Happening, order: int = 0) -> tuple[Happening, Course, Mission]:
         """Return what happens, with its plan, and the course and the mission after it."""

@@ -122,11 +122,11 @@ class Forecast:
         return sum(self.ends) / len(self.ends)
 
 
-def forecast(past: Past, is_over: IsOver = never, seconds: float = SECONDS) -> Forecast:
+def forecast(past: Past, is_over: IsOver = never) -> Forecast:
     """Return how the mission ends; `is_over` says that nobody wants to know any more."""
     if not past.mission.has_surprises:
         return _summed_up([past.play_ahead(is_over)], past)
-    until = time.monotonic() + seconds
+    until = time.monotonic() + SECONDS
     played: list[Played] = []
     for seed in range(SAMPLES):
         future = past.future(seed)

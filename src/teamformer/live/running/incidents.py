@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from teamformer.base.errors import MissionError, TeamformerError
 from teamformer.live.running.forecasts import Forecast, IsOver, Past, forecast, never
+from teamformer.mission.arrivals import once_appeared
 from teamformer.mission.checks.optional import has_optional
 from teamformer.mission.coordination import Coordinator, Known, Plan
 from teamformer.mission.model import Absence, Mission, Robot, Task, World
@@ -214,6 +215,24 @@ def place_text(world: World, place: Place) -> str:
 def plan_of(happening: Happening) -> Plan | None:
     """Return the plan by which the robots go from now on, if it brings one."""
     return happening.plan if isinstance(happening, NewWeight | PlanTakenOver) else None
+
+
+def mission_after(
+    happening: Happening, source: Mission, now: Present, planner: str | None = None
+) -> Mission:
+    """Return the mission if something happened to it; TeamformerError says why it cannot.
+
+    What has appeared at random until now is known then, as tasks of the mission, which stand before
+    one that an operator adds. `planner` names the method if it was told everything beforehand.
+    """
+    if planner is not None:
+        raise TeamformerError(
+            f"'{planner}' plans with all that the mission says, so that nothing can "
+            "happen to it; run it by another method"
+        )
+    if isinstance(happening, PlanTakenOver):
+        return source
+    return happening.apply(once_appeared(source, now.truth, now.now), now)
 
 
 def note_of_plans(happenings: Iterable[Happening]) -> str:

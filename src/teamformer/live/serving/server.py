@@ -10,7 +10,7 @@ import asyncio
 import contextlib
 import json
 import socket
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Protocol
 
 import uvicorn
@@ -34,6 +34,9 @@ SIGN_OF_LIFE = 5.0
 """Seconds after which a page is told that the server is there, if it is told nothing else."""
 
 POLICY_VIOLATION = 1008  # a close code of WebSockets
+
+Answer = Callable[[Request], Awaitable[Response]]
+"""What answers a request."""
 
 
 class Watched(Protocol):
@@ -71,22 +74,13 @@ def make_app(
     happening to the mission any more.
     """
 
-    async def home(request: Request) -> Response:
-        refusal = doors.refusal(request)
-        if refusal is not None:
-            return _plain(refusal, 403)
+    async def home(_: Request) -> Response:
         return HTMLResponse(page(), headers={"Cache-Control": "no-store"})
 
     async def download(request: Request) -> Response:
-        refusal = doors.refusal(request)
-        if refusal is not None:
-            return _plain(refusal, 403)
         return await _download(session, request.path_params["name"])
 
-    async def description(request: Request) -> Response:
-        refusal = doors.refusal(request)
-        if refusal is not None:
-            return _plain(refusal, 403)
+    async def description(_: Request) -> Response:
         return Response(openapi_text(), media_type="application/json")
 
     async def talk(connection: WebSocket) -> None:
@@ -114,13 +108,20 @@ def make_app(
         async with session.lock:
             on_end()
 
-    routes = [
-        Route("/", home),
-        Route("/openapi.json", description),
-        Route("/download/{name}", download),
-        WebSocketRoute("/socket", talk),
-    ]
+    answers = {"/": home, "/openapi.json": description, "/download/{name}": download}
+    pages = [Route(path, _behind(doors, answer)) for path, answer in answers.items()]
+    routes = [*pages, WebSocketRoute("/socket", talk)]
     return Starlette(routes=routes, lifespan=lifespan, middleware=[Middleware(KeepApart)])
+
+
+def _behind(doors: Doors, answer: Answer) -> Answer:
+    """Return what answers those who are let in, and tells the others why they are not."""
+
+    async def answer_guest(request: Request) -> Response:
+        refusal = doors.refusal(request)
+        return await answer(request) if refusal is None else _plain(refusal, 403)
+
+    return answer_guest
 
 
 async def _download(session: Watched, name: str) -> Response:

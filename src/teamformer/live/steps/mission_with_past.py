@@ -25,8 +25,8 @@ from teamformer.live.running.incidents import (
     Happening,
     Incident,
     NewWeight,
-    PlanTakenOver,
     Present,
+    mission_after,
     plan_of,
 )
 from teamformer.live.steps.futures import PastInSteps, replayed
@@ -34,7 +34,6 @@ from teamformer.methods.by_name import Method
 from teamformer.methods.coordinators.reordered import Reordered
 from teamformer.methods.coordinators.replayed import Replayed
 from teamformer.methods.seam.protocol import Planner
-from teamformer.mission.arrivals import once_appeared
 from teamformer.mission.coordination import Coordinator, Plan
 from teamformer.mission.model import Mission
 from teamformer.mission.truth import draw_truth
@@ -200,20 +199,9 @@ class RunningMission:
         return incident
 
     def mission_with(self, happening: Happening) -> Mission:
-        """Return the mission if something happened now; TeamformerError says why it cannot.
-
-        Nothing is planned or played for it. What has appeared at random until now is known then, as
-        its tasks, which stand before the one that an operator adds.
-        """
-        if self._method.needs_everything:
-            raise TeamformerError(
-                f"'{self.method_name}' plans with all that the mission says, so that nothing can "
-                "happen to it; run it by another method"
-            )
-        if isinstance(happening, PlanTakenOver):
-            return self.source
-        known = once_appeared(self.source, self._env.truths[0], self.steps)
-        return happening.apply(known, self._present())
+        """Return the mission if something happened now; nothing is planned or played for it."""
+        planner = self.method_name if self._method.needs_everything else None
+        return mission_after(happening, self.source, self._present(), planner)
 
     def work_out_bound(self) -> int | None:
         """Return the steps that no plan can beat, as `run` tells them; the record has them then."""

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from functools import partial
 from itertools import chain
 
+import numpy as np
+
 from teamformer.methods.central.plan_from_play import CoalitionLog, plan_from_play
 from teamformer.methods.central.players import Player
 from teamformer.methods.central.plays import CentralPlan, Plays
@@ -109,9 +111,9 @@ def plan_centrally(
         for name, followed in FOLLOWED:
             _follow(name, mission, followed, situation, race, plays)
         solution, bound, searched = _search(mission, situation, race.plan, plays, seed, workers)
-    if time_limit > 0 and solution.schedule is not None:
-        order = keep_order(situation.problem.before, list(solution.schedule.order))
-        plays.add_plan("schedule", plan_of_lists(order, solution.schedule.coalitions))
+    if time_limit > 0 and solution.plan is not None:
+        order = keep_order(situation.problem.before, solution.plan.order.tolist())
+        plays.add_plan("schedule", solution.plan._replace(order=np.array(order, np.int32)))
     if time_limit > 0:
         vary(situation.problem, plays, bound, seed)
     if has_optional(mission):  # the others count all tasks
@@ -213,9 +215,8 @@ def _relax_and_search(
     solution = solve(mission, seconds, seed=seed, is_stopped=race.is_stopped)
     race.raise_bound(solution.bound)
     starts = from_coalitions(situation.problem, race, seed)
-    if solution.schedule is not None:
-        start = plan_of_lists(solution.schedule.order, solution.schedule.coalitions)
-        starts = chain([start], starts)
+    if solution.plan is not None:
+        starts = chain([solution.plan], starts)
     improve(race, situation, starts, seed + 1)
     return solution
 

@@ -105,7 +105,8 @@ class PlanPlayer:
             self._rank,
             (tasks["served"] + 1 >= tasks["takes"]) & (tasks["server"] != NOBODY),
         )
-        first = {k for k in self._planned if rank[k] < rank[task] and not self._is_done[k]}
+        is_over = self._is_done | tasks["is_carried"][: len(self._is_done)]
+        first = {k for k in self._planned if rank[k] < rank[task] and not is_over[k]}
         ahead = {k for k in first if not ends[k]}
         rooms = (room for room in self._rooms if task in room.tasks)
         return any(len(room.tasks & ahead) >= room.room for room in rooms)

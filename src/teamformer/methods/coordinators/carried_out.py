@@ -1,6 +1,7 @@
-"""Plans of robots with batteries are carried out to see when they end: charging hangs on everybody.
+"""Plans are carried out to see when they end where who queues hangs on everybody.
 
-The search does not know of batteries. Of the plans that it comes by, this chooses.
+The search does not know of batteries, nor of loads at zones. Of the plans that it comes by, this
+chooses.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import numpy as np
 
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Mission, as_believed
+from teamformer.mission.parts.zones import has_loads_at_zones
 from teamformer.world.env import TeamFormation
 from teamformer.world.rules.constants import NOBODY
 
@@ -31,11 +33,12 @@ class _Kept:
 
 
 def may_be_carried_out(known: Known) -> bool:
-    """Say whether a plan is made at the start for robots with batteries, and by its makespan."""
+    """Say whether a plan is made at the start for robots that may queue, and by its makespan."""
     mission = known.mission
     is_start = known.now == 0 and not known.under_way
     is_by_makespan = mission.cost is None and mission.until is None
-    return mission.charging is not None and is_start and is_by_makespan
+    may_queue = mission.charging is not None or has_loads_at_zones(mission)
+    return may_queue and is_start and is_by_makespan
 
 
 def best_carried_out(known: Known, plans: Iterable[Plan]) -> Plan:

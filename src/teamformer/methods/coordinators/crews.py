@@ -9,6 +9,8 @@ import numpy as np
 
 from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.precedence import tasks_before
+from teamformer.planning.problem.constants import NEVER
+from teamformer.planning.steps.reactive import soonest_in
 from teamformer.planning.steps.shared_plan import kept_plan, shared_plan_of
 from teamformer.planning.steps.situation import Situation, situation_of
 from teamformer.planning.steps.starts import plan_from_crews
@@ -47,6 +49,8 @@ class Crews:
         timed = [("crews", crews)]
         if crews.has_prices:
             timed.append(("crews", _by_due(situation, crews)))
+        if crews.makespan >= situation.problem.rotas.late.min(initial=NEVER):
+            timed.append(("soonest", _by_shifts(replace(known, open_tasks=ready))))
         if plan is not None and plan.order:
             kept = time_team_plan(situation, kept_plan(situation, plan))
             timed.insert(0, ("kept", kept))
@@ -57,6 +61,12 @@ class Crews:
             order, coalitions = made.order + waiting, made.coalitions + nobody
             return replace(made, order=order, coalitions=coalitions, ends=())
         return made
+
+
+def _by_shifts(known: Known) -> TimedPlan:
+    """Return the plan of the rule `soonest`: crews may wait for robots whose shifts are over."""
+    situation = situation_of(known)
+    return time_team_plan(situation, soonest_in(situation))
 
 
 def _that_may_come(

@@ -36,10 +36,9 @@ def _reordered(known: Known, number: int) -> Known:
     """Return the same knowledge of a mission that is written in another order."""
     order = draw_order(known.mission, number)
     robot, task = _inverse(order.robots), _inverse(order.tasks)
-    mission = in_order(known.mission, number)
     return replace(
         known,
-        mission=replace(mission, step_limit=known.mission.step_limit),
+        mission=in_order(known.mission, number),
         open_tasks=tuple(sorted(task[k] for k in known.open_tasks)),
         places=tuple(known.places[r] for r in order.robots),
         teams=tuple(sorted(tuple(sorted(robot[r] for r in team)) for team in known.teams)),
@@ -50,6 +49,9 @@ def _reordered(known: Known, number: int) -> Known:
         under_way=tuple(sorted((task[k], end) for k, end in known.under_way)),
         unseen_needs=frozenset(task[k] for k in known.unseen_needs),
         unseen_places=frozenset(task[k] for k in known.unseen_places),
+        left=tuple(known.left[r] for r in order.robots if known.left),
+        loading={task[k]: until for k, until in known.loading.items()},
+        unloading=frozenset(task[k] for k in known.unloading),
     )
 
 

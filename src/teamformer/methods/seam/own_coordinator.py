@@ -29,6 +29,6 @@ class OwnCoordinator:
             made = self._coordinator.update(known, plan)
         if not isinstance(made, Plan):
             what = f"update() returned {type(made).__name__}, not a Plan"
-            hint = "see docs/reference/methods.md for what a coordinator returns"
+            hint = "see docs/reference/coordinators.md for what a coordinator returns"
             raise TeamformerError(f"coordinator '{self._name}': {what}", hint)
         return made

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
+from teamformer.mission.checks.links import (
+    all_apart,
+    can_be_apart,
+    groups_of,
+    problems_of_names,
+)
 from teamformer.mission.keys.charging_keys import MOST_ROOM, MOST_SPENT
 from teamformer.mission.keys.kinds import LARGEST_NUMBER
 from teamformer.mission.parts.capabilities import covers, describe, missing, total
-from teamformer.mission.parts.charging import Charger, has_batteries
+from teamformer.mission.parts.charging import Charger, Charging, has_batteries
 from teamformer.mission.parts.reach import can_reach
 
 if TYPE_CHECKING:
@@ -84,15 +91,43 @@ def _problems_of_reach(mission: Mission) -> Iterator[Problem]:
     if mission.time == "steps":
         yield from _problems_of_steps(mission)
         return
+    too_far = [*_problems_of_tasks(mission, charging)]
+    yield from too_far or _problems_of_links(mission, charging)
+
+
+def _problems_of_tasks(mission: Mission, charging: Charging) -> Iterator[Problem]:
+    """Return which tasks that must be done nobody is able for who brings what they need."""
+    everybody = total(robot.can for robot in mission.robots)
     for number, task in enumerate(mission.tasks):
         needs = {cap: n for cap, n in task.needs.items() if cap in mission.capabilities}
-        everybody = total(robot.can for robot in mission.robots)
         able = charging.able(range(len(mission.robots)), number)
         have = total(mission.robots[robot].can for robot in able)
         if not task.optional and covers(everybody, needs) and not covers(have, needs):
             short = describe(missing(have, needs))
             message = f"task '{task.name}' is too far from chargers for full batteries of robots"
             yield Problem(("tasks", number, "at"), f"{message} that bring {short}; {REMEDY}")
+
+
+def _problems_of_links(mission: Mission, charging: Charging) -> Iterator[Problem]:
+    """Return which linked tasks too few robots are able for, as different ones do them."""
+    tasks, cans = mission.tasks, [robot.can for robot in mission.robots]
+    if any(problems_of_names(mission)):
+        return
+    for group in groups_of(tasks):
+        for apart in all_apart(tasks, group) if len(group) > 1 else ():
+            if tasks[apart[0]].optional:
+                continue
+            needs = [tasks[number].needs for number in apart]
+            able = partial(_is_able, charging, apart)
+            if can_be_apart(needs, cans) and not can_be_apart(needs, cans, able):
+                listed = ", ".join(f"'{tasks[number].name}'" for number in apart)
+                where = ("tasks", max(n for n in apart if tasks[n].starts), "starts")
+                message = f"{listed} are done by different robots, and too few get to a charger"
+                yield Problem(where, f"{message} from there; {REMEDY}, or drop a link")
+
+
+def _is_able(charging: Charging, tasks: Sequence[int], robot: int, number: int) -> bool:
+    return charging.is_able(robot, tasks[number])
 
 
 def _problems_of_steps(mission: Mission) -> Iterator[Problem]:

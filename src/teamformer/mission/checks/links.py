@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from teamformer.base.errors import Problem
@@ -21,6 +21,9 @@ Units = tuple[int, ...]
 
 Lacks = tuple[Units, ...]
 """What each task lacks yet."""
+
+Brings = tuple[Units, ...]
+"""What a robot brings to each task: nothing to one that it is not able for."""
 
 
 def groups_of(tasks: Sequence[Task]) -> list[list[int]]:
@@ -50,7 +53,7 @@ def linked_with(tasks: Sequence[Task]) -> list[set[int]]:
 
 def find_link_problems(mission: Mission) -> Iterator[Problem]:
     """Return what is wrong with linked starts."""
-    problems = [*_problems_of_names(mission), *_problems_of_gaps(mission)]
+    problems = [*problems_of_names(mission), *_problems_of_gaps(mission)]
     yield from problems
     if not problems:
         yield from _problems_of_groups(mission)
@@ -64,7 +67,8 @@ def find_links(mission: Mission) -> Iterator[Problem]:
             yield Problem(("tasks", number, "starts"), what)
 
 
-def _problems_of_names(mission: Mission) -> Iterator[Problem]:
+def problems_of_names(mission: Mission) -> Iterator[Problem]:
+    """Return which tasks starts are linked with that are none, or themselves."""
     names = {task.name for task in mission.tasks}
     for number, task in enumerate(mission.tasks):
         for name in task.starts:
@@ -96,7 +100,7 @@ def _problems_of_groups(mission: Mission) -> Iterator[Problem]:
         where = ("tasks", group[-1], "starts")
         if _is_contradictory([tasks[number] for number in group]):
             yield Problem(where, f"the gaps between the starts of {listed} contradict one another")
-        for apart in _all_apart(tasks, group):
+        for apart in all_apart(tasks, group):
             yield from _problems_of_robots(mission, apart)
     for number, task in enumerate(tasks):
         for name in task.after:
@@ -111,7 +115,7 @@ def _problems_of_groups(mission: Mission) -> Iterator[Problem]:
         yield from _problems_of_waiting(mission, groups)
 
 
-def _all_apart(tasks: Sequence[Task], group: Sequence[int]) -> list[list[int]]:
+def all_apart(tasks: Sequence[Task], group: Sequence[int]) -> list[list[int]]:
     """Return sets of tasks of a group of which each is linked with each other one directly.
 
     Each task is in the one that it begins, or in one with all of these.
@@ -193,11 +197,22 @@ def _problems_of_waiting(mission: Mission, groups: Sequence[Sequence[int]]) -> I
         before = {name: others for name, others in before.items() if name not in is_ready}
 
 
-def can_be_apart(needs: Sequence[Counts], robots: Sequence[Counts]) -> bool:
-    """Say whether robots can be dealt out to tasks so that each task gets what it needs."""
+def can_be_apart(
+    needs: Sequence[Counts],
+    robots: Sequence[Counts],
+    is_able: Callable[[int, int], bool] = lambda robot, need: True,
+) -> bool:
+    """Say whether robots can be dealt out to tasks so that each task gets what it needs.
+
+    `is_able` says whether a robot can do a task, by their numbers here.
+    """
     caps = sorted({cap for need in needs for cap in need})
     lacks = tuple(_units(need, caps) for need in needs)
-    brings = sorted((_units(robot, caps) for robot in robots), key=_versatility)
+    own = (
+        tuple(_units(can if is_able(robot, task) else {}, caps) for task in range(len(needs)))
+        for robot, can in enumerate(robots)
+    )
+    brings = sorted(own, key=_versatility)
     tried: set[tuple[int, Lacks]] = set()
     open_ways = [(0, lacks)]
     while open_ways:
@@ -218,22 +233,27 @@ def _units(counts: Counts, caps: Sequence[str]) -> Units:
     return tuple(round(counts.get(cap, 0) * ONE) for cap in caps)
 
 
-def _versatility(brings: Units) -> tuple[int, Units]:
+def _versatility(brings: Brings) -> tuple[int, Brings]:
     """Return by what robots are dealt out: who can do one thing first, alike ones together."""
-    return sum(count > 0 for count in brings), brings
+    return sum(count > 0 for count in _most(brings)), brings
 
 
-def _is_enough(lacks: Lacks, brings: Sequence[Units]) -> bool:
+def _most(brings: Brings) -> Units:
+    """Return what a robot brings to the task that it brings most to."""
+    return tuple(map(max, zip(*brings, strict=True)))
+
+
+def _is_enough(lacks: Lacks, brings: Sequence[Brings]) -> bool:
     """Say whether robots bring what all tasks lack together."""
-    have = map(sum, zip(*brings, strict=True)) if brings else [0] * len(lacks[0])
+    have = map(sum, zip(*map(_most, brings), strict=True)) if brings else [0] * len(lacks[0])
     return all(there >= sum(lack) for there, *lack in zip(have, *lacks, strict=True))
 
 
-def _with_one_more(lacks: Lacks, brings: Units) -> Iterator[Lacks]:
+def _with_one_more(lacks: Lacks, brings: Brings) -> Iterator[Lacks]:
     """Yield what is lacking when a robot does one of the tasks that it can help with, or none."""
     helped = [
-        tuple(max(0, count - there) for count, there in zip(lack, brings, strict=True))
-        for lack in lacks
+        tuple(max(0, count - there) for count, there in zip(lack, own, strict=True))
+        for lack, own in zip(lacks, brings, strict=True)
     ]
     are_helped = [left != lack for left, lack in zip(helped, lacks, strict=True)]
     if not any(are_helped):

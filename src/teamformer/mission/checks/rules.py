@@ -17,7 +17,6 @@ from teamformer.mission.keys.key import (
     BEFOREHAND,
     CONTINUOUS,
     FLEETS,
-    FLEETS_IN_STEPS,
     ROBOTARIUM,
     STEPS,
 )
@@ -106,7 +105,6 @@ def rules_not_played(mission: Mission) -> Iterator[Problem]:
         yield Problem(problem.where, f"{problem.message}; {remedy}")
     for problem in find_endless_play(mission):
         yield Problem(problem.where, f"{problem.message}, or {remedy}")
-    yield from zones_not_served(mission)
 
 
 def _problems_of_until(mission: Mission) -> Iterator[Problem]:
@@ -178,11 +176,9 @@ def rules_of_rehearsals(mission: Mission) -> Iterator[Problem]:
     yield from rules_not_run(mission)
     if mission.time == "continuous":
         yield from find_flown_loads(mission)
-        yield from zones_not_served(mission)
+    yield from zones_not_served(mission)
     remedy = _remedy(mission, FLEETS)
     yield from told_once(mission, find_unknown(mission, FLEETS), remedy)
-    if mission.time == "steps":
-        yield from told_once(mission, find_unknown(mission, FLEETS_IN_STEPS), remedy)
     both = [
         (("tasks", number, "within"), f"task '{task.name}' has a load within a region")
         for number, task in enumerate(mission.tasks)

@@ -109,16 +109,16 @@ def _problems_of_tasks(mission: Mission, are_ways_good: bool) -> Iterator[Proble
     for number, task in enumerate(mission.tasks):
         if task.optional or not covers(everybody, task.needs):
             continue  # which has been told
-        takes = [task.duration + task.unload] * len(mission.robots)
+        takes = [task.longest + task.unload] * len(mission.robots)
         may_need = [cap for cap, chance in task.may_need.items() if chance > 0]
         most = total([task.needs, dict.fromkeys(may_need, 1)])
         needs = most if covers(everybody, most) else task.needs
         if not fits(needs, takes):
-            key = "duration" if task.duration or not task.unload else "unload"
+            key = "duration" if task.longest or not task.unload else "unload"
             yield Problem(
                 ("tasks", number, key),
-                f"task '{task.name}' takes {takes[0]:g}, but robots that can do it have no shift "
-                "that long in common; lengthen their shifts, or shorten the task",
+                f"task '{task.name}' {_takes(task)} {takes[0]:g}, but robots that can do it have "
+                "no shift that long in common; lengthen their shifts, or shorten the task",
             )
         elif are_ways_good and not task.within and (task.to or may_be_too_late):
             with_ways = _takes_with_ways(mission, task)
@@ -135,6 +135,10 @@ def _problems_of_tasks(mission: Mission, are_ways_good: bool) -> Iterator[Proble
             f"tasks that appear take {arrivals.duration:g}, but robots that can do them have no "
             "shift that long in common; lengthen their shifts, shorten the tasks, or lower needs",
         )
+
+
+def _takes(task: Task) -> str:
+    return "takes" if task.lasts is None else "may take"
 
 
 def _brought(
@@ -163,7 +167,7 @@ def _takes_with_ways(mission: Mission, task: Task) -> list[float]:
     takes = []
     for robot in mission.robots:
         (there, *_), (_, *carried) = far[robot.moves, robot.at]
-        spent = task.duration + task.unload + sum(carried) / robot.speed
+        spent = task.longest + task.unload + sum(carried) / robot.speed
         comes = robot.rota.walked(0.0, there / robot.speed)
         is_late = spent <= robot.rota.longest and math.isinf(robot.rota.fits(comes, spent))
         takes.append(math.inf if is_late or math.isinf(comes) else spent)
@@ -186,7 +190,9 @@ def _problem_of_ways(task: Task, number: int, takes: float) -> Iterator[Problem]
         remedy = "lengthen these, have them come again (every), or move it"
         yield Problem(("tasks", number, "at"), f"{message}; {remedy}")
         return
-    message = f"task '{task.name}' takes {takes:g} or more with the way of its load, but robots"
+    message = (
+        f"task '{task.name}' {_takes(task)} {takes:g} or more with the way of its load, but robots"
+    )
     message = f"{message} that can do it have no shift that long in common"
     yield Problem(("tasks", number, "to"), f"{message}; lengthen their shifts, or shorten the way")
 

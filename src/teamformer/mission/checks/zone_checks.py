@@ -62,7 +62,8 @@ def _faults_of_area(mission: Mission, zone: Zone, what: str) -> Iterator[Problem
     if isinstance(mission.world, Roads):
         yield Problem(where, f"{what} has an area, and on roads there is none; name places")
     elif len(corners) != 2:
-        message = f"the area of {what} has {len(corners)} corners; write two, [[x, y], [x, y]]"
+        has = "one corner" if len(corners) == 1 else f"{len(corners)} corners"
+        message = f"the area of {what} has {has}; write two, [[x, y], [x, y]]"
         yield Problem(where, message)
     elif any(one > other for one, other in zip(*corners, strict=True)):
         message = f"the area of {what} goes from {corners[0]} to {corners[1]}"

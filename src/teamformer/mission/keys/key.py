@@ -15,7 +15,6 @@ FIRST_VERSION = "0.1.0"
 
 STEPS, CONTINUOUS = "steps", "continuous time"
 FLEETS, ROBOTARIUM = "fleets of processes", "the Robotarium"
-FLEETS_IN_STEPS = "fleets of processes, if a mission counts in steps"
 BEFOREHAND = "plans made beforehand"
 """Who may not know a key."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from teamformer.mission.keys.charging_keys import CHARGER_KEYS, NEW
-from teamformer.mission.keys.key import FLEETS, FLEETS_IN_STEPS, ROBOTARIUM, STEPS, Key, Unknown
+from teamformer.mission.keys.key import FLEETS, ROBOTARIUM, STEPS, Key, Unknown
 from teamformer.mission.keys.kinds import (
     LARGEST_NUMBER,
     Either,
@@ -195,7 +195,7 @@ MISSION_KEYS = (
         default=None,
         without="with its last task",
         since="0.2.0",
-        unknown=Unknown((FLEETS_IN_STEPS, ROBOTARIUM), "until says when the mission is over"),
+        unknown=Unknown((ROBOTARIUM,), "until says when the mission is over"),
     ),
     Key(
         "chargers",
@@ -216,6 +216,6 @@ MISSION_KEYS = (
         without="none",
         example={"dock": {"area": [[2, 3], [6, 8]], "room": 2}},
         since=NEW,
-        unknown=Unknown((FLEETS_IN_STEPS, ROBOTARIUM), "the mission has zones"),
+        unknown=Unknown((ROBOTARIUM,), "the mission has zones"),
     ),
 )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from teamformer.mission.keys.charging_keys import BATTERY_KEYS, NEW
 from teamformer.mission.keys.key import (
     CONTINUOUS,
-    FLEETS_IN_STEPS,
     ROBOTARIUM,
     Key,
     Unknown,
@@ -146,7 +145,7 @@ ROBOT_KEYS = (
         default=None,
         without="it never has to charge",
         since=NEW,
-        unknown=Unknown((FLEETS_IN_STEPS, ROBOTARIUM), "has a battery"),
+        unknown=Unknown((ROBOTARIUM,), "has a battery"),
     ),
     Key(
         "count",
@@ -174,7 +173,7 @@ ROBOT_KEYS = (
         without="always",
         since="0.2.0",
         example=[[0, 480], [540, 960]],
-        unknown=Unknown((FLEETS_IN_STEPS, ROBOTARIUM), "works in shifts"),
+        unknown=Unknown((ROBOTARIUM,), "works in shifts"),
     ),
     Key(
         "every",

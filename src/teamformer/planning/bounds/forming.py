@@ -18,6 +18,11 @@ from teamformer.planning.problem.relaxed_problem import Relaxed, in_blocks, step
 from teamformer.world.rules.constants import FAR
 
 
+def steps_of_forming(mission: Mission) -> int:
+    """Return the steps that a join or a split costs: none on planes, where who joins is there."""
+    return mission.forming_steps if isinstance(mission.world, Grid) else 0
+
+
 def raise_for_forming(mission: Mission, problem: Relaxed, walked: Array) -> Array:
     """Return the first step by which each task's team can have walked and formed, as (tasks,).
 
@@ -25,7 +30,7 @@ def raise_for_forming(mission: Mission, problem: Relaxed, walked: Array) -> Arra
     they start there. Where forming is free, and on planes, that is all that is returned.
     """
     raised: Array = walked.astype(np.int64)
-    if mission.forming_steps == 0 or not isinstance(mission.world, Grid):
+    if steps_of_forming(mission) == 0:
         return raised
     teams = [list(team) for team in mission.starting_teams]
     has = np.array([problem.counts[team].sum(axis=0) for team in teams])  # (teams, caps)

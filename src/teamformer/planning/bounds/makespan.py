@@ -18,7 +18,7 @@ from teamformer.base.array_types import Array, Floats
 from teamformer.mission.model import Mission, as_believed
 from teamformer.planning.bounds.earliest import earliest_in_order, earliest_starts
 from teamformer.planning.bounds.legs import least_legs, one_for_each_place
-from teamformer.planning.bounds.open_paths import LARGEST_EXACT, bound_paths, shortest_path, span
+from teamformer.planning.bounds.open_paths import bound_paths, span
 from teamformer.planning.bounds.start_windows import refuter_in_steps
 from teamformer.planning.problem.relaxed_problem import (
     Relaxed,
@@ -28,7 +28,7 @@ from teamformer.planning.problem.relaxed_problem import (
 )
 from teamformer.world.rules.constants import FAR, NOBODY
 
-EFFORT = 4e7
+EFFORT = 1.3e7
 """Legs looked at in all; about a tenth of a second."""
 
 TASKS_A_TOUR, FEW_TOURS = 12, 8
@@ -37,9 +37,6 @@ task less, which makes it three times as quick."""
 
 MOST_ROUNDS = 150
 """More rounds of raising the penalties gain nothing."""
-
-LEFT_OUT = (0.0, 0.5, 0.8)
-"""Shares of the tasks, those that can start first, to leave out: far tasks bound better alone."""
 
 
 def lower_bound(mission: Mission) -> int:
@@ -54,7 +51,8 @@ def lower_bound(mission: Mission) -> int:
         problem = relax(mission, in_table=False)
         start = earliest_in_order(mission, problem)
         bound = bound_makespan(problem, start)
-        return refuter_in_steps(problem, start, _tasks_a_tour(problem)).raised(bound)
+        refuter = refuter_in_steps(mission, problem, start, _tasks_a_tour(problem))
+        return refuter.raised(bound)
     robots = tuple(replace(robot, absences=()) for robot in mission.robots)
     mission = as_believed(mission, robots=robots)
     problem = relax(mission, in_table=False)
@@ -119,19 +117,13 @@ def _bound_capability(problem: Relaxed, cap: int, tasks: Array, start: Array, ef
     legs, gained = least_legs(problem, able, tasks)
     ready = start[tasks].astype(np.float64) - gained
     duration = problem.duration[tasks].astype(np.float64)
-    if len(able) == 1 and len(tasks) <= LARGEST_EXACT:
-        return _whole(shortest_path(legs, ready, duration))
     visits = _fewest_robots(problem.counts[able, cap], problem.needs[tasks, cap])
-    bounds = [_bound_visits(legs, ready, duration, visits, len(able))]
-    rounds = int(np.clip(effort / (len(LEFT_OUT) * len(tasks) ** 2), 2, MOST_ROUNDS))
-    by_start = np.argsort(ready, kind="stable")
-    for share in LEFT_OUT:
-        late = by_start[int(share * len(tasks)) :]
-        most = min(len(able), len(late))
-        lengths = bound_paths(legs[np.ix_(late, late)], ready[late], most, rounds)
-        slowest = (lengths + duration[late].sum()) / np.arange(1, most + 1)
-        bounds.append(_whole(slowest.min()))
-    return max(bounds)
+    most = min(len(able), len(tasks))
+    rounds = int(np.clip(effort / len(tasks) ** 2, 2, MOST_ROUNDS))
+    lengths = bound_paths(legs, ready, most, rounds)
+    slowest = (lengths + duration.sum()) / np.arange(1, most + 1)
+    shared = _bound_visits(legs, ready, duration, visits, len(able))
+    return max(shared, _whole(slowest.min()))
 
 
 def _bound_visits(legs: Floats, ready: Floats, duration: Floats, visits: Array, robots: int) -> int:

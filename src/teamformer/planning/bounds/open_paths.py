@@ -12,18 +12,6 @@ from teamformer.base.array_types import Array, Floats
 from teamformer.base.kernels.jit import entry, kernel
 from teamformer.world.rules.sorting import sort_indices
 
-LARGEST_EXACT = 12
-"""Up to so many places the shortest single path is worked out exactly."""
-
-
-def shortest_path(legs: Floats, ready: Floats, duration: Floats) -> float:
-    """Return the step in which one robot at best ends the last of all tasks.
-
-    `legs` is (places, places); no task starts before `ready` (places,), which includes the way
-    from the robot's start. At most LARGEST_EXACT places.
-    """
-    return float(_finish_all(legs, ready, duration))
-
 
 def bound_paths(legs: Floats, ready: Floats, most: int, rounds: int) -> Floats:
     """Return bounds on the total length of 1, 2, ... paths that visit every place, as (most,).
@@ -41,25 +29,6 @@ def span(legs: Floats, ready: Floats) -> float:
     weight = np.empty(len(ready))
     _span(legs, np.zeros(len(ready)), ready, weight, np.empty(len(ready), np.int64))
     return float(weight.sum())
-
-
-@entry
-def _finish_all(legs, ready, duration):  # type: ignore[no-untyped-def]
-    """Dynamic programme over subsets: the earliest end of a set with a given last task."""
-    count = len(ready)
-    end = np.full((1 << count, count), np.inf)
-    for last in range(count):
-        end[1 << last, last] = ready[last] + duration[last]
-    for done in range(1, 1 << count):
-        for last in range(count):
-            if end[done, last] == np.inf:
-                continue
-            for task in range(count):
-                if not done >> task & 1:
-                    start = max(end[done, last] + legs[last, task], ready[task])
-                    more = done | 1 << task
-                    end[more, task] = min(end[more, task], start + duration[task])
-    return end[-1].min()
 
 
 @entry

@@ -5,6 +5,12 @@ the robots with each capability narrow the windows, and a task that needs severa
 carries what one of them says over to the others. Where that ends, a window is halved and both
 halves are looked at. A makespan for which no windows are left is refuted; all else says nothing.
 Times are in any unit: ticks where time is continuous, else steps.
+
+Who does one task and then another is in one team at both only if all that either of them needs is
+at both. If a capability that only the second needs cannot be at the first before it, a team joins
+on the way; if one that only the first needs cannot be at the second after it, the team splits. Each
+takes time in which nobody of the team moves. The only robot with a capability cannot be at a task
+that does not fit into its tour.
 """
 
 from __future__ import annotations
@@ -15,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from teamformer.base.array_types import Int32s, Ints
-from teamformer.planning.bounds.tours import empty_tables, narrow_starts
+from teamformer.planning.bounds.tours import empty_tables, fit_in, narrow_starts
 from teamformer.world.rules.constants import NOBODY
 
 MOST_TASKS_A_TOUR = 17
@@ -50,6 +56,14 @@ class Starts(NamedTuple):
         return float((self.last - self.first).sum())
 
 
+class Detours(NamedTuple):
+    """Tasks that do not need the capability of a tour, and how far off they are."""
+
+    tasks: Ints  # (others,) task numbers
+    ways: Ints  # (visited, others)
+    begin: Ints  # (others,) when the robot can be there first
+
+
 class Tours(NamedTuple):
     """The tours of the robots with a capability: through which tasks they have to go.
 
@@ -60,12 +74,14 @@ class Tours(NamedTuple):
     between: Ints  # (visited, visited)
     duration: Ints  # (visited,)
     robots: int
+    detours: Detours | None = None  # where one robot alone has the capability
 
 
 class Refuter:
     """Looks for reasons why tasks cannot all be done by a time.
 
-    It gives up, and refutes nothing, as soon as `is_over` says that nobody waits any more.
+    A join or a split takes the time `forming`. It gives up, and refutes nothing, as soon as
+    `is_over` says that nobody waits any more.
     """
 
     def __init__(
@@ -73,9 +89,11 @@ class Refuter:
         chains: Chains,
         tours: Sequence[Tours],
         is_over: Callable[[], bool] = lambda: False,
+        forming: int = 0,
     ) -> None:
-        self._chains, self._is_over = chains, is_over
-        self._tours = sorted(tours, key=lambda one: len(one.tasks))
+        self._chains, self._is_over, self._forming = chains, is_over, forming
+        self._tours = list(tours)
+        self._between = [one.between for one in tours]  # (visited, visited) each, with forming
         self._grain = 0
         self._tables = empty_tables(max((len(one.tasks) for one in self._tours), default=0))
         self._visits: list[list[int]] = [[] for _ in chains.head]  # by task, the tours it is in
@@ -88,8 +106,12 @@ class Refuter:
         self._grain = makespan // GRAIN
         latest = makespan - self._chains.tail - self._chains.duration
         starts = Starts(self._chains.head.copy(), latest)
+        self._between = [one.between for one in self._tours]
         if not self._narrow(starts, range(len(self._tours))):
             return True
+        while self._forming and self._lengthen(starts):
+            if not self._narrow(starts, range(len(self._tours))):
+                return True
         waiting = [starts]
         while waiting and nodes > 0 and not self._is_over():
             nodes -= 1
@@ -117,12 +139,12 @@ class Refuter:
         """Narrow windows until nothing changes; False if nothing is left for some task."""
         waiting = set(changed)
         while waiting and not self._is_over():
-            number = min(waiting)  # the smallest tours, which take least time
+            number = min(waiting, key=lambda one: len(self._tours[one].tasks))  # the quickest
             waiting.remove(number)
             tours = self._tours[number]
             first, last = starts.first[tours.tasks], starts.last[tours.tasks]
             if not narrow_starts(
-                tours.between, tours.duration, first, last, tours.robots, self._tables
+                self._between[number], tours.duration, first, last, tours.robots, self._tables
             ):
                 return False
             gain = first - starts.first[tours.tasks] + starts.last[tours.tasks] - last
@@ -132,6 +154,25 @@ class Refuter:
             if (starts.first > starts.last).any():
                 return False
         return bool((starts.first <= starts.last).all())
+
+    def _lengthen(self, starts: Starts) -> bool:
+        """Have teams form where not all can be along; say whether this makes some tour longer."""
+        tasks, before = len(starts.first), self._between
+        joins, splits = np.zeros((2, tasks, tasks), np.bool_)  # from task to task
+        for (own, _, duration, _, detours), between in zip(self._tours, before, strict=True):
+            if detours is not None:
+                first, last = starts.first[own], starts.last[own]
+                narrow_starts(between, duration, first, last, 1, self._tables)
+                others, ways, begin = detours
+                windows = (starts.first[others], starts.last[others])
+                told = np.array([begin, *windows, self._chains.duration[others]])
+                fits = np.zeros((2, len(others), len(own)), np.bool_)
+                fit_in(duration, ways, told, self._tables, *fits)
+                joins[np.ix_(others, own)] |= ~fits[0]
+                splits[np.ix_(own, others)] |= ~fits[1].T
+        forms = self._forming * (joins.astype(np.int64) + splits)
+        self._between = [closed(t.between + forms[np.ix_(t.tasks, t.tasks)]) for t in self._tours]
+        return any((new > old).any() for new, old in zip(self._between, before, strict=True))
 
     def _chain(self, starts: Starts) -> set[int]:
         """Have tasks wait for those that they come after; return those that this narrows much."""
@@ -180,8 +221,16 @@ def tours_through(
     `urgent` (all tasks,) says how urgent each is; `between` (tasks, tasks) are ways between tasks.
     """
     by_urgency = np.argsort(-urgent[tasks], kind="stable")[:most]
-    ways = between[np.ix_(by_urgency, by_urgency)]
-    for by in range(len(ways)):  # the fastest of several paces may be none that is fastest
-        np.minimum(ways, ways[:, by, None] + ways[None, by, :], out=ways)
+    ways = closed(between[np.ix_(by_urgency, by_urgency)])
     tasks = tasks[by_urgency]
     return Tours(tasks, ways, duration[tasks], robots)
+
+
+def closed(ways: Ints) -> Ints:
+    """Return ways (places, places) that are no longer than a detour.
+
+    The fastest of several paces may be none that is fastest everywhere.
+    """
+    for by in range(len(ways)):
+        ways = np.minimum(ways, ways[:, by, None] + ways[None, by, :])
+    return ways

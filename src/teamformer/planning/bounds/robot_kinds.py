@@ -15,7 +15,7 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.mission.model import Mission
-from teamformer.mission.parts.grid import Grid
+from teamformer.planning.bounds.forming import steps_of_forming
 from teamformer.planning.bounds.prize_routes import Stops, make_stops
 from teamformer.planning.problem.relaxed_problem import Relaxed
 from teamformer.world.rules.constants import FAR, ROUNDING
@@ -67,10 +67,9 @@ def joining_steps(mission: Mission, problem: Relaxed) -> Array:
     in a step in which it does not walk. On planes, and where forming is free, that costs nothing.
     """
     steps = np.zeros((len(problem.appears), len(problem.pace)), np.int64)
-    if mission.forming_steps > 0 and isinstance(mission.world, Grid):
-        for team in map(list, mission.starting_teams):
-            lacks = (problem.counts[team].sum(axis=0) < problem.needs).any(axis=1)  # (tasks,)
-            steps[:, team] = mission.forming_steps * lacks[:, None]
+    for team in map(list, mission.starting_teams):
+        lacks = (problem.counts[team].sum(axis=0) < problem.needs).any(axis=1)  # (tasks,)
+        steps[:, team] = steps_of_forming(mission) * lacks[:, None]
     return steps
 
 

@@ -2,7 +2,8 @@
 
 Held and Karp's recurrence (1962) over sets of tasks, forwards for when a tour can be at its last
 task and backwards for when it must be at its first. A set that a tour can do leaves the others to
-the other robots; only such sets count when the windows of its tasks are narrowed.
+the other robots; only such sets count when the windows of its tasks are narrowed. A tour of the
+only robot with a capability also says which other tasks it can come by.
 """
 
 from __future__ import annotations
@@ -74,6 +75,45 @@ def narrow_starts(
             return False
         first[task], last[task] = least[task], most[task]
     return True
+
+
+@entry
+def fit_in(
+    duration: Ints,
+    ways: Ints,
+    others: Ints,
+    tables: SetTables,
+    before: npt.NDArray[np.bool_],
+    after: npt.NDArray[np.bool_],
+) -> None:
+    """Say which tasks fit into a tour before each of its own, (others, visited), and after.
+
+    `ways` (visited, others) are those to them; `others` (4, others) tells of each when the robot
+    can be there first, between which times it starts, and how long it takes.
+    """
+    early, late, tours = tables
+    visited, sets = len(duration), 1 << len(duration)
+    for done in range(sets):
+        left = sets - 1 - done
+        if (done != 0 and tours[done] != 1) or (left != 0 and tours[left] != 1):
+            continue
+        for other in range(ways.shape[1]):
+            begin, first, last, stay = others[:, other]
+            soonest, leave = (begin if done == 0 else NEVER), (NEVER if left == 0 else -NEVER)
+            for task in range(visited):
+                if left >> task & 1:
+                    leave = max(leave, late[left, task] - ways[task, other])
+                elif early[done, task] < NEVER:
+                    there = early[done, task] + duration[task] + ways[task, other]
+                    soonest = min(soonest, there)
+            soonest = max(soonest, first)
+            if soonest > last or soonest + stay > leave:
+                continue
+            for task in range(visited):
+                if left >> task & 1:
+                    before[other, task] = True
+                else:
+                    after[other, task] = True
 
 
 @kernel

@@ -23,7 +23,7 @@ from teamformer.planning.continuous.posing.ticks import (
     rounding_of,
     ticks_of,
 )
-from teamformer.planning.continuous.posing.times import TaskClock, clock_of
+from teamformer.planning.continuous.posing.times import TaskClock
 from teamformer.planning.continuous.solve import Solution
 from teamformer.planning.problem.batteries import are_charged
 from teamformer.planning.problem.coalition_plan import (
@@ -145,7 +145,7 @@ class ContinuousMission:
 
         In that order they enter zones. Optional tasks that would be missed are not in it.
         """
-        if self.clock.rooms and not have_weights(self.problem.links):  # else it is so already
+        if self.clock.rest.rooms and not have_weights(self.problem.links):  # else it is so already
             starts = schedule_of(self.problem, plan).start[plan.order]
             order = plan.order[np.argsort(starts, kind="stable")]
             plan = plan._replace(order=order)
@@ -159,10 +159,10 @@ class ContinuousMission:
         misses, until = self.problem.misses, self.source.until
         if not can_miss(misses):
             return plan
-        plan = without_tasks(self.problem, plan, np.flatnonzero(plan.size == 0).tolist())
+        plan = without_tasks(self.problem.before, plan, ())
         ends = {stop.task: stop.end for route in self.time(plan).routes for stop in route.stops}
         late = [k for k, end in ends.items() if misses.optional[k] and not is_in_time(end, until)]
-        return self.in_time(without_tasks(self.problem, plan, late)) if late else plan
+        return self.in_time(without_tasks(self.problem.before, plan, late)) if late else plan
 
     def as_plan(self, found: CoalitionPlan, made_from: str = "") -> Plan:
         """Return a plan in the numbers of the mission, with the time at which each task ends.
@@ -173,7 +173,9 @@ class ContinuousMission:
         found = self.in_turn(found)
         routes = self.time(found).routes
         ends = {stop.task: stop.end for route in routes for stop in route.stops}
-        drops = len(self.clock.rotas) > 0 or not are_charged(self.problem.batteries)
+        drops = any(robot.rota for robot in self.clock.rest.own_robots) or not are_charged(
+            self.problem.batteries
+        )
         kept = [task for task in found.order.tolist() if found.size[task] > 0]
         order = [task for task in kept if not drops or math.isfinite(ends.get(task, math.inf))]
         is_done = all(math.isfinite(ends.get(task, math.inf)) for task in order)  # nobody runs dry
@@ -213,7 +215,7 @@ def _pose(known: Known, numbers: Sequence[int], chosen: Sequence[int]) -> Contin
         now=known.now,
         robots=rest.robots,
         tasks=rest.tasks,
-        clock=clock_of(rest, charging),
+        clock=TaskClock(rest, charging),
         scale=ticks.scale,
         rounding=rounding_in(rest, ticks.scale),
         grain=grain_of(rest, ticks.scale),

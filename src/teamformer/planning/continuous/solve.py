@@ -8,9 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from teamformer.planning.continuous.cp_sat import is_small, solve_exactly
 from teamformer.planning.continuous_bounds.cost import least_cost
-from teamformer.planning.continuous_bounds.raising import MANY_TASKS, proof_share, raise_bound
+from teamformer.planning.continuous_bounds.raising import MANY_TASKS, raise_bound
 from teamformer.planning.problem.charged_plans import are_carried_out, charged_totals
 from teamformer.planning.problem.coalition_plan import CoalitionPlan, without_riders
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
@@ -18,7 +17,7 @@ from teamformer.planning.problem.links import have_weights, is_bounded
 from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.problem.schedule import COST, LATE, MAKESPAN, MISSED, schedule_of
 from teamformer.planning.race import Judgement, Race
-from teamformer.planning.search.arc_search import ArcSearch, has_few_tasks
+from teamformer.planning.search.arc_search import ArcSearch
 
 SECONDS_EACH = 3.0
 """A search of fewer than `MANY_TASKS` tasks anneals again every `SECONDS_EACH` seconds."""
@@ -155,7 +154,7 @@ def solve(
     first = (time.perf_counter() - begun, shared.worth)
     if start is not None:
         race.offer(measuring(problem)(start))
-    jobs = [partial(_prove_and_search, problem, seed + 1, race)]
+    jobs = [partial(_bound_and_search, problem, seed + 1, race)]
     jobs += [partial(_search, problem, seed + n, race) for n in range(2, workers + 1)]
     race.run(jobs, len(jobs))
     best = _without_riders(problem, race.plan)
@@ -277,26 +276,10 @@ def _coolings(problem: CoalitionProblem, seconds: float) -> Sequence[int]:
     return COOLER if tasks >= MANY_TASKS else [1] * max(1, round(seconds / SECONDS_EACH))
 
 
-def _prove_and_search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
-    """Work out a bound, prove small problems, and search for the rest of the time.
-
-    CP-SAT gets as large a share of what is left as bounds get.
-    """
-    tasks, is_weighed = len(problem.needs), have_weights(problem.links)
+def _bound_and_search(problem: CoalitionProblem, seed: int, race: Race[Solution]) -> None:
+    """Work out a bound, and search for the rest of the time."""
     if is_bounded(problem.links) and not can_miss(problem.misses):
         raise_bound(
             problem, race, lambda: int(schedule_of(problem, race.plan.plan).total[MAKESPAN])
         )
-    is_provable = (
-        not is_weighed
-        and not can_miss(problem.misses)
-        and has_few_tasks(tasks)
-        and is_small(problem)
-    )
-    if is_provable and not race.is_over:
-        seconds = proof_share(tasks) * race.seconds_left
-        proof = solve_exactly(problem, race.plan.plan, race.bound, seconds)
-        race.raise_bound(proof.bound)
-        if proof.plan is not None:
-            race.offer(_timed(problem, proof.plan))
     _search(problem, seed, race)

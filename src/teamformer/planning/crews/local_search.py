@@ -18,8 +18,6 @@ from teamformer.planning.crews.moves import change_lists
 from teamformer.planning.crews.routes import (
     gather_parties,
     replace_list,
-    set_finish,
-    slowest_of,
     way,
 )
 from teamformer.world.rules.chance import draw_below
@@ -42,16 +40,20 @@ SCALE, LARGEST = 1024, 8191
 """Makespans are counted in 1024ths of the first one, to eight times that."""
 
 
-class BestLists(NamedTuple):
-    """The best lists and crews so far, and what has changed since these were written down."""
+class CrewSearch(NamedTuple):
+    """Where a search stands, and the best that it has found."""
 
-    tasks: Array  # (crews, tasks)
-    length: Array  # (crews,)
+    lists: CrewRoutes
+    parties: Parties
     crew: Array  # (robots,)
-    list_changes: Array  # (crews + 1,) how many lists have changed, then their crews
-    is_list_changed: Array  # (crews,)
-    crew_changes: Array  # (robots + 1,) how many robots have changed crews, then these
-    is_crew_changed: Array  # (robots,)
+    is_able: Array  # (crews, tasks)
+    near: Array  # (tasks, neighbours)
+    is_alone: Array  # (robots,)
+    room: CrewRoom
+    cost: Array  # (2,) of the lists as they are, and the makespan that others are measured by
+    best_list: Array  # (tasks,) the list that each task is on in the best lists
+    best_position: Array  # (tasks,) and where on it
+    best_crew: Array  # (robots,)
 
 
 @allocating_kernel
@@ -70,37 +72,45 @@ def improve_lists(
     """
     for number in range(len(lists.length)):
         tasks, length = lists.tasks[number], lists.length[number]
-        set_finish(lists, number, walk_list(shared, parties, number, tasks, length, room))
-    near, is_alone = _nearest_tasks(shared), _who_starts_alone(shared)
-    reference = np.int64(1)
+        lists.finish[number] = walk_list(shared, parties, number, tasks, length, room)
+    search = CrewSearch(
+        lists,
+        parties,
+        crew,
+        is_able,
+        _nearest_tasks(shared),
+        _who_starts_alone(shared),
+        room,
+        np.ones(2, dtype=np.int64),
+        lists.crew.copy(),
+        lists.position.copy(),
+        crew.copy(),
+    )
+    cost = search.cost
     for number in range(len(lists.length)):
-        reference = max(reference, lists.finish[number] - shared.now)
-    cost = np.int64(0)
+        cost[1] = max(cost[1], lists.finish[number] - shared.now)
+    cost[0] = 0
     for number in range(len(lists.length)):
-        cost += _weigh(shared, lists.finish[number], reference)
-    best, best_cost = _first_kept(lists, crew), cost
+        cost[0] += _weigh(shared, search, lists.finish[number])
+    best = cost[0]
     for turn in range(rounds):
-        limit = cost + _draw_threshold(cost, len(lists.crew), rounds - turn, rounds, room.random)
+        threshold = _draw_threshold(cost[0], len(lists.crew), rounds - turn, rounds, room.random)
         if draw_below(room.random, TRADES) == 0:
-            cost = _try_trade(
-                shared, lists, parties, crew, is_alone, room, best, reference, cost, limit
-            )
+            _try_trade(shared, search, cost[0] + threshold)
         else:
-            cost = _try_change(
-                shared, lists, parties, is_able, near, room, best, reference, cost, limit
-            )
-        if cost < best_cost:
-            best_cost = cost
-            _keep(lists, crew, best)
-    _put_back(lists, crew, best)
+            _try_change(shared, search, cost[0] + threshold)
+        if cost[0] < best:
+            best = cost[0]
+            _keep(search)
+    _put_back(search)
     for number in range(len(lists.length)):
         gather_parties(shared, parties, crew, number)
 
 
 @kernel
-def _weigh(shared: Shared, finish: Any, reference: Any) -> Any:
+def _weigh(shared: Shared, search: CrewSearch, finish: Any) -> Any:
     """Return what a crew adds to the cost: its makespan to the power of four."""
-    scaled = min(max(finish - shared.now, 0) * SCALE // reference, LARGEST)
+    scaled = min(max(finish - shared.now, 0) * SCALE // search.cost[1], LARGEST)
     return scaled * scaled * scaled * scaled
 
 
@@ -112,75 +122,57 @@ def _draw_threshold(cost: int, tasks: int, left: int, rounds: int, random: Array
 
 
 @kernel
-def _try_change(
-    shared: Shared,
-    lists: CrewRoutes,
-    parties: Parties,
-    is_able: Array,
-    near: Array,
-    room: CrewRoom,
-    best: BestLists,
-    reference: int,
-    cost: int,
-    limit: int,
+def _cost_with(
+    shared: Shared, search: CrewSearch, one: int, finish: Any, other: int, other_finish: Any
 ) -> Any:
-    """Make a change unless it costs too much; return what the lists cost then."""
-    slowest = slowest_of(lists)
-    one, other, length, other_length = change_lists(lists, is_able, near, slowest, room)
-    if one == NOBODY:
-        return cost
-    finish = walk_list(shared, parties, one, room.first, length, room)
-    new_cost = cost - _weigh(shared, lists.finish[one], reference)
-    new_cost += _weigh(shared, finish, reference)
-    other_finish = finish
+    """Return what the lists cost if two crews, or one named twice, are done at other times."""
+    finishes = search.lists.finish
+    cost = search.cost[0] + _weigh(shared, search, finish)
+    cost -= _weigh(shared, search, finishes[one])
     if one != other:
-        other_finish = walk_list(shared, parties, other, room.second, other_length, room)
-        new_cost -= _weigh(shared, lists.finish[other], reference)
-        new_cost += _weigh(shared, other_finish, reference)
-    if new_cost > limit:
-        return cost
-    replace_list(lists, one, room.first, length)
-    set_finish(lists, one, finish)
-    _note(best.list_changes, best.is_list_changed, one)
-    if one != other:
-        replace_list(lists, other, room.second, other_length)
-        set_finish(lists, other, other_finish)
-        _note(best.list_changes, best.is_list_changed, other)
-    return new_cost
+        cost += _weigh(shared, search, other_finish)
+        cost -= _weigh(shared, search, finishes[other])
+    return cost
 
 
 @kernel
-def _try_trade(
-    shared: Shared,
-    lists: CrewRoutes,
-    parties: Parties,
-    crew: Array,
-    is_alone: Array,
-    room: CrewRoom,
-    best: BestLists,
-    reference: int,
-    cost: int,
-    limit: int,
-) -> Any:
-    """Swap two robots that can do the same, unless it costs too much; return the cost then."""
-    robot, partner = draw_below(room.random, len(crew)), draw_below(room.random, len(crew))
+def _try_change(shared: Shared, search: CrewSearch, limit: int) -> None:
+    """Make a change unless it costs too much."""
+    lists, room = search.lists, search.room
+    one, other, length, other_length = change_lists(search)
+    if one == NOBODY:
+        return
+    finish = walk_list(shared, search.parties, one, room.first, length, room)
+    other_finish = finish
+    if one != other:
+        other_finish = walk_list(shared, search.parties, other, room.second, other_length, room)
+    cost = _cost_with(shared, search, one, finish, other, other_finish)
+    if cost > limit:
+        return
+    search.cost[0] = cost
+    replace_list(lists, one, room.first, length)
+    lists.finish[one] = finish
+    if one != other:
+        replace_list(lists, other, room.second, other_length)
+        lists.finish[other] = other_finish
+
+
+@kernel
+def _try_trade(shared: Shared, search: CrewSearch, limit: int) -> None:
+    """Swap two robots that can do the same, unless it costs too much."""
+    crew, random = search.crew, search.room.random
+    robot, partner = draw_below(random, len(crew)), draw_below(random, len(crew))
     one, other = crew[robot], crew[partner]
-    is_able = is_alone[robot] and is_alone[partner] and _are_alike(shared, robot, partner)
-    if one == other or not is_able:
-        return cost
-    finish, other_finish = _trade(shared, lists, parties, crew, robot, partner, room)
-    new_cost = cost - _weigh(shared, lists.finish[one], reference)
-    new_cost += _weigh(shared, finish, reference)
-    new_cost -= _weigh(shared, lists.finish[other], reference)
-    new_cost += _weigh(shared, other_finish, reference)
-    if new_cost > limit:
-        _trade(shared, lists, parties, crew, robot, partner, room)
-        return cost
-    set_finish(lists, one, finish)
-    set_finish(lists, other, other_finish)
-    _note(best.crew_changes, best.is_crew_changed, robot)
-    _note(best.crew_changes, best.is_crew_changed, partner)
-    return new_cost
+    is_able = search.is_alone[robot] and search.is_alone[partner]
+    if one == other or not (is_able and _are_alike(shared, robot, partner)):
+        return
+    finish, other_finish = _trade(shared, search, robot, partner)
+    cost = _cost_with(shared, search, one, finish, other, other_finish)
+    if cost > limit:
+        _trade(shared, search, robot, partner)
+        return
+    search.cost[0] = cost
+    search.lists.finish[one], search.lists.finish[other] = finish, other_finish
 
 
 @kernel
@@ -195,17 +187,9 @@ def _are_alike(shared: Shared, robot: int, partner: int) -> bool:
 
 
 @kernel
-def _trade(
-    shared: Shared,
-    lists: CrewRoutes,
-    parties: Parties,
-    crew: Array,
-    robot: int,
-    partner: int,
-    room: CrewRoom,
-) -> tuple[Any, Any]:
-    """Swap the crews of two robots; return when the crew of the first and of the second was done,
-    from then on."""
+def _trade(shared: Shared, search: CrewSearch, robot: int, partner: int) -> tuple[Any, Any]:
+    """Swap the crews of two robots; return when both crews are done from then on."""
+    lists, parties, crew, room = search.lists, search.parties, search.crew, search.room
     one, other = crew[robot], crew[partner]
     crew[robot], crew[partner] = other, one
     gather_parties(shared, parties, crew, one)
@@ -250,49 +234,26 @@ def _who_starts_alone(shared: Shared) -> Array:
     return is_alone
 
 
-@allocating_kernel
-def _first_kept(lists: CrewRoutes, crew: Array) -> BestLists:
-    crews, robots = len(lists.length), len(crew)
-    return BestLists(
-        lists.tasks.copy(),
-        lists.length.copy(),
-        crew.copy(),
-        np.zeros(crews + 1, dtype=np.int64),
-        np.zeros(crews, dtype=np.bool_),
-        np.zeros(robots + 1, dtype=np.int64),
-        np.zeros(robots, dtype=np.bool_),
-    )
+@kernel
+def _keep(search: CrewSearch) -> None:
+    """Write down the best lists and crews."""
+    for task in range(len(search.best_list)):
+        search.best_list[task] = search.lists.crew[task]
+        search.best_position[task] = search.lists.position[task]
+    for robot in range(len(search.crew)):
+        search.best_crew[robot] = search.crew[robot]
 
 
 @kernel
-def _note(changes: Array, is_changed: Array, number: int) -> None:
-    """Note that a list or a robot's crew is not what was written down."""
-    if not is_changed[number]:
-        is_changed[number] = True
-        changes[0] += 1
-        changes[changes[0]] = number
-
-
-@kernel
-def _keep(lists: CrewRoutes, crew: Array, best: BestLists) -> None:
-    """Write down what has changed."""
-    for index in range(1, best.list_changes[0] + 1):
-        number = best.list_changes[index]
-        best.is_list_changed[number] = False
-        best.length[number] = lists.length[number]
-        for position in range(lists.length[number]):
-            best.tasks[number, position] = lists.tasks[number, position]
-    for index in range(1, best.crew_changes[0] + 1):
-        robot = best.crew_changes[index]
-        best.is_crew_changed[robot] = False
-        best.crew[robot] = crew[robot]
-    best.list_changes[0] = best.crew_changes[0] = 0
-
-
-@kernel
-def _put_back(lists: CrewRoutes, crew: Array, best: BestLists) -> None:
-    """Make the lists what was written down."""
+def _put_back(search: CrewSearch) -> None:
+    """Make the lists and crews what was written down."""
+    lists = search.lists
     for number in range(len(lists.length)):
-        replace_list(lists, number, best.tasks[number], best.length[number])
-    for robot in range(len(crew)):
-        crew[robot] = best.crew[robot]
+        lists.length[number] = 0
+    for task in range(len(search.best_list)):
+        number, position = search.best_list[task], search.best_position[task]
+        lists.tasks[number, position] = task
+        lists.crew[task], lists.position[task] = number, position
+        lists.length[number] += 1
+    for robot in range(len(search.crew)):
+        search.crew[robot] = search.best_crew[robot]

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
+from teamformer.planning.crews.routes import slowest_of
 from teamformer.world.rules.chance import draw_below
 from teamformer.world.rules.constants import NOBODY
 
 if TYPE_CHECKING:
-    from teamformer.planning.crews.evaluation import CrewRoom
+    from teamformer.planning.crews.local_search import CrewSearch
     from teamformer.planning.crews.routes import CrewRoutes
 
 LONGEST_STRETCH = 3
@@ -18,32 +19,31 @@ LONGEST_STRETCH = 3
 
 
 @kernel
-def change_lists(
-    lists: CrewRoutes, is_able: Array, near: Array, slowest: int, room: CrewRoom
-) -> Any:
+def change_lists(search: CrewSearch) -> Any:
     """Draw a change; write the lists that it gives to `room.first` and `room.second`.
 
     Return the two crews, the same twice if only one list changes, and the lengths of the new
     lists; a first crew NOBODY if nothing came of it.
     """
-    random = room.random
+    lists, near, random = search.lists, search.near, search.room.random
     if draw_below(random, 2) == 0:
+        slowest = slowest_of(lists)
         task = lists.tasks[slowest, draw_below(random, lists.length[slowest])]
     else:
         task = draw_below(random, len(lists.crew))
     beside = near[task, draw_below(random, near.shape[1])]
     kind = draw_below(random, 8)
     if kind < 4 or beside == NOBODY:
-        return _move(lists, is_able, task, beside, room)
+        return _move(search, task, beside)
     if kind < 6:
-        return _turn(lists, is_able, task, beside, room)
-    return _swap(lists, is_able, task, beside, room)
+        return _turn(search, task, beside)
+    return _swap(search, task, beside)
 
 
 @kernel
-def _move(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: CrewRoom) -> Any:
+def _move(search: CrewSearch, task: int, beside: int) -> Any:
     """Move a stretch that begins with a task beside another one, or now and then anywhere."""
-    random = room.random
+    lists, room, random = search.lists, search.room, search.room.random
     one, begin = lists.crew[task], lists.position[task]
     if beside == NOBODY or draw_below(random, 8) == 0:
         other = draw_below(random, len(lists.length))
@@ -55,7 +55,7 @@ def _move(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: CrewR
     end, is_turned = begin + length, draw_below(random, 2) == 0
     if one == other and begin <= gap <= end:
         return NOBODY, other, 0, 0
-    if one != other and not _can_do(lists, is_able, other, one, begin, end):
+    if one != other and not _can_do(search, other, one, begin, end):
         return NOBODY, other, 0, 0
     target = room.first if one == other else room.second
     count = 0
@@ -80,25 +80,22 @@ def _move(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: CrewR
 
 
 @kernel
-def _can_do(
-    lists: CrewRoutes, is_able: Array, number: int, owner: int, begin: int, end: int
-) -> bool:
+def _can_do(search: CrewSearch, number: int, owner: int, begin: int, end: int) -> bool:
     """Say whether a crew can do a stretch of another one's list."""
     for position in range(begin, end):
-        if not is_able[number, lists.tasks[owner, position]]:
+        if not search.is_able[number, search.lists.tasks[owner, position]]:
             return False
     return True
 
 
 @kernel
-def _turn(
-    lists: CrewRoutes, is_able: Array, task: int, beside: int, room: CrewRoom
-) -> tuple[Any, Any, Any, Any]:
+def _turn(search: CrewSearch, task: int, beside: int) -> tuple[Any, Any, Any, Any]:
     """Reverse the stretch between two tasks (2-opt), or let two lists cross over there."""
+    lists, room = search.lists, search.room
     one, other = lists.crew[task], lists.crew[beside]
     begin, end = lists.position[task], lists.position[beside]
     if one != other:
-        return _cross_over(lists, is_able, one, begin + 1, other, end, room)
+        return _cross_over(search, one, begin + 1, other, end)
     begin, end = min(begin, end), max(begin, end)
     for position in range(lists.length[one]):
         is_turned = begin <= position <= end
@@ -108,19 +105,12 @@ def _turn(
 
 
 @kernel
-def _cross_over(
-    lists: CrewRoutes,
-    is_able: Array,
-    one: int,
-    cut: int,
-    other: int,
-    other_cut: int,
-    room: CrewRoom,
-) -> Any:
+def _cross_over(search: CrewSearch, one: int, cut: int, other: int, other_cut: int) -> Any:
     """Exchange what comes from a cut on in each of two lists."""
-    if not _can_do(lists, is_able, other, one, cut, lists.length[one]):
+    lists, room = search.lists, search.room
+    if not _can_do(search, other, one, cut, lists.length[one]):
         return NOBODY, other, 0, 0
-    if not _can_do(lists, is_able, one, other, other_cut, lists.length[other]):
+    if not _can_do(search, one, other, other_cut, lists.length[other]):
         return NOBODY, other, 0, 0
     count = _splice(lists, one, cut, other, other_cut, room.first)
     return one, other, count, _splice(lists, other, other_cut, one, cut, room.second)
@@ -142,8 +132,9 @@ def _splice(
 
 
 @kernel
-def _swap(lists: CrewRoutes, is_able: Array, task: int, beside: int, room: CrewRoom) -> Any:
+def _swap(search: CrewSearch, task: int, beside: int) -> Any:
     """Swap a task with the one after another, so that it comes beside that."""
+    lists, is_able, room = search.lists, search.is_able, search.room
     one, other = lists.crew[task], lists.crew[beside]
     begin, end = lists.position[task], lists.position[beside] + 1
     if end == lists.length[other]:

@@ -48,8 +48,6 @@ class CrewRoutes(NamedTuple):
     crew: Array  # (tasks,) whose list a task is on
     position: Array  # (tasks,) where on it
     finish: Array  # (crews,) the step in which the last of the list is done
-    slowest: Array  # (nodes,) a tree: the slowest crew below each node, that of all at 1; the
-    # second half are the crews, or NOBODY
 
 
 class Parties(NamedTuple):
@@ -92,38 +90,17 @@ def empty_lists(crews: int, tasks: Array) -> CrewRoutes:
         np.full(tasks, NOBODY, dtype=np.int32),
         np.full(tasks, NOBODY, dtype=np.int32),
         np.zeros(crews, dtype=np.int64),
-        _empty_tree(crews),
     )
-
-
-@allocating_kernel
-def _empty_tree(crews: int) -> Array:
-    leaves = 1
-    while leaves < crews:
-        leaves *= 2
-    tree = np.full(2 * leaves, NOBODY, dtype=np.int32)
-    for number in range(crews):
-        tree[leaves + number] = number
-    return tree
-
-
-@kernel
-def set_finish(lists: CrewRoutes, number: int, finish: int) -> None:
-    """Note when a crew is done with its list, and which crew is the slowest now."""
-    lists.finish[number] = finish
-    tree = lists.slowest
-    node = (len(tree) // 2 + number) // 2
-    while node > 0:
-        one, other = tree[2 * node], tree[2 * node + 1]
-        is_one = other == NOBODY or (one != NOBODY and lists.finish[one] >= lists.finish[other])
-        tree[node] = one if is_one else other
-        node //= 2
 
 
 @kernel
 def slowest_of(lists: CrewRoutes) -> int:
     """Return the crew that is done last, the lowest of equals."""
-    return lists.slowest[1]
+    slowest = 0
+    for number in range(len(lists.finish)):
+        if lists.finish[number] > lists.finish[slowest]:
+            slowest = number
+    return slowest
 
 
 @kernel

@@ -25,18 +25,18 @@ PREV, NEXT, END, BACK, COMES, KIND, KEY, TAKEN, DURATION, LEFT, DETOUR = range(1
 ARRIVING, PARTING = 1, 2
 """What is to be worked out of a node on the agenda: its start, or in steps also who leaves when."""
 
-LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED, AIMED = range(8)
+LOGGED, WAITS, HOMES, PAST, COMES_BY, LEAVES_BY, CHAINED = range(7)
 """Numbers of a trial: entries in the log, tasks on the agenda, homes to be timed, and the highest
 key of a node whose arcs out, or duration, have changed: behind it tails still hold; the seats by
-which what the makespan hangs on comes to the task at hand and leaves it, or NOBODY; the length of
-the chain, or NOBODY if the plan has changed since it was listed; and the aim of the graph with the
-change."""
+which what the makespan hangs on comes to the task at hand and leaves it, or NOBODY; and the
+length of the chain, or NOBODY if the plan has changed since it was listed."""
 
 
 class ArcChange(NamedTuple):
     """A change at hand."""
 
-    number: Ints  # (8,)
+    number: Ints  # (7,)
+    total: Ints  # (9,) what is known of the graph with it, as in there
     log: Records  # ENTRY
     agenda: Records  # (tasks + 1,) WAITING, latest first
     homes: Int32s  # (robots,) homes whose arc in, or its begin, has changed
@@ -48,10 +48,11 @@ def empty_trial(graph: Graph, timed_again: int = 0) -> ArcChange:
     """Return room for a change; `timed_again` is how often tasks may be timed more than once."""
     room = 10 * len(graph.seats) + 5 * len(graph.nodes) + len(graph.back) + timed_again
     room += 4 * len(graph.left)
-    number = np.zeros(8, np.int64)
+    number = np.zeros(7, np.int64)
     number[CHAINED] = NOBODY
     return ArcChange(
         number=number,
+        total=np.zeros_like(graph.total),
         log=np.zeros(room, ENTRY).view(np.recarray),
         agenda=np.zeros(len(graph.nodes) + 1, WAITING).view(np.recarray),
         homes=np.zeros(len(graph.back), np.int32),
@@ -77,6 +78,16 @@ def record(trial: ArcChange, what: int, index: int, old: int) -> None:
     trial.log[entry].index = index
     trial.log[entry].old = old
     trial.number[LOGGED] = entry + 1
+
+
+@kernel
+def remember(graph: Graph, trial: ArcChange, task: int) -> None:
+    """Note the key of a task and the kinds of its robots before they change."""
+    node = graph.nodes[task]
+    record(trial, KEY, task, node.key)
+    record(trial, TAKEN, task, node.taken)
+    for seat in range(node.first, node.first + node.taken):
+        record(trial, KIND, seat, graph.seats[seat].kind)
 
 
 @kernel

@@ -222,8 +222,11 @@ def leave(problem: ArcProblem, graph: Graph, kind: int, place: int, seat: int) -
 def tail_of(problem: ArcProblem, graph: Graph, task: int, first_seat: int) -> int:
     """Return the longest chain from the start of a task to the end of all.
 
-    Forming on the way is not counted: who else comes from where may change.
+    Forming on the way is not counted: who else comes from where may change. Nobody waits for a task
+    that is left out, so it has none.
     """
+    if is_left_out(problem, graph, task):
+        return 0
     node, longest = graph.nodes[task], 0
     for seat in range(first_seat, first_seat + node.taken):
         record = graph.seats[seat]
@@ -244,35 +247,31 @@ def back_of(problem: ArcProblem, graph: Graph, robot: int) -> int:
 
 
 @kernel
-def aim_of(problem: ArcProblem, graph: Graph, makespan: int, price: int) -> int:
-    """Return what a plan is judged by, the makespan and what it costs when tasks end.
+def weigh_totals(problem: ArcProblem, graph: Graph, total: Ints) -> None:
+    """Write what a plan is judged by, and what a search goes by, from all else that is known.
 
-    In steps it does not count which task of a step has its turn first.
+    Plans of one aim cost less if all is over early. In steps it does not count for the aim which
+    task of a step has its turn first.
     """
+    makespan, leads, weights = total[MAKESPAN], total[LEADS], problem.weights
+    total[AIM] = weights[0] * makespan + total[PRICE] + total[MISSED]
     if is_in_steps(graph):
-        makespan -= makespan % TICKS
-    return problem.weights[0] * makespan + price
+        total[AIM] -= weights[0] * (makespan % TICKS)
+        cost = weights[0] * makespan + weights[1] * total[END_SUM] + total[PRICE]
+        total[COST] = cost // weights[2] + leads
+        return
+    counted = counted_makespan(problem, graph, makespan, leads)
+    total[COST] = counted + total[BACK_SUM] // (SPREAD * len(graph.back)) + leads
 
 
 @kernel
-def cost_of(
-    problem: ArcProblem,
-    graph: Graph,
-    makespan: int,
-    back_sum: int,
-    end_sum: int,
-    price: int,
-    leads: int,
-) -> int:
-    """Return what a search goes by, in ticks: plans of one aim cost less if all is over early.
-
-    `leads` is what it takes missed tasks to cost.
-    """
-    if is_in_steps(graph):
-        weights = problem.weights
-        return (weights[0] * makespan + weights[1] * end_sum + price) // weights[2] + leads
-    counted = counted_makespan(problem, graph, makespan, leads)
-    return counted + back_sum // (SPREAD * len(graph.back)) + leads
+def last_home(graph: Graph) -> int:
+    """Return the home that is reached last, the first of equals."""
+    latest = 0
+    for robot in range(len(graph.back)):
+        if graph.back[robot] > graph.back[latest]:
+            latest = robot
+    return latest
 
 
 @kernel
@@ -354,23 +353,20 @@ def _send(problem: ArcProblem, graph: Graph, node: int) -> None:
 @kernel
 def sum_up(problem: ArcProblem, graph: Graph) -> None:
     """Work out the makespan and the cost of a graph whose times are known."""
-    total, back, price, end_sum = graph.total, graph.back, 0, 0
-    latest, back_sum = 0, 0
-    for robot in range(len(back)):
-        back_sum += back[robot]
-        if back[robot] > back[latest]:
-            latest = robot
-    total[MISSED] = total[LEADS] = 0
+    total = graph.total
+    for part in range(len(total)):
+        total[part] = 0
+    for robot in range(len(graph.back)):
+        total[BACK_SUM] += graph.back[robot]
     for task in range(len(problem.near)):
         worth, end = graph.worth[task], graph.nodes[task].end
-        end_sum += counted_end(problem, worth, end)
-        price += priced(problem, worth, end)
+        total[END_SUM] += counted_end(problem, worth, end)
+        total[PRICE] += priced(problem, worth, end)
         total[MISSED] += missed(problem, worth, end)
         total[LEADS] += missed_leads(problem, worth, end)
-    total[LATEST], total[MAKESPAN] = latest, back[latest]
-    total[BACK_SUM], total[END_SUM], total[PRICE] = back_sum, end_sum, price
-    total[AIM] = aim_of(problem, graph, back[latest], price) + total[MISSED]
-    total[COST] = cost_of(problem, graph, back[latest], back_sum, end_sum, price, total[LEADS])
+    total[LATEST] = last_home(graph)
+    total[MAKESPAN] = graph.back[total[LATEST]]
+    weigh_totals(problem, graph, total)
 
 
 def plan_of(problem: CoalitionProblem, arcs: ArcProblem, graph: Graph) -> CoalitionPlan:

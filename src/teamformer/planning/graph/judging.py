@@ -12,7 +12,6 @@ from teamformer.planning.graph.approximate_steps import comes_from, plan_ways
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed
 from teamformer.planning.graph.arriving import left_after
 from teamformer.planning.graph.changes import (
-    AIMED,
     BACK,
     CHAINED,
     COMES,
@@ -33,9 +32,7 @@ from teamformer.planning.graph.changes import (
 )
 from teamformer.planning.graph.charging import is_charged
 from teamformer.planning.graph.graph import (
-    AIM,
     BACK_SUM,
-    COST,
     END_SUM,
     LATEST,
     LEADS,
@@ -43,13 +40,13 @@ from teamformer.planning.graph.graph import (
     MISSED,
     PRICE,
     Graph,
-    aim_of,
     back_of,
-    cost_of,
     is_in_steps,
+    last_home,
     start_of,
     tail_of,
     takes,
+    weigh_totals,
 )
 from teamformer.planning.graph.worth import (
     counted_end,
@@ -184,12 +181,15 @@ def _send_on(problem: ArcProblem, graph: Graph, trial: ArcChange, node: int) -> 
 
 
 @kernel
-def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
-    """Time the homes, and return what the plan costs now; `total` stays until it is accepted."""
-    number, back, total = trial.number, graph.back, graph.total
-    makespan, back_sum, price, end_sum = 0, total[BACK_SUM], total[PRICE], total[END_SUM]
-    misses, leads = total[MISSED], total[LEADS]
-    is_latest_changed = False
+def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> None:
+    """Time the homes, and work out what is known of the graph with the change at hand.
+
+    Who is home last is NOBODY where that is not known any more.
+    """
+    number, back, total = trial.number, graph.back, trial.total
+    for part in range(len(total)):
+        total[part] = graph.total[part]
+    makespan, is_latest_changed = 0, False
     for index in range(number[HOMES]):
         robot = trial.homes[index]
         trial.is_listed[robot] = 0
@@ -199,62 +199,48 @@ def sum_up_trial(problem: ArcProblem, graph: Graph, trial: ArcChange) -> int:
             is_latest_changed |= robot == total[LATEST]
             record(trial, BACK, robot, old)
             back[robot] = now
-            back_sum += now - old
+            total[BACK_SUM] += now - old
             makespan = max(makespan, now)
+            if now > total[MAKESPAN]:
+                total[MAKESPAN], total[LATEST] = now, robot
     number[HOMES] = 0
-    if not is_latest_changed:
-        makespan = max(makespan, total[MAKESPAN])
-    elif makespan < total[MAKESPAN]:
-        for robot in range(len(back)):
-            makespan = max(makespan, back[robot])
+    if is_latest_changed:
+        total[LATEST] = NOBODY
+        if makespan < graph.total[MAKESPAN]:
+            for robot in range(len(back)):
+                makespan = max(makespan, back[robot])
+        total[MAKESPAN] = makespan
     for entry in range(number[LOGGED]):
         if trial.log[entry].what == END:
             task, old_end = trial.log[entry].index, trial.log[entry].old
             end, worth = graph.nodes[task].end, graph.worth[task]
-            end_sum += counted_end(problem, worth, end) - counted_end(problem, worth, old_end)
-            price += priced(problem, worth, end) - priced(problem, worth, old_end)
-            misses += missed(problem, worth, end) - missed(problem, worth, old_end)
-            leads += missed_leads(problem, worth, end) - missed_leads(problem, worth, old_end)
-    number[AIMED] = aim_of(problem, graph, makespan, price) + misses
-    return cost_of(problem, graph, makespan, back_sum, end_sum, price, leads)
+            total[END_SUM] += counted_end(problem, worth, end)
+            total[END_SUM] -= counted_end(problem, worth, old_end)
+            total[PRICE] += priced(problem, worth, end) - priced(problem, worth, old_end)
+            total[MISSED] += missed(problem, worth, end) - missed(problem, worth, old_end)
+            total[LEADS] += missed_leads(problem, worth, end)
+            total[LEADS] -= missed_leads(problem, worth, old_end)
+    weigh_totals(problem, graph, total)
 
 
 @kernel
-def accept(problem: ArcProblem, graph: Graph, trial: ArcChange, cost: int) -> None:
+def accept(problem: ArcProblem, graph: Graph, trial: ArcChange) -> None:
     """Give tasks the keys of their starts and their tails, from the latest one backwards."""
     number, nodes, seats = trial.number, graph.nodes, graph.seats
-    total, back = graph.total, graph.back
-    total[AIM], total[COST] = number[AIMED], cost
     number[CHAINED] = NOBODY
-    is_latest_changed = False
+    for part in range(len(graph.total)):
+        graph.total[part] = trial.total[part]
+    if graph.total[LATEST] == NOBODY:
+        graph.total[LATEST] = last_home(graph)
     for place in range(number[LOGGED]):
-        index, old = trial.log[place].index, trial.log[place].old
         if trial.log[place].what == END:
-            node, worth = nodes[index], graph.worth[index]
+            node = nodes[trial.log[place].index]
             node.key = 2 * (node.end - node.duration) + 1
-            end = node.end
-            total[END_SUM] += counted_end(problem, worth, end) - counted_end(problem, worth, old)
-            total[PRICE] += priced(problem, worth, end) - priced(problem, worth, old)
-            total[MISSED] += missed(problem, worth, end) - missed(problem, worth, old)
-            total[LEADS] += missed_leads(problem, worth, end) - missed_leads(problem, worth, old)
-        elif trial.log[place].what == BACK:
-            total[BACK_SUM] += back[index] - old
-            is_latest_changed |= index == total[LATEST]
-            if back[index] > total[MAKESPAN]:
-                total[MAKESPAN] = back[index]
-                total[LATEST] = index
-    if is_latest_changed:
-        latest = 0
-        for robot in range(len(back)):
-            if back[robot] > back[latest]:
-                latest = robot
-        total[LATEST] = latest
-        total[MAKESPAN] = back[latest]
     for place in range(number[LOGGED]):
-        is_longer = trial.log[place].what == DURATION
-        if is_longer or trial.log[place].what == NEXT:
-            node = trial.log[place].index
-            if not is_longer:
+        what, node = trial.log[place].what, trial.log[place].index
+        is_out = what == END and is_left_out(problem, graph, node)
+        if what in (DURATION, NEXT) or is_out:
+            if what == NEXT:
                 node = seats[node].node
             if node < len(problem.near) and not nodes[node].is_waiting:
                 nodes[node].key = 2 * (nodes[node].end - nodes[node].duration) + 1

@@ -20,7 +20,6 @@ from teamformer.base.kernels.jit import entry, kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed, may_miss
 from teamformer.planning.graph.arriving import arrive_home
 from teamformer.planning.graph.changes import (
-    AIMED,
     BACK,
     DURATION,
     END,
@@ -167,6 +166,9 @@ def lead(
     problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: Ledger, seat: int, to: int
 ) -> None:
     """Lead the arc that leaves a seat to another one."""
+    if not is_weighed(problem):
+        connect(graph, trial, seat, to)
+        return
     ledger.then[TRAVEL] -= way_out(problem, graph, seat)
     connect(graph, trial, seat, to)
     ledger.then[TRAVEL] += way_out(problem, graph, seat)
@@ -259,8 +261,8 @@ def sum_up_change(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: L
     if is_weighed(problem):
         _add_up(problem, graph, trial, ledger)
     else:
-        ledger.lead[THEN] = sum_up_trial(problem, graph, trial)
-        ledger.cost[THEN] = trial.number[AIMED]
+        sum_up_trial(problem, graph, trial)
+        ledger.cost[THEN], ledger.lead[THEN] = trial.total[AIM], trial.total[COST]
 
 
 @kernel
@@ -318,7 +320,7 @@ def accept_change(problem: ArcProblem, graph: Graph, trial: ArcChange, ledger: L
     """Make the change at hand part of the graph: give tasks the keys of their starts."""
     replace_cost(ledger, NOW, THEN)
     if not is_weighed(problem):
-        accept(problem, graph, trial, np.int64(ledger.lead[THEN]))
+        accept(problem, graph, trial)
         return
     for place in range(trial.number[LOGGED]):
         what = trial.log[place].what

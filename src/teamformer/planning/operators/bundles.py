@@ -13,7 +13,9 @@ from teamformer.planning.operators.coalition_choice import (
     FELLOWS_TO,
     PICKS,
     Choice,
+    is_lacking,
     pick_seat,
+    want,
 )
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.problem.coalition_problem import NOBODY
@@ -56,9 +58,7 @@ def pick_group(problem: ArcProblem, graph: Graph, choice: Choice, task: int) -> 
     """Pick all robots of the group that was drawn; say if they cover the task."""
     nodes, seats = graph.nodes, graph.seats
     begin, end = choice.number[FELLOWS_FROM], choice.number[FELLOWS_TO]
-    choice.number[PICKS] = 0
-    for cap in range(len(choice.lacking)):
-        choice.lacking[cap] = problem.needs[nodes[task].need, cap]
+    want(problem, choice, nodes[task].need)
     first, taken = nodes[begin].first, nodes[begin].taken
     for tail in range(first, first + taken):
         head = seats[tail].next
@@ -71,7 +71,4 @@ def pick_group(problem: ArcProblem, graph: Graph, choice: Choice, task: int) -> 
         if choice.number[PICKS] == problem.most[0]:
             return False
         pick_seat(problem, graph, choice, task, tail, head)
-    for cap in range(len(choice.lacking)):
-        if choice.lacking[cap] > 0:
-            return False
-    return True
+    return not is_lacking(choice)

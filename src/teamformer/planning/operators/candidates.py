@@ -6,11 +6,18 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from teamformer.base.array_types import Floats, Int32s, Ints
+from teamformer.base.array_types import Floats, Ints
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, Records, takes_with
 from teamformer.planning.graph.arriving import arrive
 from teamformer.planning.graph.graph import Graph
+from teamformer.planning.operators.coalition_choice import (
+    PICKS,
+    drop_spare,
+    is_lacking,
+    take,
+    want,
+)
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import HOME, MAKESPAN, MAX_TARDINESS, TARDINESS, TRAVEL
 from teamformer.world.rules.chance import SLACKS, STEPS, draw_below
@@ -32,18 +39,16 @@ MOST_CANDIDATES = 256
 
 CANDIDATE = np.dtype([("seat", np.int64), ("kind", np.int64), ("cost", np.float64)])
 
-FOUND, PICKS, STAMP = range(3)
+FOUND, STAMP = range(2)
 
 
 class CandidateRoom(NamedTuple):
-    """Room to choose a coalition in."""
+    """Room to choose a coalition in by what each of its robots costs."""
 
-    number: Ints  # (3,) arcs found, robots picked, and what arcs that were seen are marked with
+    number: Ints  # (2,) arcs found, and what arcs that were seen are marked with
     found: Records  # CANDIDATE
-    pick: Int32s  # (seats + 1,) which of those found
     seen: Ints  # (seats,)
     was: Ints  # (seats of a group,) the seats that came before a task
-    lacking: Int32s  # (caps,)
     met: Ints  # (groups,)
     slacks: Ints  # how much more an arc is taken to cost, in 1024ths of the heat
     heat: Floats  # (1,)
@@ -53,12 +58,10 @@ def empty_candidates(problem: ArcProblem, seats: int) -> CandidateRoom:
     """Return room for a graph with so many seats."""
     most = int(problem.most[0])
     return CandidateRoom(
-        number=np.zeros(3, np.int64),
+        number=np.zeros(2, np.int64),
         found=np.zeros(MOST_CANDIDATES, CANDIDATE).view(np.recarray),
-        pick=np.zeros(most + 1, np.int32),
         seen=np.zeros(seats, np.int64),
         was=np.zeros(most * problem.links.members.shape[1], np.int64),
-        lacking=np.zeros(problem.needs.shape[1], np.int32),
         met=np.zeros(len(problem.links.members), np.int64),
         slacks=SLACKS,
         heat=np.zeros(1),
@@ -142,64 +145,22 @@ def _cost_of(problem: ArcProblem, graph: Graph, task: int, tail: int, to: int) -
 
 
 @kernel
-def choose(problem: ArcProblem, room: CandidateRoom, need: int) -> bool:
+def choose(problem: ArcProblem, search: SearchState, need: int) -> bool:
     """Pick arcs until a need is covered, the cheapest that helps each time; say if it is."""
-    number, lacking = room.number, room.lacking
-    number[PICKS] = 0
-    for cap in range(len(lacking)):
-        lacking[cap] = problem.needs[need, cap]
-    while _is_lacking(lacking):
-        best = NOBODY
-        for index in range(number[FOUND]):
-            if best != NOBODY and room.found[index].cost >= room.found[best].cost:
-                continue
-            if _helps(problem, room, index) and not _is_picked(room, index):
-                best = index
-        if best == NOBODY or number[PICKS] == problem.most[0] + 1:
+    room, choice = search.candidates, search.choice
+    want(problem, choice, need)
+    while is_lacking(choice):
+        best, least = NOBODY, np.inf
+        for index in range(room.number[FOUND]):
+            found = room.found[index]
+            which = problem.kinds[found.kind].type
+            if found.cost < least and helps(problem.counts[which], choice.lacking):
+                best, least = index, found.cost
+        if best == NOBODY or choice.number[PICKS] == problem.most[0] + 1:
             return False
-        room.pick[number[PICKS]] = best
-        number[PICKS] += 1
-        for cap in range(len(lacking)):
-            lacking[cap] -= problem.counts[problem.kinds[room.found[best].kind].type, cap]
-    _drop_spare(problem, room)
-    return number[PICKS] <= problem.most[0]
-
-
-@kernel
-def _is_lacking(lacking: Int32s) -> bool:
-    for cap in range(len(lacking)):
-        if lacking[cap] > 0:
-            return True
-    return False
-
-
-@kernel
-def _helps(problem: ArcProblem, room: CandidateRoom, index: int) -> bool:
-    which = problem.kinds[room.found[index].kind].type
-    return helps(problem.counts[which], room.lacking)
-
-
-@kernel
-def _is_picked(room: CandidateRoom, index: int) -> bool:
-    for place in range(room.number[PICKS]):
-        if room.pick[place] == index:
-            return True
-    return False
-
-
-@kernel
-def _drop_spare(problem: ArcProblem, room: CandidateRoom) -> None:
-    """Drop robots that are not needed, the last picked first."""
-    pick, number, lacking = room.pick, room.number, room.lacking
-    for place in range(number[PICKS] - 1, -1, -1):
-        which, is_spare = problem.kinds[room.found[pick[place]].kind].type, True
-        for cap in range(len(lacking)):
-            is_spare &= (
-                lacking[cap] + problem.counts[which, cap] <= 0 or problem.counts[which, cap] == 0
-            )
-        if is_spare:
-            for cap in range(len(lacking)):
-                lacking[cap] += problem.counts[which, cap]
-            number[PICKS] -= 1
-            for later in range(place, number[PICKS]):
-                pick[later] = pick[later + 1]
+        found, pick = room.found[best], choice.pick[choice.number[PICKS]]
+        pick.seat, pick.kind = found.seat, found.kind
+        take(problem, choice, problem.kinds[found.kind].type)
+        found.cost = np.inf  # it is picked
+    drop_spare(problem, choice)
+    return bool(choice.number[PICKS] <= problem.most[0])

@@ -253,14 +253,8 @@ def _pick(problem: ArcProblem, choice: Choice, need: int, index: int) -> None:
         if which == NOBODY:
             break
         for place in range(problem.covers[need, index, part, 1]):
-            _add(choice, which, place)
-
-
-@kernel
-def _add(choice: Choice, which: int, place: int) -> None:
-    picks = choice.number[PICKS]
-    _copy(choice.candidates[which], place, choice.pick, picks)
-    choice.number[PICKS] = picks + 1
+            _copy(choice.candidates[which], place, choice.pick, choice.number[PICKS])
+            choice.number[PICKS] += 1
 
 
 @kernel
@@ -274,9 +268,32 @@ def pick_seat(
     pick.leaves = leave(problem, graph, kind, task, head)
     if graph.nodes[task].is_load:
         pick.leaves += takes_with(problem, problem.kinds[kind].pace, task)
+    take(problem, choice, problem.kinds[kind].type)
+
+
+@kernel
+def want(problem: ArcProblem, choice: Choice, need: int) -> None:
+    """Begin to pick robots that cover a need."""
+    choice.number[PICKS] = 0
     for cap in range(len(choice.lacking)):
-        choice.lacking[cap] -= problem.counts[problem.kinds[kind].type, cap]
+        choice.lacking[cap] = problem.needs[need, cap]
+
+
+@kernel
+def take(problem: ArcProblem, choice: Choice, which: int) -> None:
+    """Count the robot in the next place as picked; it is of a type."""
     choice.number[PICKS] += 1
+    for cap in range(len(choice.lacking)):
+        choice.lacking[cap] -= problem.counts[which, cap]
+
+
+@kernel
+def is_lacking(choice: Choice) -> bool:
+    """Say whether something is lacking that those who are picked do not bring."""
+    for cap in range(len(choice.lacking)):
+        if choice.lacking[cap] > 0:
+            return True
+    return False
 
 
 @kernel
@@ -286,10 +303,9 @@ def _choose_greedily(problem: ArcProblem, choice: Choice, need: int, by_chain: b
     `found` is used up: what is picked of a type is its best that is left.
     """
     number = choice.number
-    for cap in range(len(choice.lacking)):
-        choice.lacking[cap] = problem.needs[need, cap]
+    want(problem, choice, need)
     comes, leaves = 0, 0
-    while True:
+    while is_lacking(choice):
         best, least, at = NOBODY, NEVER, 0
         for index in range(number[TYPES]):
             which = choice.types[index]
@@ -304,21 +320,16 @@ def _choose_greedily(problem: ArcProblem, choice: Choice, need: int, by_chain: b
                 best, least, at = which, value, place
         if best == NOBODY:
             return False
-        _add(choice, best, at)
+        _copy(choice.candidates[best], at, choice.pick, number[PICKS])
+        take(problem, choice, best)
         comes = max(comes, choice.candidates[best, at].comes)
         leaves = max(leaves, choice.candidates[best, at].leaves)
-        is_lacking = False
-        for cap in range(len(choice.lacking)):
-            choice.lacking[cap] -= problem.counts[best, cap]
-            is_lacking |= choice.lacking[cap] > 0
-        if not is_lacking:
-            break
-    _drop_spare(problem, choice)
-    return True
+    drop_spare(problem, choice)
+    return bool(number[PICKS] > 0)
 
 
 @kernel
-def _drop_spare(problem: ArcProblem, choice: Choice) -> None:
+def drop_spare(problem: ArcProblem, choice: Choice) -> None:
     """Drop robots that are not needed, the last picked first."""
     pick, number = choice.pick, choice.number
     index = number[PICKS] - 1

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_permit, may_miss, takes_with
-from teamformer.planning.graph.changes import KEY, KIND, TAKEN, connect, record
+from teamformer.planning.graph.changes import connect, remember
 from teamformer.planning.graph.graph import LAST, Graph
 from teamformer.planning.graph.ledger import lead, way_out
 from teamformer.planning.graph.worth import is_left_out
-from teamformer.planning.operators.candidates import PICKS, STAMP, CandidateRoom, choose, gather
+from teamformer.planning.operators.candidates import STAMP, CandidateRoom, choose, gather
+from teamformer.planning.operators.coalition_choice import PICKS
 from teamformer.planning.operators.draws import cut_beside_near, keeps_order
 from teamformer.planning.problem.coalition_problem import NEVER, NOBODY
 from teamformer.planning.problem.links import FREE, TRAVEL
@@ -111,13 +112,13 @@ def take_out(problem: ArcProblem, search: SearchState, task: int, was: int) -> i
     """Take a task out of its arcs; note where it was behind `was` others, and count them."""
     graph, trial, ledger, room = search.graph, search.trial, search.ledger, search.candidates
     node, seats = graph.nodes[task], graph.seats
+    remember(graph, trial, task)
     for seat in range(node.first, node.first + node.taken):
         tail, head = seats[seat].prev, seats[seat].next
         ledger.then[TRAVEL] -= way_out(problem, graph, seat)
         lead(problem, graph, trial, ledger, tail, head)
         room.was[was] = tail
         was += 1
-    record(trial, TAKEN, task, node.taken)
     node.taken = 0  # nobody is to come from there
     return was
 
@@ -125,20 +126,17 @@ def take_out(problem: ArcProblem, search: SearchState, task: int, was: int) -> i
 @kernel
 def _put_in(problem: ArcProblem, search: SearchState, task: int, cut: int, was: int) -> bool:
     """Put a task into the best arcs that cross a cut; say if there are any."""
-    graph, trial, ledger, room = search.graph, search.trial, search.ledger, search.candidates
+    graph, trial, ledger = search.graph, search.trial, search.ledger
     node, seats = graph.nodes[task], graph.seats
     if node.has_links and not keeps_order(problem, graph, task, cut):
         return False
     gather(problem, search, task, cut, was)
-    if not choose(problem, room, node.need):
+    if not choose(problem, search, node.need):
         return False
-    record(trial, TAKEN, task, node.taken)
-    record(trial, KEY, task, node.key)
-    node.taken, node.key = room.number[PICKS], cut
+    node.taken, node.key = search.choice.number[PICKS], cut
     for place in range(node.taken):
-        picked = room.found[room.pick[place]]
+        picked = search.choice.pick[place]
         seat, tail = node.first + place, picked.seat
-        record(trial, KIND, seat, seats[seat].kind)
         seats[seat].kind = picked.kind
         head = seats[tail].next
         lead(problem, graph, trial, ledger, tail, seat)

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ArcProblem, is_weighed
-from teamformer.planning.graph.changes import COMES_BY, LEAVES_BY, connect, wait
+from teamformer.planning.graph.changes import COMES_BY, LEAVES_BY, connect, remember, wait
 from teamformer.planning.graph.graph import Graph
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.operators.group_moves import move_group, take_out
-from teamformer.planning.operators.moved import remember
 from teamformer.planning.operators.task_moves import move_task
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
@@ -68,7 +67,7 @@ def _drop_one(problem: ArcProblem, search: SearchState, task: int) -> bool:
     if is_weighed(problem):
         take_out(problem, search, task, 0)
     else:
-        remember(graph, search.moved, task)
+        remember(graph, trial, task)
         for seat in range(node.first, node.first + node.taken):
             connect(graph, trial, seats[seat].prev, seats[seat].next)
         node.taken = 0

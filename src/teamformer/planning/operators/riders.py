@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import is_weighed
-from teamformer.planning.graph.changes import connect, follow
+from teamformer.planning.graph.changes import KEY, LOGGED, connect, follow, remember
 from teamformer.planning.graph.graph import is_in_steps
 from teamformer.planning.graph.ledger import travel_of
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near
 from teamformer.planning.operators.group_moves import are_apart
-from teamformer.planning.operators.moved import MOST_MOVED, remember
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.planning.problem.links import TRAVEL
 from teamformer.world.rules.chance import draw_below
@@ -27,6 +26,9 @@ if TYPE_CHECKING:
     from teamformer.planning.graph.changes import ArcChange
     from teamformer.planning.graph.graph import Graph
     from teamformer.planning.operators.state import SearchState
+
+MOST_MOVED = 8
+"""How many tasks one change moves at most."""
 
 SKIPS, JOINS = 20, 20  # percent
 """How many changes of riders skip tasks and, in steps, join at one task; the others follow a
@@ -40,7 +42,6 @@ def ride(problem: ArcProblem, search: SearchState, task: int, leg: int, limit: i
     Say if anything is changed, and no robot does two tasks then that are linked.
     """
     graph, trial, ledger, random = search.graph, search.trial, search.ledger, search.random
-    moved = search.moved
     what = draw_below(random, 100)
     if what < SKIPS:
         _skip(problem, search, task)
@@ -49,23 +50,25 @@ def ride(problem: ArcProblem, search: SearchState, task: int, leg: int, limit: i
     elif what < SKIPS + JOINS:
         tail = _draw_fellow(problem, graph, random, task)
         if tail != NOBODY:
-            remember(graph, moved, task)
+            remember(graph, trial, task)
             _come_along(graph, trial, task, tail)
     else:
         _follow_a_guide(problem, search, task)
     if is_weighed(problem):
         ledger.then[TRAVEL] = travel_of(problem, graph)
-        for place in range(moved.number[0]):
-            members = problem.links.members[problem.links.group[moved.task[place]]]
+        for place in range(trial.number[LOGGED]):
+            if trial.log[place].what != KEY:
+                continue
+            members = problem.links.members[problem.links.group[trial.log[place].index]]
             if members[1] != NOBODY and not are_apart(problem, graph, members):
                 return False
-    return moved.number[0] > 0
+    return bool(trial.number[LOGGED] > 0)
 
 
 @kernel
 def _skip(problem: ArcProblem, search: SearchState, task: int) -> None:
     """Have a robot skip tasks, from one on, while they can be done without it."""
-    graph, trial, moved, random = search.graph, search.trial, search.moved, search.random
+    graph, trial, random = search.graph, search.trial, search.random
     seats, nodes = graph.seats, graph.nodes
     seat = nodes[task].first + draw_below(random, nodes[task].taken)
     for _ in range(1 + draw_below(random, MOST_MOVED)):
@@ -73,7 +76,7 @@ def _skip(problem: ArcProblem, search: SearchState, task: int) -> None:
         if node == len(nodes) - 1 or not covers_with(problem, graph, node, node, seat, NOBODY):
             break
         following = seats[seat].next
-        remember(graph, moved, node)
+        remember(graph, trial, node)
         leave_out(graph, trial, node, seat)
         seat = following
 
@@ -180,18 +183,18 @@ def _go_with(problem: ArcProblem, search: SearchState, tail: int, guide: int, co
 
     It is less where they would meet, or where no seat is left.
     """
-    graph, trial, moved = search.graph, search.trial, search.moved
+    graph, trial = search.graph, search.trial
     seats, nodes = graph.seats, graph.nodes
     head, kind = seats[tail].next, seats[tail].kind
     for _ in range(count):
         node = nodes[seats[guide].node]
         if node.key >= nodes[seats[head].node].key or node.taken == problem.most[0]:
             break
-        remember(graph, moved, seats[guide].node)
+        remember(graph, trial, seats[guide].node)
         seat = node.first + node.taken
         node.taken += 1
         seats[seat].kind = kind
         connect(graph, trial, tail, seat)
         tail, guide = seat, seats[guide].next
-    if moved.number[0] > 0:
+    if trial.number[LOGGED] > 0:
         connect(graph, trial, tail, head)

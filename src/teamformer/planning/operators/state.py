@@ -6,14 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from teamformer.base.array_types import Array
+from teamformer.base.array_types import Array, Ints
 from teamformer.planning.graph.arc_problem import ArcProblem, StepRules
 from teamformer.planning.graph.changes import ArcChange
 from teamformer.planning.graph.graph import Graph, empty_graph
 from teamformer.planning.graph.ledger import Ledger, empty_ledger, room_for_change
 from teamformer.planning.operators.candidates import CandidateRoom, empty_candidates
 from teamformer.planning.operators.coalition_choice import Choice, empty_choice
-from teamformer.planning.operators.moved import Moved, empty_moved
+from teamformer.planning.operators.stretches import LONGEST
 from teamformer.planning.problem.coalition_problem import CoalitionProblem
 
 
@@ -25,7 +25,7 @@ class SearchState(NamedTuple):
     ledger: Ledger
     choice: Choice
     candidates: CandidateRoom
-    moved: Moved
+    stretch: Ints  # (LONGEST,) room for the tasks that a stretch has
     random: Array  # (1,) state of the random numbers
 
 
@@ -40,6 +40,6 @@ def empty_state(
         empty_ledger(arcs),
         empty_choice(arcs, most),
         empty_candidates(arcs, len(graph.seats)),
-        empty_moved(most),
+        np.zeros(LONGEST, np.int64),
         np.array([(seed * 2654435761 + 88172645463325252) % 2**64], np.uint64),
     )

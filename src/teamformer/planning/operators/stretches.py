@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from teamformer.base.kernels.jit import kernel
-from teamformer.planning.graph.changes import connect
+from teamformer.planning.graph.changes import connect, remember
 from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_near, keeps_order
-from teamformer.planning.operators.moved import remember
 from teamformer.planning.operators.riders import covers_with
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
@@ -30,7 +29,7 @@ def move_stretch(problem: ArcProblem, search: SearchState, task: int, leg: int, 
     Those that this coalition cannot do stay where they are. Say if that makes no circle.
     """
     graph, trial, random = search.graph, search.trial, search.random
-    moved, seats, nodes = search.moved, graph.seats, graph.nodes
+    moved, seats, nodes, count = search.stretch, graph.seats, graph.nodes, 0
     beside = draw_near(problem, random, task)
     if is_left_out(problem, graph, beside):
         return False
@@ -43,25 +42,26 @@ def move_stretch(problem: ArcProblem, search: SearchState, task: int, leg: int, 
             return False
         seat = seats[seat].next
         if covers_with(problem, graph, node, beside, NOBODY, NOBODY):
-            remember(graph, moved, node)
-    count = moved.number[0]
+            remember(graph, trial, node)
+            moved[count] = node
+            count += 1
     if count == 0:
         return False
     for place in range(count):
-        node = moved.task[place]
+        node = moved[place]
         for seat in range(nodes[node].first, nodes[node].first + nodes[node].taken):
             connect(graph, trial, seats[seat].prev, seats[seat].next)
     is_after, is_turned = draw_below(random, 2) == 0, draw_below(random, 2) == 0
     edge = beside
     for index in range(count):
         place = count - 1 - index if is_turned else index
-        node = moved.task[place]
+        node = moved[place]
         key = nodes[beside].key + (1 + index if is_after else -1 - index)
         if not _put_beside(graph, trial, node, edge, key, is_after):
             return False
         edge = node
     for place in range(count):
-        node = moved.task[place]
+        node = moved[place]
         if nodes[node].has_links and not keeps_order(problem, graph, node, nodes[node].key):
             return False
     return True

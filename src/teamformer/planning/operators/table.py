@@ -34,15 +34,14 @@ class OperatorShares(NamedTuple):
     with_misses: bool = False
 
 
-DROP, EXCHANGE_TASKS, SWAP, RIDE, STRETCH, EXCHANGE, MOVE_GROUP, MOVE_TASK = range(8)
+DROP, EXCHANGE_TASKS, EXCHANGE, RIDE, STRETCH, MOVE_GROUP, MOVE_TASK = range(7)
 
 OPERATORS = (
     OperatorShares("drop a task", 10, 10, 10, 10, with_misses=True),
     OperatorShares("exchange tasks", 20, 20, 20, 20, with_misses=True),
-    OperatorShares("swap heads", 40, 0, 25, 30),
+    OperatorShares("exchange rests", 40, 30, 25, 30),
     OperatorShares("ride", 15, 10, 20, 5, with_spares=True),
     OperatorShares("move a stretch", 0, 0, 15, 0),
-    OperatorShares("exchange rests", 0, 30, 0, 0),
     OperatorShares("move a group", 0, 70, 0, 0),
     OperatorShares("move a task", 100, 0, 100, 100),
 )

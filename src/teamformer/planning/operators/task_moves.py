@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import kernel
 from teamformer.planning.graph.arc_problem import ANYWHERE, BUNDLE, IN_PLACE, ArcProblem
-from teamformer.planning.graph.changes import COMES_BY, connect
+from teamformer.planning.graph.changes import COMES_BY, connect, remember
 from teamformer.planning.graph.graph import MAKESPAN, Graph
 from teamformer.planning.operators.bundles import draw_group, pick_group
 from teamformer.planning.operators.coalition_choice import (
@@ -20,7 +20,6 @@ from teamformer.planning.operators.coalition_choice import (
     sum_up_picks,
 )
 from teamformer.planning.operators.draws import cut_beside_near, keeps_order
-from teamformer.planning.operators.moved import remember
 from teamformer.planning.problem.coalition_problem import NOBODY
 from teamformer.world.rules.chance import draw_below
 
@@ -86,9 +85,9 @@ def _draw_cut(
 @kernel
 def _put(problem: ArcProblem, search: SearchState, task: int, cut: int) -> None:
     """Take a task out of its arcs, and put it into those that were picked."""
-    graph, trial, choice, moved = search.graph, search.trial, search.choice, search.moved
+    graph, trial, choice = search.graph, search.trial, search.choice
     seats, node, most = graph.seats, graph.nodes[task], problem.most[0]
-    remember(graph, moved, task)
+    remember(graph, trial, task)
     for seat in range(node.first, node.first + node.taken):
         connect(graph, trial, seats[seat].prev, seats[seat].next)
     node.taken, node.key = choice.number[PICKS], cut

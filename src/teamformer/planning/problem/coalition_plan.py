@@ -31,12 +31,17 @@ def empty_plan(problem: CoalitionProblem) -> CoalitionPlan:
     )
 
 
-def plan_of_lists(order: Sequence[int], coalitions: Sequence[Sequence[int]]) -> CoalitionPlan:
-    """Return a plan as arrays; `coalitions` holds the robots of each task, by its number."""
+def plan_of_lists(
+    order: Sequence[int], coalitions: Sequence[Sequence[int]], seats: int = 0
+) -> CoalitionPlan:
+    """Return a plan as arrays; `coalitions` holds the robots of each task, by its number.
+
+    There is room for so many `seats` of each at least.
+    """
     largest = max(map(len, coalitions), default=0)
     plan = CoalitionPlan(
         np.array(order, np.int32),
-        np.full((len(coalitions), largest), NOBODY, np.int32),
+        np.full((len(coalitions), max(largest, seats)), NOBODY, np.int32),
         np.zeros(len(coalitions), np.int32),
     )
     for task, coalition in enumerate(coalitions):
@@ -99,16 +104,18 @@ def with_seats(problem: CoalitionProblem, plan: CoalitionPlan, most: int) -> Coa
     return seated
 
 
-def without_tasks(
-    problem: CoalitionProblem, plan: CoalitionPlan, tasks: Sequence[int]
-) -> CoalitionPlan:
-    """Return a plan without some tasks, and without all that come after them."""
-    left, out = list(tasks), plan.size.copy()
-    while left:
-        task = left.pop()
-        out[task] = 0
-        left += [other for other in problem.after[task] if other != NOBODY and out[other] > 0]
-    return CoalitionPlan(plan.order, plan.coalition, out)
+def without_tasks(before: Int32s, plan: CoalitionPlan, tasks: Sequence[int]) -> CoalitionPlan:
+    """Return a plan without some tasks, and without all that come after what it leaves out.
+
+    `before` (tasks, most) has the tasks before each, then NOBODY.
+    """
+    size = plan.size.copy()
+    size[list(tasks)] = 0
+    while True:
+        waits = ((before != NOBODY) & (size[before] == 0)).any(axis=1) & (size > 0)
+        if not waits.any():
+            return plan._replace(size=size)
+        size[waits] = 0
 
 
 class Judged(Protocol):

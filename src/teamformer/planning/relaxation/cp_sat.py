@@ -19,8 +19,9 @@ import numpy as np
 from teamformer.base.array_types import Int32s
 from teamformer.base.import_apart import import_apart
 from teamformer.planning.bounds.earliest import earliest_starts
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import Relaxed
-from teamformer.planning.relaxation.schedule import RelaxedSchedule, make_plan, read_schedule
+from teamformer.planning.relaxation.relaxed_plan import plan_without_spares
 from teamformer.world.rules.constants import FAR
 
 if TYPE_CHECKING:
@@ -233,9 +234,9 @@ def make_solver(seed: int) -> cp_model.CpSolver:
 
 
 def minimise(
-    circuits: Circuits, solver: cp_model.CpSolver, offer: Callable[[RelaxedSchedule | None], None]
+    circuits: Circuits, solver: cp_model.CpSolver, offer: Callable[[CoalitionPlan], None]
 ) -> tuple[bool, int]:
-    """Solve a model, offering each schedule found on the way.
+    """Solve a model, offering each plan found on the way.
 
     Returns whether the search came to its end, and the solver's bound; if there is no plan within
     the horizon at all, that is more than the horizon.
@@ -255,12 +256,12 @@ def minimise(
     return status == cp_model.OPTIMAL, math.ceil(solver.best_objective_bound - 1e-6)
 
 
-def read_solution(circuits: Circuits, value: Callable[[Any], int]) -> RelaxedSchedule | None:
-    """Return the schedule of a solution; `value` says what a variable is in it."""
+def read_solution(circuits: Circuits, value: Callable[[Any], int]) -> CoalitionPlan:
+    """Return the plan of a solution; `value` says what a variable is in it."""
     starts = [value(start) for start in circuits.start]
     coalitions: list[list[int]] = [[] for _ in starts]
     for (robot, task), visit in circuits.visits.items():
         if value(visit):
             coalitions[task].append(robot)
     order = np.argsort(starts, kind="stable").tolist()
-    return read_schedule(circuits.problem, make_plan(circuits.problem, order, coalitions))
+    return plan_without_spares(circuits.problem, order, coalitions)

@@ -19,6 +19,7 @@ from teamformer.planning.relaxation.relaxed_plan import (
     arrival_at,
     leg_from,
     leg_to,
+    placed_in,
     recall_visit,
     serve,
 )
@@ -26,7 +27,8 @@ from teamformer.world.rules.chance import draw, draw_below, first_state
 from teamformer.world.rules.constants import FAR, NOBODY
 
 if TYPE_CHECKING:
-    from teamformer.planning.relaxation.relaxed_plan import RelaxedPlan, Timing
+    from teamformer.planning.problem.coalition_plan import CoalitionPlan
+    from teamformer.planning.relaxation.relaxed_plan import Timing
 
 STEP = 10
 """A step of makespan weighs as much as ten steps of slack or of walking."""
@@ -48,7 +50,7 @@ ASK = np.dtype([("cap", np.int32), ("count", np.int32), ("candidates", np.int32)
 
 
 class InsertionRoom(NamedTuple):
-    """Room to work in while a task is inserted."""
+    """Room to work in while tasks are torn out and inserted."""
 
     scarce: Array  # (caps,) capabilities, those that few robots have first
     least: Array  # (caps,) the least that a robot brings of each
@@ -60,10 +62,11 @@ class InsertionRoom(NamedTuple):
     spare: Array  # (caps,) what the coalition has beyond what is needed
     is_versatile: Array  # (1,) whether some robot brings more than one count of anything
     by_price: Array  # (1,) whether plans are judged by what they cost
+    torn: Array  # (tasks,) the tasks that are to be inserted
     random: Array  # (1,) state of the random numbers
 
 
-def empty_workspace(problem: Relaxed, seed: int) -> InsertionRoom:
+def insertion_room(problem: Relaxed, seed: int) -> InsertionRoom:
     """Return the room, with the random numbers seeded."""
     robots, (tasks, caps) = len(problem.pace), problem.needs.shape
     by_distance = np.argsort(problem.cells[:, :tasks], axis=1, kind="stable")  # (tasks, tasks)
@@ -78,6 +81,7 @@ def empty_workspace(problem: Relaxed, seed: int) -> InsertionRoom:
         spare=np.zeros(caps, np.int32),
         is_versatile=np.array([problem.counts.sum(axis=1).max() > 1]),
         by_price=np.zeros(1, np.bool_),
+        torn=np.zeros(tasks, np.int32),
         random=np.array([first_state(seed)]),
     )
 
@@ -95,9 +99,9 @@ def _scarce_first(problem: Relaxed) -> Array:
 @allocating_kernel
 def insert_task(
     problem: Relaxed,
-    plan: RelaxedPlan,
+    plan: CoalitionPlan,
     timing: Timing,
-    workspace: InsertionRoom,
+    room: InsertionRoom,
     task: int,
     makespan: int,
 ) -> None:
@@ -105,37 +109,48 @@ def insert_task(
 
     `makespan` is the plan's without the task.
     """
-    _gather_candidates(problem, plan, timing, workspace, task)
-    robots, asked, candidates = timing.robots, workspace.asked, workspace.candidates
-    counts, pick, random = problem.counts, workspace.pick, workspace.random
-    steps, cells, visits, coalition = problem.steps, problem.cells, timing.visits, plan.coalition
-    earliest, duration, prices = problem.appears[task] + 1, problem.duration[task], problem.prices
+    _gather_candidates(problem, plan, timing, room, task)
     best_cost, best_gap, best_size = np.int64(IMPOSSIBLE), NOBODY, 0
-    is_new = True
-    for gap in range(plan.placed[0] + 1):
-        is_last_chance = best_gap == NOBODY and gap == plan.placed[0]
-        if is_last_chance or (is_new and draw(random) >= BLINK):
-            size = _pick_coalition(robots, asked, candidates, counts, pick, earliest, duration)
-            if workspace.is_versatile[0]:
-                count_spares(problem.needs, counts, pick, size, task, workspace.spare)
-                size = _drop_spares(counts, pick, size, workspace.spare)
-            through, detour, own = _judge_coalition(robots, pick, size, earliest, duration)
-            cost = STEP * max(through, makespan) + through + detour
-            if workspace.by_price[0]:
-                price = prices.whole[0] * max(through, makespan) + price_of_end(prices, task, own)
-                price += _price_of_delays(problem, timing, pick, size, task, own)
-                cost = STEP * price // SHARES + through + detour
+    is_new, placed = True, placed_in(plan)
+    for gap in range(placed + 1):
+        is_last_chance = best_gap == NOBODY and gap == placed
+        if is_last_chance or (is_new and draw(room.random) >= BLINK):
+            size = _pick_coalition(problem, timing, room, task)
+            cost = _judge_coalition(problem, timing, room, size, task, makespan)
             if cost < best_cost:
                 best_cost, best_gap, best_size = cost, gap, size
                 for seat in range(size):
-                    workspace.best[seat] = pick[seat]
-        if gap < plan.placed[0]:
-            passed = plan.order[gap]
-            end = timing.start[passed] + problem.duration[passed]
-            size = plan.size[passed]
-            is_new = _pass_task(robots, visits, coalition, steps, cells, task, passed, size, end)
+                    room.best[seat] = room.pick[seat]
+        if gap < placed:
+            is_new = _pass_task(problem, plan, timing, task, plan.order[gap])
     if best_gap != NOBODY:
-        _place_task(plan, task, best_gap, workspace.best, best_size)
+        _place_task(plan, task, best_gap, room.best, best_size)
+
+
+@kernel
+def _judge_coalition(
+    problem: Relaxed, timing: Timing, room: InsertionRoom, size: int, task: int, makespan: int
+) -> Any:
+    """Return what it costs that those who are picked do a task at the gap at hand.
+
+    That goes by the longest chain through it, and by the steps more to walk.
+    """
+    robots, pick, prices = timing.robots, room.pick, problem.prices
+    ready, remains, detour, lost = problem.appears[task] + 1, 0, 0, FAR
+    for seat in range(size):
+        ready = max(ready, robots[pick[seat]].arrival)
+        remains = max(remains, robots[pick[seat]].beyond)
+        detour += robots[pick[seat]].detour
+        lost = min(lost, robots[pick[seat]].lost)
+    end = ready + problem.duration[task]
+    if size == 0 or end >= lost:
+        return np.int64(IMPOSSIBLE)
+    through = end + remains
+    if not room.by_price[0]:
+        return np.int64(STEP * max(through, makespan) + through + detour)
+    price = prices.whole[0] * max(through, makespan) + price_of_end(prices, task, end)
+    price += _price_of_delays(problem, timing, pick, size, task, end)
+    return np.int64(STEP * price // SHARES + through + detour)
 
 
 @kernel
@@ -158,11 +173,10 @@ def _price_of_delays(
 
 
 @kernel
-def _place_task(plan: RelaxedPlan, task: int, gap: int, coalition: Array, size: int) -> None:
-    for position in range(plan.placed[0], gap, -1):
+def _place_task(plan: CoalitionPlan, task: int, gap: int, coalition: Array, size: int) -> None:
+    for position in range(placed_in(plan), gap, -1):
         plan.order[position] = plan.order[position - 1]
     plan.order[gap] = task
-    plan.placed[0] += 1
     plan.size[task] = size
     for seat in range(size):
         plan.coalition[task, seat] = coalition[seat]
@@ -170,132 +184,112 @@ def _place_task(plan: RelaxedPlan, task: int, gap: int, coalition: Array, size: 
 
 @kernel
 def _gather_candidates(
-    problem: Relaxed, plan: RelaxedPlan, timing: Timing, workspace: InsertionRoom, task: int
+    problem: Relaxed, plan: CoalitionPlan, timing: Timing, room: InsertionRoom, task: int
 ) -> None:
     """Choose whom to consider, scarce capabilities first, and weigh each at the first gap."""
-    robots, asked, candidates = timing.robots, workspace.asked, workspace.candidates
-    needs, scarce, able = problem.needs, workspace.scarce, problem.able
-    steps, cells = problem.steps, problem.cells
+    robots, asked, able = timing.robots, room.asked, problem.able
     for robot in range(len(robots)):
         robots[robot].is_candidate = False
         robots[robot].is_picked = False
     kind = 0
-    for rank in range(len(scarce)):
-        cap = scarce[rank]
-        if needs[task, cap] > 0:
-            asked[kind].cap, asked[kind].count = cap, needs[task, cap]
-            asked[kind].candidates = 0
-            robots_needed = (needs[task, cap] + workspace.least[cap] - 1) // workspace.least[cap]
-            many = max(MANY, 2 * robots_needed)
+    for rank in range(len(room.scarce)):
+        cap = room.scarce[rank]
+        need, least = problem.needs[task, cap], room.least[cap]
+        if need > 0:
+            asked[kind].cap, asked[kind].count, asked[kind].candidates = cap, need, 0
+            many = max(MANY, 2 * ((need + least - 1) // least))
             if many < able.shape[1] and able[cap, many] != NOBODY:
-                _consider_nearby(problem, plan, robots, workspace, kind, task, many // 2)
-            _consider_able(robots, asked, candidates, kind, able, many, workspace.random)
+                _consider_nearby(problem, plan, timing, room, kind, task, many // 2)
+            _consider_able(problem, timing, room, kind, many)
             kind += 1
     asked[kind].count = 0
     for robot in range(len(robots)):
         if robots[robot].is_candidate:
-            _weigh(robots, steps, cells, robot, task)
+            _weigh(problem, timing, robot, task)
 
 
 @kernel
 def _consider_nearby(
     problem: Relaxed,
-    plan: RelaxedPlan,
-    robots: Array,
-    workspace: InsertionRoom,
+    plan: CoalitionPlan,
+    timing: Timing,
+    room: InsertionRoom,
     kind: int,
     task: int,
     many: int,
 ) -> None:
     """Consider robots that serve tasks in the neighbourhood."""
-    asked, candidates, coalition = workspace.asked, workspace.candidates, plan.coalition
-    counts, cap = problem.counts, workspace.asked[kind].cap
-    for nearby in range(workspace.near.shape[1]):
-        other = workspace.near[task, nearby]
+    asked, coalition, cap = room.asked, plan.coalition, room.asked[kind].cap
+    for nearby in range(room.near.shape[1]):
+        other = room.near[task, nearby]
         for seat in range(plan.size[other]):
-            if counts[coalition[other, seat], cap] > 0 and asked[kind].candidates < many:
-                _consider(robots, asked, candidates, kind, coalition[other, seat])
+            robot = coalition[other, seat]
+            if problem.counts[robot, cap] > 0 and asked[kind].candidates < many:
+                _consider(timing, room, kind, robot)
 
 
 @kernel
 def _consider_able(
-    robots: Array, asked: Array, candidates: Array, kind: int, able: Array, many: int, random: Array
+    problem: Relaxed, timing: Timing, room: InsertionRoom, kind: int, many: int
 ) -> None:
     """Consider all robots with a capability, or some more at random to make them many."""
-    cap, count = asked[kind].cap, 0
+    able, cap, count = problem.able, room.asked[kind].cap, 0
     while count < able.shape[1] and able[cap, count] != NOBODY:
         count += 1
-    first = draw_below(random, count)
+    first = draw_below(room.random, count)
     for offset in range(count):
-        if asked[kind].candidates < many:
-            _consider(robots, asked, candidates, kind, able[cap, (first + offset) % count])
+        if room.asked[kind].candidates < many:
+            _consider(timing, room, kind, able[cap, (first + offset) % count])
 
 
 @kernel
-def _consider(robots: Array, asked: Array, candidates: Array, kind: int, robot: int) -> None:
+def _consider(timing: Timing, room: InsertionRoom, kind: int, robot: int) -> None:
+    asked, candidates = room.asked, room.candidates
     for index in range(asked[kind].candidates):
         if candidates[kind, index] == robot:
             return
     candidates[kind, asked[kind].candidates] = robot
     asked[kind].candidates += 1
-    robots[robot].is_candidate = True
+    timing.robots[robot].is_candidate = True
 
 
 @kernel
-def _weigh(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> None:
+def _weigh(problem: Relaxed, timing: Timing, robot: int, task: int) -> None:
     """Work out what the task would mean for a robot between what it has done and will do."""
-    there = leg_to(robots, steps, cells, robot, task)
-    onward = leg_from(robots, steps, cells, robot, task)
-    robots[robot].arrival = arrival_at(robots, steps, cells, robot, task)
+    robots = timing.robots
+    there, onward = leg_to(problem, timing, robot, task), leg_from(problem, timing, robot, task)
+    straight = 0
+    if robots[robot].next != NOBODY:
+        straight = leg_to(problem, timing, robot, robots[robot].next)
+    robots[robot].arrival = arrival_at(problem, timing, robot, task)
     robots[robot].beyond = robots[robot].out if onward == 0 else onward + robots[robot].here
-    robots[robot].detour = there + onward - _leg_without(robots, steps, cells, robot)
-
-
-@kernel
-def _leg_without(robots: Array, steps: Array, cells: Array, robot: int) -> int:
-    if robots[robot].next == NOBODY:
-        return 0
-    return leg_to(robots, steps, cells, robot, robots[robot].next)
+    robots[robot].detour = there + onward - straight
 
 
 @kernel
 def _pass_task(
-    robots: Array,
-    visits: Array,
-    coalition: Array,
-    steps: Array,
-    cells: Array,
-    task: int,
-    passed: int,
-    size: int,
-    end: int,
+    problem: Relaxed, plan: CoalitionPlan, timing: Timing, task: int, passed: int
 ) -> bool:
     """Move the gap past a task with its coalition; say whether that changed a candidate's lot."""
-    is_new = False
-    for seat in range(size):
-        robot = coalition[passed, seat]
-        if robots[robot].is_candidate:
-            serve(robots, steps, cells, robot, passed, end)
-            recall_visit(robots, robot, visits, passed, seat)
-            _weigh(robots, steps, cells, robot, task)
+    end, is_new = timing.start[passed] + problem.duration[passed], False
+    for seat in range(plan.size[passed]):
+        robot = plan.coalition[passed, seat]
+        if timing.robots[robot].is_candidate:
+            serve(problem, timing, robot, passed, end)
+            recall_visit(timing, robot, passed, seat)
+            _weigh(problem, timing, robot, task)
             is_new = True
     return is_new
 
 
 @kernel
-def _pick_coalition(
-    robots: Array,
-    asked: Array,
-    candidates: Array,
-    counts: Array,
-    pick: Array,
-    ready: Array,
-    duration: int,
-) -> int:
+def _pick_coalition(problem: Relaxed, timing: Timing, room: InsertionRoom, task: int) -> int:
     """Pick a coalition for the gap at hand; return its size, 0 if there is none.
 
     Scarce capabilities come first; each robot is the one that lengthens the chain least.
     """
+    robots, asked, counts, pick = timing.robots, room.asked, problem.counts, room.pick
+    ready, duration = problem.appears[task] + 1, problem.duration[task]
     remains = size = kind = 0
     is_possible = True
     while is_possible and asked[kind].count > 0:
@@ -303,7 +297,7 @@ def _pick_coalition(
         for seat in range(size):
             short -= counts[pick[seat], asked[kind].cap]
         while is_possible and short > 0:
-            robot = _pick_robot(robots, asked, candidates, kind, ready, remains, duration)
+            robot = _pick_robot(robots, room, kind, ready, remains, duration)
             is_possible = robot != NOBODY
             if is_possible:
                 robots[robot].is_picked = True
@@ -315,22 +309,18 @@ def _pick_coalition(
         kind += 1
     for seat in range(size):
         robots[pick[seat]].is_picked = False
-    return size if is_possible else 0
+    if not is_possible:
+        return 0
+    return _without_spares(problem, room, size, task) if room.is_versatile[0] else size
 
 
 @kernel
 def _pick_robot(
-    robots: Array,
-    asked: Array,
-    candidates: Array,
-    kind: int,
-    ready: Array,
-    remains: int,
-    duration: int,
+    robots: Array, room: InsertionRoom, kind: int, ready: int, remains: int, duration: int
 ) -> int:
     best, best_cost = NOBODY, IMPOSSIBLE
-    for index in range(asked[kind].candidates):
-        robot = candidates[kind, index]
+    for index in range(room.asked[kind].candidates):
+        robot = room.candidates[kind, index]
         start = max(ready, robots[robot].arrival)
         chain = start + max(remains, robots[robot].beyond)
         cost = STEP * chain + robots[robot].detour
@@ -341,50 +331,24 @@ def _pick_robot(
 
 
 @kernel
-def _judge_coalition(robots: Array, pick: Array, size: int, earliest: int, duration: int) -> Any:
-    """Return the steps of the longest chain through the task, those more to walk, and its end."""
-    ready, remains, detour, lost = earliest, 0, 0, FAR
-    for seat in range(size):
-        ready = max(ready, robots[pick[seat]].arrival)
-        remains = max(remains, robots[pick[seat]].beyond)
-        detour += robots[pick[seat]].detour
-        lost = min(lost, robots[pick[seat]].lost)
-    if size == 0 or ready + duration >= lost:
-        return IMPOSSIBLE, 0, 0
-    return ready + duration + remains, detour, ready + duration
-
-
-@kernel
-def _drop_spares(counts: Array, pick: Array, size: int, spare: Array) -> int:
+def _without_spares(problem: Relaxed, room: InsertionRoom, size: int, task: int) -> int:
     """Send away robots that a coalition can spare, the first picked first; return who is left.
 
-    `spare` is what the coalition has beyond what is needed. No more stay than counts are needed.
+    No more stay than counts are needed.
     """
-    kept = 0
+    counts, pick, spare, kept = problem.counts, room.pick, room.spare, 0
+    for cap in range(len(spare)):
+        spare[cap] = -problem.needs[task, cap]
+        for seat in range(size):
+            spare[cap] += counts[pick[seat], cap]
     for seat in range(size):
-        if _is_needed(counts, pick[seat], spare):
+        is_needed = False
+        for cap in range(len(spare)):
+            is_needed |= counts[pick[seat], cap] > spare[cap]
+        if is_needed:
             pick[kept] = pick[seat]
             kept += 1
         else:
             for cap in range(len(spare)):
                 spare[cap] -= counts[pick[seat], cap]
     return kept
-
-
-@kernel
-def _is_needed(counts: Array, robot: int, spare: Array) -> bool:
-    for cap in range(len(spare)):
-        if counts[robot, cap] > spare[cap]:
-            return True
-    return False
-
-
-@kernel
-def count_spares(
-    needs: Array, counts: Array, pick: Array, size: int, task: int, spare: Array
-) -> None:
-    """Work out what a coalition has beyond what a task needs."""
-    for cap in range(len(spare)):
-        spare[cap] = -needs[task, cap]
-        for seat in range(size):
-            spare[cap] += counts[pick[seat], cap]

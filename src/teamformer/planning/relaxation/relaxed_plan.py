@@ -6,12 +6,18 @@ a task whose start and tail add up to the makespan is critical.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, kernel
+from teamformer.planning.problem.coalition_plan import (
+    CoalitionPlan,
+    plan_of_lists,
+    without_spares,
+)
 from teamformer.planning.problem.prices import slope_of_price
 from teamformer.planning.problem.relaxed_problem import Relaxed, most_in_coalitions
 from teamformer.world.rules.constants import NOBODY
@@ -41,15 +47,6 @@ ROBOT = np.dtype(
 VISIT = np.dtype([("next", np.int32), ("here", np.int32), ("out", np.int32)])
 
 
-class RelaxedPlan(NamedTuple):
-    """Which tasks are placed in what order, and who does them."""
-
-    order: Array  # (tasks,) a task comes after those that its robots do before it
-    placed: Array  # (1,) how many of `order` count
-    coalition: Array  # (tasks, width) robots, the first `size` of them
-    size: Array  # (tasks,)
-
-
 class Timing(NamedTuple):
     """When a plan's tasks start, and what its robots do around each."""
 
@@ -61,19 +58,46 @@ class Timing(NamedTuple):
     visits: Array  # (tasks, width) VISIT: what each robot of the coalition does after the task
 
 
-def empty_plan(problem: Relaxed) -> RelaxedPlan:
-    """Return a plan without any task; `width` is the largest coalition without a spare robot."""
-    tasks = len(problem.appears)
-    width = int(most_in_coalitions(problem).max())
-    return RelaxedPlan(
-        np.full(tasks, NOBODY, np.int32),
-        np.zeros(1, np.int32),
-        np.zeros((tasks, width), np.int32),
-        np.zeros(tasks, np.int32),
+def empty_plan(problem: Relaxed) -> CoalitionPlan:
+    """Return a plan without any task, with seats for the largest coalition without a spare robot.
+
+    While it is made, its order has the tasks with a coalition; what is behind these says nothing.
+    """
+    return plan_of_lists(
+        range(len(problem.appears)),
+        [[] for _ in problem.appears],
+        int(most_in_coalitions(problem).max()),
     )
 
 
-def empty_timing(problem: Relaxed, plan: RelaxedPlan) -> Timing:
+def plan_without_spares(
+    problem: Relaxed, order: Sequence[int], coalitions: Sequence[Sequence[int]]
+) -> CoalitionPlan:
+    """Return a plan; robots that a coalition can spare are sent away, the first of them first."""
+    plan = empty_plan(problem)
+    plan.order[:] = order
+    for task, coalition in enumerate(coalitions):
+        kept = without_spares(problem.counts, problem.needs[task], coalition[::-1])[::-1]
+        plan.size[task], plan.coalition[task, : len(kept)] = len(kept), kept
+    return plan
+
+
+def makespan_of(problem: Relaxed, plan: CoalitionPlan) -> int | None:
+    """Return when the last task of a plan ends; None if a task or a robot is lost in it."""
+    makespan, _, late = start_tasks(problem, plan, empty_timing(problem, plan))
+    return None if late or (plan.size == 0).any() else int(makespan)
+
+
+@kernel
+def placed_in(plan: CoalitionPlan) -> int:
+    """Return how many tasks are placed: the first ones of the order."""
+    placed = 0
+    for task in range(len(plan.size)):
+        placed += plan.size[task] > 0
+    return placed
+
+
+def empty_timing(problem: Relaxed, plan: CoalitionPlan) -> Timing:
     """Return room for the times of a plan, which plain Python can use as well as kernels."""
     robots, tasks = len(problem.pace), len(problem.appears)
     timing = Timing(
@@ -88,48 +112,33 @@ def empty_timing(problem: Relaxed, plan: RelaxedPlan) -> Timing:
     return timing
 
 
-def overwrite_plan(plan: RelaxedPlan, into: RelaxedPlan) -> None:
-    """Overwrite a plan with another."""
-    for array, kept in zip(plan, into, strict=True):
-        kept[:] = array
-
-
 @kernel
-def copy_plan(plan: RelaxedPlan, into: RelaxedPlan) -> None:
-    """Overwrite a plan with another, in kernels: loops compile sooner than whole arrays."""
-    into.placed[0] = plan.placed[0]
-    for task in range(len(plan.size)):
-        into.order[task] = plan.order[task]
-        into.size[task] = plan.size[task]
-        for seat in range(plan.coalition.shape[1]):
-            into.coalition[task, seat] = plan.coalition[task, seat]
-
-
-@kernel
-def leg_to(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> int:
+def leg_to(problem: Relaxed, timing: Timing, robot: int, task: int) -> int:
     """Return the steps from where a robot is to a task; 0 in the same place only."""
-    return steps[robots[robot].pace, cells[task, robots[robot].at]]
+    one = timing.robots[robot]
+    return problem.steps[one.pace, problem.cells[task, one.at]]
 
 
 @kernel
-def leg_from(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> int:
+def leg_from(problem: Relaxed, timing: Timing, robot: int, task: int) -> int:
     """Return the steps from a task to the robot's next; 0 if it has none."""
-    if robots[robot].next == NOBODY:
+    one = timing.robots[robot]
+    if one.next == NOBODY:
         return 0
-    return steps[robots[robot].pace, cells[robots[robot].next, task]]
+    return problem.steps[one.pace, problem.cells[one.next, task]]
 
 
 @kernel
-def arrival_at(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> int:
+def arrival_at(problem: Relaxed, timing: Timing, robot: int, task: int) -> int:
     """Return the step a robot can be at a task; where it stands it has been since it came."""
-    way = leg_to(robots, steps, cells, robot, task)
-    return robots[robot].arrive if way == 0 else robots[robot].leave + way
+    way = leg_to(problem, timing, robot, task)
+    return timing.robots[robot].arrive if way == 0 else timing.robots[robot].leave + way
 
 
 @kernel
-def serve(robots: Array, steps: Array, cells: Array, robot: int, task: int, end: int) -> int:
+def serve(problem: Relaxed, timing: Timing, robot: int, task: int, end: int) -> int:
     """Let a robot go to a task and stay until its end; return the steps walked."""
-    way = leg_to(robots, steps, cells, robot, task)
+    way, robots = leg_to(problem, timing, robot, task), timing.robots
     if way > 0:
         robots[robot].arrive = robots[robot].leave + way
         robots[robot].leave = end
@@ -140,40 +149,35 @@ def serve(robots: Array, steps: Array, cells: Array, robot: int, task: int, end:
 
 
 @kernel
-def send_home(robots: Array, tasks: int) -> None:
+def _send_home(problem: Relaxed, timing: Timing) -> None:
     """Put every robot back to its start, with nothing done and nothing to do."""
+    robots, tasks = timing.robots, len(problem.appears)
     for robot in range(len(robots)):
         robots[robot].at, robots[robot].arrive, robots[robot].leave = tasks + robot, 0, 0
         robots[robot].next, robots[robot].here, robots[robot].out = NOBODY, 0, 0
 
 
-@kernel
-def set_free(robots: Array, ready: Array) -> None:
-    """Let every robot stay at its start until it is free."""
-    for robot in range(len(robots)):
-        robots[robot].arrive = robots[robot].leave = ready[robot]
-
-
 @entry
-def start_tasks(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> tuple[Any, Any, Any]:
+def start_tasks(problem: Relaxed, plan: CoalitionPlan, timing: Timing) -> tuple[Any, Any, Any]:
     """Start every placed task as early as can be.
 
     Returns the makespan, the steps walked by all robots, and how many visits come too late
     because the robot is lost.
     """
-    robots, steps, cells = timing.robots, problem.steps, problem.cells
-    send_home(robots, len(plan.size))
-    set_free(robots, problem.ready)
+    robots = timing.robots
+    _send_home(problem, timing)
+    for robot in range(len(robots)):  # each stays at its start until it is free
+        robots[robot].arrive = robots[robot].leave = problem.ready[robot]
     makespan = walked = late = 0
-    for position in range(plan.placed[0]):
+    for position in range(placed_in(plan)):
         task = plan.order[position]
         start = problem.appears[task] + 1
         for seat in range(plan.size[task]):
-            start = max(start, arrival_at(robots, steps, cells, plan.coalition[task, seat], task))
+            start = max(start, arrival_at(problem, timing, plan.coalition[task, seat], task))
         end = start + problem.duration[task]
         for seat in range(plan.size[task]):
             robot = plan.coalition[task, seat]
-            walked += serve(robots, steps, cells, robot, task, end)
+            walked += serve(problem, timing, robot, task, end)
             late += end >= problem.lost[robot]
         timing.start[task], timing.end[task] = start, end
         makespan = max(makespan, end)
@@ -181,21 +185,20 @@ def start_tasks(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> tuple[An
 
 
 @entry
-def hang_tasks(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> None:
+def hang_tasks(problem: Relaxed, plan: CoalitionPlan, timing: Timing) -> None:
     """Work out every tail, from the last task backwards.
 
     Leaves the robots at home with their first tasks before them.
     """
-    robots, visits = timing.robots, timing.visits
-    steps, cells = problem.steps, problem.cells
-    send_home(robots, len(plan.size))
-    for position in range(plan.placed[0] - 1, -1, -1):
+    robots = timing.robots
+    _send_home(problem, timing)
+    for position in range(placed_in(plan) - 1, -1, -1):
         task = plan.order[position]
         longest = 0
         for seat in range(plan.size[task]):
             robot = plan.coalition[task, seat]
-            remember_visit(robots, robot, visits, task, seat)
-            longest = max(longest, _leave_backwards(robots, steps, cells, robot, task))
+            _remember_visit(timing, robot, task, seat)
+            longest = max(longest, _leave_backwards(problem, timing, robot, task))
         timing.tail[task] = problem.duration[task] + longest
         if len(problem.prices.due) > 0:
             timing.push[task] = _price_pushed(problem, plan, timing, task)
@@ -205,7 +208,7 @@ def hang_tasks(problem: Relaxed, plan: RelaxedPlan, timing: Timing) -> None:
 
 
 @kernel
-def _price_pushed(problem: Relaxed, plan: RelaxedPlan, timing: Timing, task: int) -> Any:
+def _price_pushed(problem: Relaxed, plan: CoalitionPlan, timing: Timing, task: int) -> Any:
     """Return what a step more of a task costs by prices: of all that has to wait for its robots.
 
     What each of them does after it has been noted.
@@ -225,9 +228,9 @@ def _price_pushed(problem: Relaxed, plan: RelaxedPlan, timing: Timing, task: int
 
 
 @kernel
-def _leave_backwards(robots: Array, steps: Array, cells: Array, robot: int, task: int) -> int:
+def _leave_backwards(problem: Relaxed, timing: Timing, robot: int, task: int) -> int:
     """Make a task the robot's next; return the steps that remain when it leaves that place."""
-    way = leg_from(robots, steps, cells, robot, task)
+    way, robots = leg_from(problem, timing, robot, task), timing.robots
     if way > 0:
         robots[robot].out = way + robots[robot].here
         robots[robot].here = 0
@@ -236,16 +239,16 @@ def _leave_backwards(robots: Array, steps: Array, cells: Array, robot: int, task
 
 
 @kernel
-def remember_visit(robots: Array, robot: int, visits: Array, task: int, seat: int) -> None:
+def _remember_visit(timing: Timing, robot: int, task: int, seat: int) -> None:
     """Note what a robot does after a task."""
-    visits[task, seat].next = robots[robot].next
-    visits[task, seat].here = robots[robot].here
-    visits[task, seat].out = robots[robot].out
+    timing.visits[task, seat].next = timing.robots[robot].next
+    timing.visits[task, seat].here = timing.robots[robot].here
+    timing.visits[task, seat].out = timing.robots[robot].out
 
 
 @kernel
-def recall_visit(robots: Array, robot: int, visits: Array, task: int, seat: int) -> None:
+def recall_visit(timing: Timing, robot: int, task: int, seat: int) -> None:
     """Put before a robot what it does after a task."""
-    robots[robot].next = visits[task, seat].next
-    robots[robot].here = visits[task, seat].here
-    robots[robot].out = visits[task, seat].out
+    timing.robots[robot].next = timing.visits[task, seat].next
+    timing.robots[robot].here = timing.visits[task, seat].here
+    timing.robots[robot].out = timing.visits[task, seat].out

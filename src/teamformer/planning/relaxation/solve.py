@@ -1,4 +1,4 @@
-"""The central solver: the best relaxed schedule it can find in time, and a bound on all others."""
+"""The central solver: the best relaxed plan it can find in time, and a bound on all others."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from teamformer.mission.model import Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid
 from teamformer.planning.bounds.earliest import earliest_starts
 from teamformer.planning.bounds.makespan import bound_makespan
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.relaxed_problem import (
     Relaxed,
     is_true_relaxation,
@@ -28,14 +29,14 @@ from teamformer.planning.relaxation.cp_sat import (
     make_solver,
     minimise,
 )
-from teamformer.planning.relaxation.schedule import RelaxedSchedule
+from teamformer.planning.relaxation.relaxed_plan import makespan_of
 from teamformer.planning.relaxation.threshold import HOT, ThresholdSearch
 from teamformer.world.rules.constants import FAR
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 
-Schedules = Race[RelaxedSchedule | None]
-"""A race of relaxed schedules; it may begin without one."""
+Plans = Race[CoalitionPlan | None]
+"""A race of relaxed plans; it may begin without one."""
 
 FIRST_ROUNDS = 250
 """Rounds of searching, for each task, before anything is to be proven; up to half of the time."""
@@ -49,26 +50,21 @@ SECONDS_TO_BUILD = 5e-5
 STOP_AGAIN = 0.05
 """Seconds after which it is looked again whether the solver is to end, and it is told again."""
 
-EARLY = 0.3
-"""Share of the time left for a first cooling down; a second one takes the rest."""
-
 
 @dataclass(frozen=True)
 class RelaxedSolution:
     """What the solver found.
 
-    `value` is the makespan of `schedule`, `bound` what no plan can beat, under the rules either.
-    Status: `optimal` if both are the same, `feasible` if not; `infeasible` if robots are lost too
-    early for some task; `unknown` if no schedule was found. `curve` holds each improvement as
-    (seconds, value).
+    `value` is the makespan of `plan` if joining is free, `bound` what no plan can beat, under the
+    rules either. Status: `optimal` if both are the same, `feasible` if not; `infeasible` if robots
+    are lost too early for some task; `unknown` if no plan was found.
     """
 
-    schedule: RelaxedSchedule | None
+    plan: CoalitionPlan | None
     value: int | None
     bound: int
     status: Status
     seconds: float
-    curve: tuple[tuple[float, int], ...]
 
 
 def solve(
@@ -87,41 +83,40 @@ def solve(
     is_bounding = not may_set_down(mission)
     if (earliest_starts(problem) >= FAR).any():
         status: Status = "infeasible" if is_bounding else "unknown"
-        return RelaxedSolution(None, None, 0, status, time.perf_counter() - begun, ())
+        return RelaxedSolution(None, None, 0, status, time.perf_counter() - begun)
     search = ThresholdSearch(problem, seed)
     search.run(1)
-    race = Schedules(_judge, search.best, begun, begun + time_limit, is_stopped)
-    first = () if race.plan is None else ((time.perf_counter() - begun, race.plan.makespan),)
+    race = Plans(partial(_judge, problem), search.best, begun, begun + time_limit, is_stopped)
     if is_bounding:
         race.raise_bound(bound_makespan(problem))
     arcs, is_infeasible = count_arcs(problem), False
-    if arcs <= LARGEST_MODEL:
-        _cool_down(race, search, 0.5, FIRST_ROUNDS * len(mission.tasks))
-    if arcs <= LARGEST_MODEL and arcs * SECONDS_TO_BUILD < race.seconds_left and not race.is_over:
-        is_infeasible = _prove(race, problem, seed, is_bounding)
-    else:
-        search = ThresholdSearch(problem, seed + 1, race.plan)
-        _cool_down(race, search, EARLY)
-        if race.plan is not None:
-            search.restart(race.plan)
+    if arcs > LARGEST_MODEL:
         _cool_down(race, search)
-    best, bound = race.plan, race.bound
-    if best is None:
+    else:
+        _cool_down(race, search, 0.5, FIRST_ROUNDS * len(mission.tasks))
+        if arcs * SECONDS_TO_BUILD < race.seconds_left and not race.is_over:
+            is_infeasible = _prove(race, problem, seed, is_bounding)
+    value = _value_of(problem, race.plan)
+    if value is None:
         status = "infeasible" if is_infeasible else "unknown"
     else:
-        status = "optimal" if best.makespan <= bound else "feasible"
-    value, seconds = best.makespan if best else None, time.perf_counter() - begun
-    return RelaxedSolution(best, value, bound, status, seconds, (*first, *race.curve))
+        status = "optimal" if value <= race.bound else "feasible"
+    return RelaxedSolution(race.plan, value, race.bound, status, time.perf_counter() - begun)
 
 
-def _judge(schedule: RelaxedSchedule | None) -> Judgement:
-    """Compare schedules by their makespans; any is better than none."""
-    makespan = math.inf if schedule is None else schedule.makespan
+def _value_of(problem: Relaxed, plan: CoalitionPlan | None) -> int | None:
+    return None if plan is None else makespan_of(problem, plan)
+
+
+def _judge(problem: Relaxed, plan: CoalitionPlan | None) -> Judgement:
+    """Compare plans by their makespans; any is better than none."""
+    value = _value_of(problem, plan)
+    makespan = math.inf if value is None else value
     return Judgement((makespan,), makespan, makespan)
 
 
 def _cool_down(
-    race: Schedules, search: ThresholdSearch, share: float = 1.0, rounds: float = math.inf
+    race: Plans, search: ThresholdSearch, share: float = 1.0, rounds: float = math.inf
 ) -> None:
     """Search once from hot to cool, over a share of the time or so many rounds."""
     deadline = time.perf_counter() + share * race.seconds_left
@@ -135,13 +130,13 @@ def _cool_down(
     )
 
 
-def _prove(race: Schedules, problem: Relaxed, seed: int, is_bounding: bool) -> bool:
-    """Look for a faster schedule with CP-SAT, or show that there is none; say if there is none.
+def _prove(race: Plans, problem: Relaxed, seed: int, is_bounding: bool) -> bool:
+    """Look for a faster plan with CP-SAT, or show that there is none; say if there is none.
 
     It works on a thread of its own, and this one only waits, so that Ctrl-C reaches it.
     """
-    solver, best = make_solver(seed), race.plan
-    horizon = best.makespan - 1 if best else latest_makespan(problem)
+    solver, best = make_solver(seed), _value_of(problem, race.plan)
+    horizon = latest_makespan(problem) if best is None else best - 1
     circuits = build_circuits(problem, race.bound, horizon)
     solver.parameters.max_time_in_seconds = race.seconds_left
     with ThreadPoolExecutor(1) as pool:
@@ -168,6 +163,4 @@ def _compile() -> None:
     problem = relax(Mission("smallest", Grid(2, 1), ("a", "b"), robots, tasks))
     search = ThresholdSearch(problem, seed=0)
     search.run(1)
-    if search.best is not None:
-        search.restart(search.best)
     bound_makespan(problem)

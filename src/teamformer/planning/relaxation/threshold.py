@@ -12,22 +12,22 @@ import numpy as np
 
 from teamformer.base.array_types import Array
 from teamformer.base.kernels.jit import entry, needs_compiling
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, copy_plan, plan_of_lists
 from teamformer.planning.problem.prices import price_of_ends
 from teamformer.planning.problem.relaxed_problem import Relaxed
-from teamformer.planning.relaxation.insertion import empty_workspace
+from teamformer.planning.relaxation.insertion import insertion_room
 from teamformer.planning.relaxation.relaxed_plan import (
-    copy_plan,
     empty_plan,
     empty_timing,
-    overwrite_plan,
+    makespan_of,
+    placed_in,
     start_tasks,
 )
 from teamformer.planning.relaxation.ruin_recreate import recreate, ruin
-from teamformer.planning.relaxation.schedule import RelaxedSchedule, make_plan, read_schedule
 
 if TYPE_CHECKING:
     from teamformer.planning.relaxation.insertion import InsertionRoom
-    from teamformer.planning.relaxation.relaxed_plan import RelaxedPlan, Timing
+    from teamformer.planning.relaxation.relaxed_plan import Timing
 
 STEP = 5
 """What a step of makespan costs, for each robot; a step that a robot walks costs 1."""
@@ -42,24 +42,13 @@ ENDLESS = 2**62
 class ThresholdSearch:
     """A search: where it stands, the best plan it has seen, and room to work in."""
 
-    def __init__(self, problem: Relaxed, seed: int, start: RelaxedSchedule | None = None) -> None:
+    def __init__(self, problem: Relaxed, seed: int) -> None:
         self.problem = problem
         self._plan, self._best, self._spare = (empty_plan(problem) for _ in range(3))
         self._timing = empty_timing(problem, self._plan)
-        self._workspace = empty_workspace(problem, seed)
-        self._torn = np.zeros(len(problem.appears), np.int32)
+        self._room = insertion_room(problem, seed)
         self._costs = np.array([ENDLESS, ENDLESS, 0])  # of the plan it stands at, of the best;
         # and the price of a step, 0 where the makespan counts
-        if start is not None:
-            self.restart(start)
-
-    def restart(self, start: RelaxedSchedule) -> None:
-        """Go on from another schedule."""
-        overwrite_plan(make_plan(self.problem, start.order, start.coalitions), self._plan)
-        self._costs[0] = cost_of(self.problem, self._plan, self._timing, self._costs[2])
-        if self._costs[0] < self._costs[1]:
-            overwrite_plan(self._plan, self._best)
-            self._costs[1] = self._costs[0]
 
     def go_by_price(self) -> None:
         """Search by what plans cost from now on; the mission has prices.
@@ -68,20 +57,20 @@ class ThresholdSearch:
         """
         self.run(1)
         makespan, _, late = start_tasks(self.problem, self._best, self._timing)
-        if late or self._best.placed[0] < len(self._best.size):
+        if late or (self._best.size == 0).any():
             return
         price = _price_of(self.problem, self._timing, makespan)
-        self._costs[2], self._workspace.by_price[0] = max(1, price // makespan), True
-        overwrite_plan(self._best, self._plan)
+        self._costs[2], self._room.by_price[0] = max(1, price // makespan), True
+        copy_plan(self._best, self._plan)
         self._costs[:2] = cost_of(self.problem, self._best, self._timing, self._costs[2])
 
     def run(self, rounds: int, hot: float = HOT, cool: float = 0.0) -> None:
         """Search for some rounds; plans may be worse by `hot` steps at first, `cool` in the end.
 
-        The first round of a search without a start places everything.
+        The first round of all places everything.
         """
         step = STEP * len(self._timing.robots)
-        room = (self._spare, self._timing, self._workspace, self._torn, self._costs)
+        room = (self._spare, self._timing, self._room, self._costs)
         heats = (int(hot * step), int(cool * step))
         _search(self.problem, self._plan, self._best, *room, rounds, *heats)
 
@@ -91,9 +80,13 @@ class ThresholdSearch:
         return int(self._costs[1])
 
     @property
-    def best(self) -> RelaxedSchedule | None:
-        """Return the best schedule seen, None if each has a task that nobody is left to do."""
-        return read_schedule(self.problem, self._best)
+    def best(self) -> CoalitionPlan | None:
+        """Return the best plan seen, None if each has a task that nobody is left to do."""
+        if makespan_of(self.problem, self._best) is None:
+            return None
+        rows = zip(self._best.coalition.tolist(), self._best.size.tolist(), strict=True)
+        coalitions = [sorted(robots[:size]) for robots, size in rows]
+        return plan_of_lists(self._best.order.tolist(), coalitions)
 
 
 def is_compiled() -> bool:
@@ -104,12 +97,11 @@ def is_compiled() -> bool:
 @entry
 def _search(
     problem: Relaxed,
-    plan: RelaxedPlan,
-    best: RelaxedPlan,
-    spare: Array,
+    plan: CoalitionPlan,
+    best: CoalitionPlan,
+    spare: CoalitionPlan,
     timing: Timing,
-    workspace: InsertionRoom,
-    torn: Array,
+    room: InsertionRoom,
     costs: Array,
     rounds: int,
     hot: int,
@@ -119,13 +111,13 @@ def _search(
 
     `plan` is where the search stands and `best` the best seen; `costs` holds the costs of both,
     and the price of a step.
-    `spare` and `torn` are room to work in; `hot` is what a change may cost at first and `cool` in
+    `spare` and `room` are to work in; `hot` is what a change may cost at first and `cool` in
     the end.
     """
     for made in range(rounds):
         copy_plan(plan, spare)
-        count = ruin(problem, spare, timing, workspace, torn)
-        recreate(problem, spare, timing, workspace, torn, count)
+        count = ruin(problem, spare, timing, room)
+        recreate(problem, spare, timing, room, count)
         cost = cost_of(problem, spare, timing, costs[2])
         if cost <= costs[0] + (hot * (rounds - made) + cool * made) // rounds:
             copy_plan(spare, plan)
@@ -136,10 +128,10 @@ def _search(
 
 
 @entry
-def cost_of(problem: Relaxed, plan: RelaxedPlan, timing: Timing, step: int) -> Any:
+def cost_of(problem: Relaxed, plan: CoalitionPlan, timing: Timing, step: int) -> Any:
     """Return what the search minimises: by the price of a step, or the makespan if that is 0."""
     makespan, walked, late = start_tasks(problem, plan, timing)
-    undone, share = late + len(plan.size) - plan.placed[0], STEP * len(timing.robots)
+    undone, share = late + len(plan.size) - placed_in(plan), STEP * len(timing.robots)
     if step > 0:
         return _price_of(problem, timing, makespan) * share // step + walked + undone * UNDONE
     return np.int64(makespan) * share + walked + undone * UNDONE

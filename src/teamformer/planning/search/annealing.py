@@ -30,12 +30,10 @@ from teamformer.planning.graph.worth import is_left_out
 from teamformer.planning.operators.draws import draw_task
 from teamformer.planning.operators.exchanges import exchange_rests
 from teamformer.planning.operators.group_moves import move_group
-from teamformer.planning.operators.moved import take_back
 from teamformer.planning.operators.optional_tasks import drop_task, exchange_tasks
 from teamformer.planning.operators.riders import ride
 from teamformer.planning.operators.state import SearchState
 from teamformer.planning.operators.stretches import move_stretch
-from teamformer.planning.operators.swaps import swap_heads
 from teamformer.planning.operators.table import (
     DROP,
     EXCHANGE,
@@ -44,7 +42,6 @@ from teamformer.planning.operators.table import (
     MOVE_TASK,
     RIDE,
     STRETCH,
-    SWAP,
     draw_operator,
 )
 from teamformer.planning.operators.task_moves import move_task
@@ -94,7 +91,7 @@ def anneal(
         allowed, limit = _allow(problem, graph, ledger, heat, slack)
         task = draw_task(problem, search)
         begin_change(trial, ledger)
-        search.moved.number[0], search.candidates.heat[0] = 0, heat
+        search.candidates.heat[0] = heat
         number = draw_operator(shares, random)
         is_kept = _change(problem, search, number, task, leg, limit)
         if is_kept and time_change(problem, graph, trial, ledger, limit, allowed):
@@ -109,7 +106,6 @@ def anneal(
             is_best = is_better(ledger, NOW, BEST)
         else:
             undo(graph, trial)
-            take_back(graph, search.moved)
             if must_copy:
                 _write_down(problem, graph, best, ledger)
                 trial.number[CHAINED] = NOBODY  # in steps writing down corrects times
@@ -136,8 +132,6 @@ def _change(
             return drop_task(problem, search, task, leg, limit)
         elif number == EXCHANGE_TASKS:
             return exchange_tasks(problem, search, task, leg, limit)
-    if number == SWAP:
-        return swap_heads(problem, search, task, leg, limit)
     if number == RIDE:
         return ride(problem, search, task, leg, limit)
     if number == STRETCH:

@@ -105,7 +105,7 @@ class ArcSearch:
         if not self._lay(seated):
             return False
         while late := self._late():
-            seated = without_tasks(self.problem, seated, late)
+            seated = without_tasks(self.problem.before, seated, late)
             if not self._lay(seated):
                 return False
         copy_graph(self.graph, self._best)

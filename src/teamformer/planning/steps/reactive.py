@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from teamformer.base.kernels.jit import entry
+from teamformer.base.kernels.jit import entry, kernel
 from teamformer.mission.coordination import Known, Plan
 from teamformer.planning.dispatch.futures import (
     Calls,
@@ -52,12 +52,20 @@ def soonest_plan(known: Known) -> Plan:
     if not known.possible_tasks:
         return Plan(made_from="nothing")
     situation = _present(known)
-    problem, schedule = pose_present(situation)
-    play_out(problem, schedule, empty_calls(problem, 0), 0)
-    plan = schedule.plan
-    if can_miss(problem.misses):
+    plan = soonest_in(situation)
+    if can_miss(situation.problem.misses):
         plan = time_team_plan(situation, plan).plan
     return replace(plan_of(situation, plan), made_from="soonest")
+
+
+def soonest_in(situation: Situation) -> CoalitionPlan:
+    """Return the plan by that rule of what is left of a mission, a situation with a table of ways.
+
+    It counts with shifts.
+    """
+    problem, schedule = pose_present(situation)
+    play_out(problem, schedule, empty_calls(problem, 0), 0)
+    return schedule.plan
 
 
 def reactive_plan(known: Known, old: Plan | None) -> Plan:
@@ -69,7 +77,8 @@ def reactive_plan(known: Known, old: Plan | None) -> Plan:
     if not known.possible_tasks:
         return Plan(made_from="nothing")
     situation = _present(known)
-    problem, schedule = pose_present(situation)
+    future = future_of_present(situation, known.step)
+    problem = future.problem
     best, kept, futures = empty_plan(problem), (NEVER, NEVER), FUTURES
     if old is not None and old.order:
         timed = time_team_plan(situation, kept_plan(situation, old))
@@ -77,21 +86,8 @@ def reactive_plan(known: Known, old: Plan | None) -> Plan:
         best.coalition[:, : timed.plan.coalition.shape[1]] = timed.plan.coalition
         kept, futures = timed.rank, FUTURES_AGAIN
     few = min(1.0, (MANY_TASKS / len(situation.tasks)) ** 2)
-    groups = empty_groups(situation.problem, situation.company, situation.forming_steps)
-    found = best_future_in_steps(
-        problem,
-        schedule,
-        empty_calls(problem, known.step),
-        situation.problem,
-        situation.crossings,
-        groups,
-        empty_plan(problem),
-        best,
-        *kept,
-        0,
-        max(1, int(futures * few)),
-        leg_of(problem),
-    )
+    count = max(1, int(futures * few))
+    found = best_future_in_steps(future, best, *kept, count, leg_of(problem))
     made_from = "futures" if found < kept else "kept"
     if can_miss(problem.misses):
         best = time_team_plan(situation, best).plan
@@ -111,64 +107,72 @@ def pose_present(situation: Situation) -> tuple[CoalitionProblem, Schedule]:
     return problem, schedule
 
 
+class FutureInSteps(NamedTuple):
+    """What is given out so far of a mission in steps, and what futures of it are timed in."""
+
+    problem: CoalitionProblem
+    schedule: Schedule
+    calls: Calls
+    relaxed: Relaxed
+    crossings: Crossings
+    groups: Groups
+    timed: CoalitionPlan  # room for the plan of a future
+
+
+def future_of_present(situation: Situation, seed: int) -> FutureInSteps:
+    """Return a situation in which nothing is given out yet."""
+    problem, schedule = pose_present(situation)
+    return FutureInSteps(
+        problem,
+        schedule,
+        empty_calls(problem, seed),
+        situation.problem,
+        situation.crossings,
+        empty_groups(situation.problem, situation.company, situation.forming_steps),
+        empty_plan(problem),
+    )
+
+
 @entry
 def best_future_in_steps(
-    problem: CoalitionProblem,
-    schedule: Schedule,
-    calls: Calls,
-    relaxed: Relaxed,
-    crossings: Crossings,
-    groups: Groups,
-    timed: CoalitionPlan,
-    best: CoalitionPlan,
-    cost: int,
-    lead: int,
-    position: int,
-    futures: int,
-    leg: int,
+    future: FutureInSteps, best: CoalitionPlan, cost: int, lead: int, futures: int, leg: int
 ) -> tuple[int, int]:
-    """Play futures from a position on; return what the best one is compared by.
+    """Play futures; return what the best one is compared by.
 
     That is what it costs, and then what leads a search, as with `TimedPlan`. It is left in `best`
-    if it is better than `cost` and `lead`. The first future is the rule's own; `timed` is room to
-    work in.
+    if it is better than `cost` and `lead`. The first future is the rule's own.
     """
-    do_not_put_back(calls)
+    do_not_put_back(future.calls)
     for turn in range(futures):
         if turn > 0:
-            put_back(calls, leg)
-        if play_out(problem, schedule, calls, position):
-            copy_plan(schedule.plan, timed)
-            found, leads = settle(relaxed, crossings, timed, groups)
-            if found < cost or (found == cost and leads < lead):
-                copy_plan(timed, best)
-                cost, lead = found, leads
-        take_back(schedule, position)
+            put_back(future.calls, leg)
+        is_whole, found, leads = _play_and_time(future, 0)
+        if is_whole and (found < cost or (found == cost and leads < lead)):
+            copy_plan(future.timed, best)
+            cost, lead = found, leads
     return cost, lead
 
 
 @entry
-def mean_future_in_steps(
-    problem: CoalitionProblem,
-    schedule: Schedule,
-    calls: Calls,
-    relaxed: Relaxed,
-    crossings: Crossings,
-    groups: Groups,
-    timed: CoalitionPlan,
-    position: int,
-    futures: int,
-    leg: int,
-) -> float:
+def mean_future_in_steps(future: FutureInSteps, position: int, futures: int, leg: int) -> float:
     """Return what leads a search of futures from a position on, on average; NEVER if none ends."""
     total = 0.0
     for _ in range(futures):
-        put_back(calls, leg)
-        if not play_out(problem, schedule, calls, position):
-            take_back(schedule, position)
+        put_back(future.calls, leg)
+        is_whole, _, lead = _play_and_time(future, position)
+        if not is_whole:
             return float(NEVER)
-        copy_plan(schedule.plan, timed)
-        _, lead = settle(relaxed, crossings, timed, groups)
         total += lead
-        take_back(schedule, position)
     return total / futures
+
+
+@kernel
+def _play_and_time(future: FutureInSteps, position: int) -> tuple[bool, Any, Any]:
+    """Play a future from a position on; say if all is done in it, what it costs and what leads."""
+    schedule, found, leads = future.schedule, np.int64(0), np.int64(0)
+    is_whole = play_out(future.problem, schedule, future.calls, position)
+    if is_whole:
+        copy_plan(schedule.plan, future.timed)
+        found, leads = settle(future.relaxed, future.crossings, future.timed, future.groups)
+    take_back(schedule, position)
+    return is_whole, found, leads

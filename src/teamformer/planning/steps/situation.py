@@ -21,6 +21,7 @@ from teamformer.planning.step_times.crossings import Crossings, find_crossings, 
 from teamformer.world.rules.constants import FAR
 from teamformer.world.rules.distances import straight_ways, travel_matrix
 from teamformer.world.rules.starts import RoomLeft
+from teamformer.world.rules.waits import room_taken
 
 MOST_CELLS = 20_000
 """Of a plane: how many cells the longest way is counted in."""
@@ -81,16 +82,17 @@ def situation_of(known: Known, in_table: bool = True) -> Situation:
 
 
 def _permits(known: Known) -> Permits:
-    """Return the room of all zones in which open tasks are, by their places among these."""
-    place, ends = (
-        {task: index for index, task in enumerate(known.open_tasks)},
-        dict(known.under_way),
-    )
+    """Return the room of all zones in which open tasks are, by their places among these.
+
+    Loads take none: plans of missions with loads at zones are chosen by carrying them out.
+    """
+    tasks = known.mission.tasks
+    place = {task: index for index, task in enumerate(known.open_tasks)}
     rooms = [
         RoomLeft(
-            frozenset(place[task] for task in room.tasks if task in place),
+            frozenset(place[k] for k in room.tasks if k in place and tasks[k].to is None),
             room.room,
-            tuple(ends[task] for task in sorted(room.tasks) if task in ends),
+            room_taken(known, room),
         )
         for room in all_rooms_of(known.mission)
     ]

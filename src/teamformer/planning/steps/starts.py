@@ -96,10 +96,7 @@ def plan_from_coalitions(problem: Relaxed, rounds: int, seed: int = 0) -> Coalit
     if has_prices(problem):
         search.go_by_price()
     search.run(rounds)
-    schedule = search.best
-    if schedule is None:
-        return None
-    return plan_of_lists(schedule.order, [list(robots) for robots in schedule.coalitions])
+    return search.best
 
 
 def complete_plan(

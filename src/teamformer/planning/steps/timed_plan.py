@@ -7,13 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from teamformer.base.array_types import Array
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, keep_order
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, keep_order, without_tasks
 from teamformer.planning.problem.misses import can_miss
 from teamformer.planning.problem.relaxed_problem import Relaxed, has_prices
 from teamformer.planning.step_times.groups import empty_groups
 from teamformer.planning.step_times.passing import settle
 from teamformer.planning.steps.situation import Situation
-from teamformer.world.rules.constants import NOBODY
 
 
 @dataclass(frozen=True)
@@ -54,9 +53,7 @@ def time_team_plan(situation: Situation, plan: CoalitionPlan) -> TimedPlan:
     if not can_miss(problem.misses):
         return timed
     while late := _missed(problem, timed, is_planned=True):
-        size = timed.plan.size.copy()
-        size[late] = 0
-        timed = _time(situation, timed.plan._replace(size=without_followers(problem.before, size)))
+        timed = _time(situation, without_tasks(problem.before, timed.plan, late))
     missed = int(problem.misses.judged[_missed(problem, timed)].sum())
     return replace(timed, missed=missed)
 
@@ -67,18 +64,6 @@ def _missed(problem: Relaxed, timed: TimedPlan, is_planned: bool = False) -> lis
     if is_planned:
         is_missed &= (timed.plan.size > 0) & (problem.misses.optional > 0)
     return [int(task) for task in np.flatnonzero(is_missed)]
-
-
-def without_followers(before: Array, size: Array) -> Array:
-    """Return the sizes of coalitions (tasks,) with 0 for all that come after one that has 0."""
-    left = size.copy()
-    for _ in left:
-        waits = [task for task, row in enumerate(before) for other in row
-                 if other != NOBODY and left[other] == 0 and left[task] > 0]  # fmt: skip
-        if not waits:
-            break
-        left[waits] = 0
-    return left
 
 
 def _time(situation: Situation, plan: CoalitionPlan) -> TimedPlan:

@@ -8,7 +8,7 @@ these take; and everything comes after what it has to.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise, takewhile
+from itertools import pairwise
 
 from teamformer.mission.checks.windows import release_of
 from teamformer.mission.parts.capabilities import describe, missing, total
@@ -20,16 +20,15 @@ from teamformer.record.event_rules.lengths import Lengths
 from teamformer.record.event_rules.names import InWords
 from teamformer.record.record import Record
 from teamformer.record.snapshots.events_seen import lateness
+from teamformer.record.snapshots.fleet_rules import (
+    A_MOMENT,
+    CLOCKS,
+    is_in_shift,
+    is_too_late,
+    may_miss,
+    wrong_status,
+)
 from teamformer.world.continuous.events import WHY_MISSED, Event, Passed
-
-CLOCKS = 0.06
-"""The share of a time by which clocks of robots may differ from one another."""
-
-A_MOMENT = 0.05
-"""In which things count as happening at once, in units of time."""
-
-SEEN_WITHIN = 2.0
-"""Units of time in which an onlooker tells of what has happened."""
 
 WORK = ("serve", "lift", "unload", "done")
 ALLOWED = {
@@ -116,10 +115,8 @@ class _Seen:
 
     def _miss(self, event: Event) -> Iterator[str]:
         """Check that a task may be missed: the mission is over, or it is given up in the end."""
-        task, until = event.task, self._mission.until
-        is_over = until is not None and event.at >= until * (1 - CLOCKS) - A_MOMENT
-        is_given_up = self._mission.tasks[task].optional and event.at == self._record.events[-1].at
-        if task in self._over or not (is_over or is_given_up):
+        task, is_last = event.task, event.at == self._record.events[-1].at
+        if task in self._over or not may_miss(self._mission, task, event.at, is_last):
             yield f"{self._names.task(task)} can still be done, or is over"
         if event.why not in WHY_MISSED:
             yield f"{self._names.task(task)} is missed, and no word says why"
@@ -229,8 +226,7 @@ class _Seen:
         waits = [k for k in self._before.get(task, ()) if k not in self._over]
         if event.at < early or waits:
             yield f"{self._names.task(task)} may not begin yet"
-        until = self._mission.until
-        if until is not None and event.at > until * (1 + CLOCKS) + SEEN_WITHIN:
+        if is_too_late(self._mission, event.at):
             yield f"{self._names.task(task)} begins when the mission is over"
         self._began[task], self._works[task] = event.at, event
 
@@ -264,7 +260,8 @@ class _Seen:
         if event.at < real.appears + real.duration + real.unload - A_MOMENT:
             yield f"{self._names.task(task)} is done sooner than it can be"
         for robot in event.robots if real.to is None else ():
-            if not self._is_in_shift(robot, self._began.get(task, event.at), event.at):
+            rota, begin = self._mission.robots[robot].rota, self._began.get(task, event.at)
+            if not is_in_shift(rota, begin, event.at):
                 name = self._names.task(task)
                 yield f"{self._names.robot(robot)} does {name}, and no shift of it is so long"
         if event.robots and self._began.get(task) != event.at:  # else nobody saw it begin
@@ -272,12 +269,6 @@ class _Seen:
         self._works.pop(task, None)
         self._over[task] = event.at
         self._done.add(task)
-
-    def _is_in_shift(self, robot: int, begin: float, end: float) -> bool:
-        """Say whether a robot is in one shift between two moments, as far as clocks agree."""
-        rota, slack = self._mission.robots[robot].rota, CLOCKS * end + SEEN_WITHIN
-        shifts = takewhile(lambda shift: shift[0] <= end + slack, rota.since(begin - slack))
-        return any(a - slack <= begin and end <= b + slack for a, b in shifts)
 
     def _lasts(self, event: Event, due: float) -> Iterator[str]:
         """Say so if a part of a task was shorter than it has to be."""
@@ -301,13 +292,4 @@ class _Seen:
         for name, (said, found) in facts.items():
             if said != found:
                 yield f"the record says {name} {said}; it is {found}"
-        must = {task for task in self._missed if not mission.tasks[task].optional}
-        if (end.status == "too late") != bool(must):
-            missed = "a task that must be done" if must else "no task that must be done"
-            yield f"the record says status {end.status}, and {missed} is missed"
-        elif is_complete == bool(undone) and not must:
-            yield f"the record says status {end.status}, with {len(undone)} tasks not done"
-        if bool(end.blocked_tasks) != (end.status == "infeasible"):
-            yield f"the record says status {end.status}, and of which tasks, or does not"
-        if not set(end.blocked_tasks) <= undone:
-            yield "some tasks that can never be done were done"
+        yield from wrong_status(mission, end, undone, self._missed)

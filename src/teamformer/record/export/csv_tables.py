@@ -57,7 +57,7 @@ def _robots(record: Record) -> Iterable[Row]:
         *(["charge_left"] if are_charged else []),
         *(k.name for k in more),
     )
-    lost, back = (_times_by_robot(record, kind) for kind in ("lost", "back"))
+    lost, back = (_times_by_robot(record, *kinds) for kinds in (("lost", "dry"), ("back",)))
     told = told_of(record)
     for number, robot in enumerate(robots):
         spent = dict.fromkeys(phases, 0.0)
@@ -117,11 +117,11 @@ def _in_details(keys: Sequence[Key], things: Sequence[object]) -> list[Key]:
     return [key for key in shown if any(getattr(thing, key.field) for thing in things)]
 
 
-def _times_by_robot(record: Record, kind: str) -> dict[int, str]:
-    """Return for each robot that is lost, or back, in which steps or at what times that is."""
+def _times_by_robot(record: Record, *kinds: str) -> dict[int, str]:
+    """Return for each robot that is lost, dry or back, in which steps or at what times that is."""
     times: dict[int, str] = {}
     for entry in events(record):
-        for robot in entry.robots if entry.kind == kind else ():
+        for robot in entry.robots if entry.kind in kinds else ():
             when = f"{_number(entry.at)}"
             times[robot] = f"{times[robot]}; {when}" if robot in times else when
     return times

@@ -108,7 +108,7 @@ class Channels:
         """Log a moment; `mission` is what it really was."""
         self.show(mission, told)
         for event in told.events:
-            self._say(event.text(mission), event.kind == "lost", told.time)
+            self._say(event.text(mission), event.kind in ("lost", "dry"), told.time)
 
     def show(self, mission: Mission, told: Told) -> None:
         """Log where everybody is at a moment, and not what happened."""

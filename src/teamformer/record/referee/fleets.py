@@ -14,12 +14,19 @@ from itertools import pairwise
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.roads import Roads
-from teamformer.record.phases import is_same_place
+from teamformer.record.phases import CHARGING, is_same_place
 from teamformer.record.record import Record, Step, TeamAt
 from teamformer.record.referee.differences import Wording
 from teamformer.record.referee.verdict import Notes
 from teamformer.record.referee.walking import LeastWalks
-from teamformer.record.snapshots.services_seen import ServicesSeen
+from teamformer.record.snapshots.fleet_rules import (
+    is_in_shift,
+    is_too_late,
+    may_miss,
+    told_within,
+    wrong_status,
+)
+from teamformer.record.snapshots.services_seen import AtWork, ServicesSeen
 from teamformer.record.task_times import over_steps
 from teamformer.record.teams import Teams
 
@@ -32,7 +39,9 @@ class FleetSeen:
 
     def __init__(self, record: Record) -> None:
         self.done: dict[int, int] = {}  # task -> step
-        self._mission = record.true_mission
+        self.missed: set[int] = set()
+        self._at_chargers: dict[int, str] = {}
+        self._mission, self._length = record.true_mission, len(record.steps)
         self._unseen_places = {k for k, task in enumerate(record.mission.tasks) if task.within}
         self._unseen_needs = {k for k, task in enumerate(record.mission.tasks) if task.may_need}
         self._teams = Teams(record.mission.robots, record.start)
@@ -54,6 +63,8 @@ class FleetSeen:
         yield from self._learned(step)
         for task, slot in step.done:
             yield from self._did(task, slot, step)
+        yield from self._given_up(step)
+        yield from self._charging(step)
         for kind in NEVER_WRITTEN:
             if getattr(step, kind):
                 yield f"has rows of {kind}, which no fleet tells"
@@ -161,11 +172,16 @@ class FleetSeen:
         """Say what is wrong with a task that was done, and note it."""
         words, wanted, over = self._words, self._mission.tasks[task], self.done.get(task)
         self.done.setdefault(task, self._steps)
+        if task in self.missed:
+            yield f"task {words.task(task)} is done, and was missed before"
         if over is not None:
             yield f"task {words.task(task)} is done again, after step {over}"
             return
         if wanted.appears + wanted.duration + wanted.unload > self._steps + 1:
             yield f"task {words.task(task)} is done sooner than it can be"
+        done_by = max(0.0, self._steps - told_within(self._mission))
+        if is_too_late(self._mission, done_by):
+            yield f"task {words.task(task)} is done when the mission is over"
         if slot is None:
             return
         if slot not in self._teams.robots:
@@ -177,8 +193,43 @@ class FleetSeen:
             where = words.place(self._end_of(task))
             yield f"task {words.task(task)} at {where} is done by {words.led_by(slot)} elsewhere"
         for robot in self._teams.robots[slot]:
+            rota, lasts = self._mission.robots[robot].rota, wanted.duration
+            if wanted.to is None and not is_in_shift(rota, self._steps - lasts, done_by):
+                who = f"robot {words.robot(robot)}"
+                yield f"{who} does task {words.task(task)}, and no shift of it is so long"
             places = self._walks.note(robot, self._end_of(task))
             yield from self._too_soon(robot, places, wanted.duration + wanted.unload)
+
+    def _given_up(self, step: Step) -> Iterator[str]:
+        """Say which tasks cannot be missed that are, and note them."""
+        for task, _ in step.missed:
+            is_over = task in self.done or task in self.missed
+            if is_over or not may_miss(
+                self._mission, task, self._steps, self._steps == self._length
+            ):
+                yield f"task {self._words.task(task)} can still be done, or is over"
+            self.missed.add(task)
+
+    def _charging(self, step: Step) -> Iterator[str]:
+        """Say who cannot be at a charger that is said to, and where too many charge."""
+        self._at_chargers |= dict(step.charge)
+        self._at_chargers = {robot: what for robot, what in self._at_chargers.items() if what}
+        taken = [0] * len(self._mission.chargers)
+        for robot, what in self._at_chargers.items():
+            is_lost, who = robot in self._teams.lost(), self._words.robot(robot)
+            charger = None if is_lost else self._charger_at(self._teams.place(robot))
+            if charger is None or self._mission.robots[robot].battery is None:
+                yield f"robot {who} is said to charge, and is at no charger or has no battery"
+                continue
+            taken[charger] += what == CHARGING
+            if taken[charger] > self._mission.chargers[charger].room:
+                yield f"robot {who} charges where there is no room to"
+
+    def _charger_at(self, place: Place) -> int | None:
+        """Return the charger at a place, if there is one."""
+        chargers = enumerate(self._mission.chargers)
+        near = (n for n, it in chargers if is_same_place(self._mission, place, it.at))
+        return next(near, None)
 
     def _end_of(self, task: int) -> Place:
         """Return where a task is done: a load, where it is brought."""
@@ -229,10 +280,14 @@ def _judge_form(record: Record, notes: Notes) -> None:
 
 
 def _judge_services(record: Record, notes: Notes) -> None:
-    """Check who serves what: that follows from the rest."""
+    """Check who serves what: that follows from the rest, once it is said what is served."""
     seen, due = ServicesSeen(record.true_mission), list[Step]()
+    at_work: AtWork = {}
     for step in record.steps:
-        seen.add(due, replace(step, served=(), unloads=()), record.true_mission)
+        serving = {**at_work, **dict(step.served)}
+        at_work = {task: robots for task, robots in serving.items() if robots}
+        bare = replace(step, served=(), unloads=())
+        seen.add(due, bare, record.true_mission, at_work)
     words = Wording(record.mission)
     for notes.step, (said, found) in enumerate(zip(record.steps, due, strict=True), start=1):
         for kind in ("served", "unloads"):
@@ -261,15 +316,12 @@ def _judge_ending(record: Record, seen: FleetSeen, notes: Notes) -> None:
         "joins": (end.joins, sum(len(step.joins) for step in steps)),
         "splits": (end.splits, sum(len(step.splits) for step in steps)),
         "illegal_decisions": (end.illegal_decisions, 0),
+        "missed": (end.missed, tuple(record.mission.tasks[k].name for k in sorted(seen.missed))),
     }
     for name, (said, found) in facts.items():
         if said != found:
             notes.note(f"the record says {name} {said}; it is {found}")
-    if is_complete != (not undone):
-        notes.note(f"the record says status {end.status}, with {len(undone)} tasks not done")
     if is_complete and end.makespan != len(steps):
         notes.note("the record goes on after all was done")
-    if bool(end.blocked_tasks) != (end.status == "infeasible"):
-        notes.note(f"the record says status {end.status}, and of which tasks, or does not")
-    if not set(end.blocked_tasks) <= set(undone):
-        notes.note("some tasks that can never be done were done")
+    for wrong in wrong_status(record.mission, end, undone, seen.missed):
+        notes.note(wrong)

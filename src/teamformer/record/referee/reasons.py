@@ -24,7 +24,7 @@ def why_plan(world: PlainWorld, plan: PlainPlan | None, heeds: Collection[str]) 
     is_true = {
         "start": world.steps == 0,
         "task appeared": world.steps > 0 and (bool(happened.known) or _leaves_out(world, plan)),
-        "robot lost": bool(happened.lost),
+        "robot lost": bool(happened.lost) or _works_no_more(world),
         "service broken off": happened.any_broken_off,
         "robot back": bool(happened.back),
         "needs known": bool(happened.shown),
@@ -34,6 +34,12 @@ def why_plan(world: PlainWorld, plan: PlainPlan | None, heeds: Collection[str]) 
         "task done": bool(happened.done),
     }
     return tuple(why for why in NEWS if is_true[why] and (why == "start" or why in heeds))
+
+
+def _works_no_more(world: PlainWorld) -> bool:
+    """Say whether the last shift of a robot that is there is over: it counts as lost."""
+    over = [robot for robot, rota in enumerate(world.rotas) if rota.over == world.steps]
+    return any(world.slot_of[robot] is not None for robot in over)
 
 
 def _leaves_out(world: PlainWorld, plan: PlainPlan | None) -> bool:

@@ -1,11 +1,14 @@
 """Who serves which task in snapshots of a fleet, which say only who stands where and what is done.
 
-A team that stands at a task and has what it needs begins; it goes on until the task is done, or
-until it has it no longer. Who takes up a load is known, and has it until it is down.
+What is served is known; it is by the team of those who are known to, if that stands there and has
+what the task needs, or else the first that does. It goes on until the task is done or broken off,
+or until it has what the task needs no longer. Who takes up a load is known, and has it until it is
+down.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from teamformer.mission.model import Mission
@@ -17,6 +20,9 @@ from teamformer.record.teams import Teams
 from teamformer.world.rules.constants import NOBODY
 
 Robots = tuple[int, ...]
+
+AtWork = Mapping[int, Robots]
+"""The tasks that are served at a moment, each with the robots that are known to."""
 
 
 class ServicesSeen:
@@ -32,18 +38,23 @@ class ServicesSeen:
         self._over: set[int] = set()
         self._lies: dict[int, Place] = {}  # loads that are not where the mission has them
 
-    def add(self, steps: list[Step], step: Step, mission: Mission) -> Step:
+    @property
+    def served(self) -> AtWork:
+        """Return the tasks that are being served, with their robots."""
+        return dict(self._serving)
+
+    def add(self, steps: list[Step], step: Step, mission: Mission, at_work: AtWork) -> Step:
         """Add a step to others, with who serves what; return it.
 
-        The step before in which a load got to where it goes says then that it is unloaded. The
-        mission may have got more tasks.
+        `at_work` has what is served as the step ends. The step before in which a load got to where
+        it goes says then that it is unloaded. The mission may have got more tasks.
         """
         self._mission = mission
         self._steps += 1
         self._teams.follow(step)
         rows: list[tuple[int, Robots]] = []
-        self._go_on(step, rows)
-        self._begin_more(step, rows)
+        self._go_on(step, rows, at_work)
+        self._begin_more(step, rows, at_work)
         steps.append(replace(step, served=tuple(rows)))
         for task, _ in step.done:
             if task in self._up and (unload := int(mission.tasks[task].unload)):
@@ -52,14 +63,19 @@ class ServicesSeen:
             self._up.pop(task, None)
         return steps[-1]
 
-    def _go_on(self, step: Step, rows: list[tuple[int, Robots]]) -> None:
+    def _go_on(self, step: Step, rows: list[tuple[int, Robots]], at_work: AtWork) -> None:
         """Let services go on or end."""
         for task, _ in step.done:
             self._serving.pop(task, None)
             self._over.add(task)
+        for task, _ in step.missed:
+            self._end(task, rows)
+            self._over.add(task)
         for task, x, y in step.left:
             self._end(task, rows)
             self._lies[task] = (x, y)
+        for task in sorted(self._serving.keys() - at_work.keys() - self._up.keys()):
+            self._end(task, rows)
         for task, robots in list(self._serving.items()):
             going = self._going_on(task, robots, dict(step.taken).get(task))
             if not going:
@@ -74,13 +90,13 @@ class ServicesSeen:
         if self._serving.pop(task, ()):
             rows.append((task, ()))
 
-    def _begin_more(self, step: Step, rows: list[tuple[int, Robots]]) -> None:
+    def _begin_more(self, step: Step, rows: list[tuple[int, Robots]], at_work: AtWork) -> None:
         """Let teams begin: those that take up a load, and of the others the first that can."""
         taken = {k: slot for k, slot in step.taken if self._is_load(k) and k not in self._over}
         let_go = {row.task for row in step.left}
-        free = self._free() - let_go | (taken.keys() - self._serving.keys())
+        free = self._free() & at_work.keys() - let_go | (taken.keys() - self._serving.keys())
         for task in sorted(free, key=lambda k: (not self._is_load(k), k)):
-            slot = taken.get(task, self._first_able(task))
+            slot = taken.get(task, self._first_able(task, at_work.get(task, ())))
             if slot is not None:
                 self._serving[task] = self._teams.robots[slot]
                 rows.append((task, self._serving[task]))
@@ -116,12 +132,21 @@ class ServicesSeen:
             slots = [slot for slot in slots if self._can_serve(slot, task)][:1]
         return tuple(robot for robot, slot in there.items() if slot in slots)
 
-    def _first_able(self, task: int) -> int | None:
-        """Return the first team that can begin a task, of those that have no load."""
+    def _first_able(self, task: int, robots: Robots) -> int | None:
+        """Return the team of some robots, or else the first, that can begin a task.
+
+        It is one that has no load.
+        """
         loads = (robots for other, robots in self._serving.items() if self._is_load(other))
         busy = {self._teams.slot[robot] for robots in loads for robot in robots}
         able = (slot for slot in self._teams.robots if slot not in busy)
-        return min((slot for slot in able if self._can_begin(slot, task)), default=None)
+        able = (slot for slot in able if self._can_begin(slot, task))
+        known = set(robots)
+        return min(
+            able,
+            key=lambda slot: (-len(known.intersection(self._teams.robots[slot])), slot),
+            default=None,
+        )
 
     def _can_begin(self, slot: int, task: int) -> bool:
         is_meant = not self._is_load(task) or self._teams.task[slot] == task

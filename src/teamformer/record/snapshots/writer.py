@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
 from teamformer.record.record import FLEET, Ending, Record, Step, TaskAt, TeamAt
 from teamformer.record.snapshots.deeds import Deed
-from teamformer.record.snapshots.services_seen import ServicesSeen
+from teamformer.record.snapshots.services_seen import AtWork, ServicesSeen
 from teamformer.record.snapshots.teams_seen import (
     Teams,
     doers_goals,
@@ -18,6 +18,7 @@ from teamformer.record.snapshots.teams_seen import (
     teams_shown,
     who_did,
 )
+from teamformer.record.why_missed import why_missed
 
 
 @dataclass(frozen=True)
@@ -25,11 +26,13 @@ class Sighting:
     """What was seen of a fleet in a step; robots and tasks are numbers.
 
     `said` has each robot's team by its word, and its place, of those that are there; `aims` what
-    each heads for. `done` are tasks that were done, `taken` loads that were taken up.
+    each heads for. `at_work` has what is served. `done` are tasks that were done, `taken` loads
+    that were taken up, and `missed` tasks are not done any more.
     """
 
     said: Mapping[int, tuple[int, Place]]
     aims: Mapping[int, int | None]
+    at_work: AtWork = field(default_factory=dict)
     done: Sequence[Deed] = ()
     taken: Sequence[Deed] = ()
     left: tuple[TaskAt, ...] = ()  # loads that were set down
@@ -39,6 +42,8 @@ class Sighting:
     shown: tuple[int, ...] = ()  # tasks whose needs have become known
     found: tuple[int, ...] = ()  # tasks whose place has become known
     moved: tuple[TaskAt, ...] = ()  # tasks that are believed elsewhere
+    missed: tuple[int, ...] = ()
+    charge: Mapping[int, str] = field(default_factory=dict)  # what robots do at chargers
 
 
 class SnapshotWriter:
@@ -48,11 +53,12 @@ class SnapshotWriter:
         self.steps: list[Step] = []
         self._seen = ServicesSeen(mission)
         self._teams: Teams = {robot: (robot,) for robot in range(len(mission.robots))}
+        self._at_chargers: Mapping[int, str] = {}
         self._shown = {r: TeamAt(r, *one.at, None) for r, one in enumerate(mission.robots)}
 
     def pause(self, mission: Mission) -> None:
         """Write down a step of which nobody knows anything."""
-        self._seen.add(self.steps, Step(), mission)
+        self._seen.add(self.steps, Step(), mission, self._seen.served)
 
     def add(self, mission: Mission, seen: Sighting) -> Step:
         """Write down a step, and return it; the mission may have got more tasks.
@@ -74,6 +80,7 @@ class SnapshotWriter:
         }
         rows = tuple(at for slot, at in shown.items() if self._shown.get(slot) != at)
         self._teams, self._shown = teams, shown
+        served, aims = self._seen.served, {at.task for at in shown.values() if at.task is not None}
         made = Step(
             joins=joins,
             splits=splits,
@@ -87,8 +94,17 @@ class SnapshotWriter:
             shown=seen.shown,
             found=seen.found,
             moved=seen.moved,
+            charge=tuple(self._charge(seen.charge)),
+            missed=tuple((k, why_missed(mission, k, served, aims)) for k in seen.missed),
         )
-        return self._seen.add(self.steps, made, mission)
+        return self._seen.add(self.steps, made, mission, seen.at_work)
+
+    def _charge(self, doing: Mapping[int, str]) -> Iterator[tuple[int, str]]:
+        """Yield the robots that do something else at chargers than in the step before."""
+        before, self._at_chargers = self._at_chargers, doing
+        for robot in sorted(before.keys() | doing.keys()):
+            if (now := doing.get(robot, "")) != before.get(robot, ""):
+                yield robot, now
 
     def _doer(self, deed: Deed, slot_of: Mapping[int, int]) -> int | None:
         """Return the team to show as the one that did a task; None if none of it is there."""
@@ -103,12 +119,13 @@ def fleet_record(
     blocked_tasks: tuple[str, ...] = (),
     truth: Mission | None = None,
 ) -> Record:
-    """Return the record of what was seen of a fleet; a completed one ends with its last task.
+    """Return the record of what was seen of a fleet; one that is over ends with its last task.
 
     `truth` is what an uncertain mission really was, where that is known.
     """
-    if status == "completed":
-        ends = [n for n, step in enumerate(steps, start=1) if step.done]
+    missed = sorted(task for step in steps for task, _ in step.missed)
+    if status in ("completed", "too late"):
+        ends = [n for n, step in enumerate(steps, start=1) if step.done or step.missed]
         off = (task.cancelled for task in mission.tasks if task.cancelled is not None)
         steps = steps[: max([*ends, *(math.ceil(at) for at in off)], default=0)]
     made = len(steps)
@@ -129,5 +146,6 @@ def fleet_record(
             splits=sum(len(step.splits) for step in steps),
             illegal_decisions=0,
             blocked_tasks=blocked_tasks,
+            missed=tuple(mission.tasks[task].name for task in missed),
         ),
     )

@@ -13,7 +13,7 @@ from teamformer.record.critical_path.stretches import (
     in_order,
     in_shifts,
 )
-from teamformer.record.phases import AT_WORK, FORMING, IDLE, WAITING
+from teamformer.record.phases import AT_WORK, FORMING, IDLE, UNLOADING, WAITING
 from teamformer.record.record import Record
 from teamformer.record.task_times import opening_steps
 from teamformer.record.telling.doings import Doings
@@ -135,8 +135,11 @@ class _Tracing:
 
         None if nobody waited for it, be it that all were busy.
         """
+        is_load = bool(self._together) and self._together[-1][0].doing == UNLOADING
         for room in self._rooms if busy < self._now else ():
-            for other in sorted(room.tasks - {self._task} if self._task in room.tasks else ()):
+            own = room.loads if is_load else room.tasks
+            others = (room.tasks | room.loads) - {self._task} if self._task in own else ()
+            for other in sorted(others):
                 service = self._doings.last.get(other)
                 if service is not None and service.begun < self._now == service.ended:
                     return service, room.zone

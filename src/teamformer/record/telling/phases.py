@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence, Set
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
 from teamformer.record.phases import (
+    CARRYING,
     IDLE,
     LOST,
     OFF,
@@ -101,13 +102,12 @@ class Phases:
             was_at, was_for = before.of(teams, slot)
             place, heads_for = teams.at[slot], teams.task[slot]
             task = told.get(slot, was_for if heads_for == NOBODY else heads_for)
+            is_there = task != NOBODY and is_same_place(mission, place, goals[task])
+            has_moved, does_work = place != was_at, work.get(slot)
+            if does_work == CARRYING and is_there and not has_moved:
+                does_work = None  # it waits for room to unload
             phase = phase_of(
-                is_lost=slot in step.back,
-                has_formed=slot in formed,
-                work=work.get(slot),
-                has_moved=place != was_at,
-                task=task,
-                is_there=task != NOBODY and is_same_place(mission, place, goals[task]),
+                slot in step.back, slot in formed, does_work, has_moved, task, is_there
             )
             if not at_chargers.keys().isdisjoint(teams.robots[slot]):
                 does = {r: at_chargers.get(r, WAITING) for r in teams.robots[slot]}

@@ -9,8 +9,8 @@ from teamformer.base.naming import listed
 from teamformer.mission.parts.capabilities import describe, missing, total
 from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.shifts import fits_now
-from teamformer.mission.parts.zones import AtWork
-from teamformer.record.happenings import LogEntry
+from teamformer.mission.parts.zones import may_unload
+from teamformer.record.happenings import LogEntry, loss_of
 from teamformer.record.phases import (
     AT_WORK,
     CARRYING,
@@ -51,13 +51,18 @@ class Narrator:
         found = [
             *(LogEntry(now.steps, "cancelled", task=task) for task in now.called_off),
             *(LogEntry(now.steps, "missed", task=task) for task in now.missed),
-            *(LogEntry(now.steps, "lost", (robot,)) for robot in step.lost),
+            *(loss_of(now.mission, robot, now.steps) for robot in step.lost),
             *(LogEntry(now.steps, "back", (robot,)) for robot in step.back),
             *(LogEntry(now.steps, "found", task=task) for task in step.found),
             *(LogEntry(now.steps, "needs", task=task) for task in step.shown),
             *(LogEntry(now.steps, "appears", task=task) for task in now.news),
         ]
-        return [event.text(now.mission) for event in found]
+        over = [
+            f"the last shift of {robot.name} is over"
+            for number, robot in enumerate(now.source.robots)
+            if robot.rota.over == now.steps and now.teams.slot[number] != NOBODY
+        ]
+        return [*(event.text(now.mission) for event in found), *over]
 
     def _planned_anew(self) -> str:
         plans, world = self._now.plans, self._now.source.world
@@ -107,6 +112,10 @@ class Narrator:
 
     def _why_waiting(self, slot: int, task: int) -> str:
         now, tasks = self._now, self._now.source.tasks
+        work = now.at_work
+        if task in work.queue:
+            full = (room for room in now.rooms if not may_unload([room], work, task))
+            return next((held_in(now.source, room, work, ()) for room in full), "")
         over = {tasks[other].name for other in now.before.get(task, ()) if other in now.over}
         before = [name for name in tasks[task].after if name not in over]
         if before:
@@ -142,15 +151,16 @@ class Narrator:
     def _held_in_a_zone(self, task: int) -> str:
         """Return in which zone a task waits for what; nothing if in none."""
         now, under_way = self._now, self._now.services.under_way
-        before = []
+        work, before = now.at_work, []
         if now.plans.has_shared_plan and task in now.plans.order:
             order = now.plans.order[: now.plans.order.index(task)]
             begun = now.over | under_way
             before = [k for k in order if k not in begun and now.plans.coalition(k)]
         for room in now.rooms:
-            ahead = room.tasks & {*under_way, *before}
+            ahead = {*room.inside(work), *room.tasks.intersection(before)}
+            ahead |= room.loads.intersection(work.queue)
             if task in room.tasks and len(ahead) >= room.room:
-                return held_in(now.source, room, AtWork(under_way), before)
+                return held_in(now.source, room, work, before)
         return ""
 
     def _why_idle(self, team: Sequence[int]) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 from teamformer.mission.model import Mission
+from teamformer.mission.parts.zones import AtWork
 from teamformer.record.phases import CARRYING, LOADING, SERVING, UNLOADING
 from teamformer.record.record import Step
 from teamformer.record.teams import Teams
@@ -27,6 +28,7 @@ class Services:
         self.turned: set[int] = set()
         self._open: dict[int, int] = {}  # task -> its row that goes on
         self._with: dict[int, Robots] = {}  # task -> who serves it now
+        self._doing: dict[int, str] = {}  # what was done for tasks before the latest step ended
 
     def by_slot(self, teams: Teams) -> dict[int, str]:
         """Return what teams do for tasks; of several tasks, what they do for a load."""
@@ -36,6 +38,18 @@ class Services:
             slots = {teams.slot[robot] for robot in self._with[row.task]}
             work |= dict.fromkeys(slots - {NOBODY}, row.doing)
         return work
+
+    def at_work(self, waiting: Container[int]) -> AtWork:
+        """Return what took room in zones in the latest step; `waiting` has loads that wait for it.
+
+        They wait where they are brought to.
+        """
+        doing = self._doing
+        return AtWork(
+            [task for task, what in doing.items() if what in (SERVING, LOADING)],
+            [task for task, what in doing.items() if what == UNLOADING],
+            [task for task, what in doing.items() if what == CARRYING and task in waiting],
+        )
 
     def is_up(self, task: int) -> bool:
         """Say whether a task is a load that is carried or unloaded."""
@@ -64,6 +78,7 @@ class Services:
         `ended` are tasks that were called off and loads that were set down, `taken` loads that were
         taken up, by which team.
         """
+        self._doing = {task: self.rows[row].doing for task, row in self._open.items()}
         self.under_way, self.turned = set(self._open), {self.rows[k].task for k in self.changed}
         self.changed, self.touched = [], set()
         for task in sorted(ended):

@@ -8,8 +8,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.parts.grid import Place
 from teamformer.mission.parts.places import believed_place
-from teamformer.mission.parts.zones import all_rooms_of
+from teamformer.mission.parts.zones import AtWork, all_rooms_of
 from teamformer.mission.precedence import tasks_before
+from teamformer.record.phases import WAITING
 from teamformer.record.record import Record, Step
 from teamformer.record.task_times import appears_after
 from teamformer.record.teams import Teams
@@ -177,6 +178,12 @@ class Unrolled:
         for task in self.services.loads_up():
             places[task] = self._place_of(self.services.who_serves(task))
         return tuple(places)
+
+    @property
+    def at_work(self) -> AtWork:
+        """Return what takes room in zones, or waits for it with a load."""
+        doing = self.phases.deeds.values()
+        return self.services.at_work({task for phase, task in doing if phase == WAITING})
 
     def opens(self, task: int) -> int:
         """Return after which step a task may begin, if all tasks that it comes after are over."""

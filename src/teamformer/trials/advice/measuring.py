@@ -50,7 +50,7 @@ def search(job: PlannedSearch) -> Found:
     begun = time.perf_counter()
     mission = in_order(job.mission, job.order)
     if mission.time == "steps":
-        value, path = _played(mission, job.method, job.with_path)
+        value, path = _run(expected_mission(mission), job.method, 0, job.with_path)
     elif goes_as_planned(mission):
         value, path = _planned(mission, job.method, job.with_path)
     else:
@@ -69,19 +69,11 @@ def goes_as_planned(mission: Mission) -> bool:
 def _run(
     mission: Mission, method: str, seed: int, with_path: bool
 ) -> tuple[float | None, tuple[Stretch, ...]]:
-    """Return what a mission in continuous time comes to that is run; `seed` says what it really is.
+    """Return what a mission comes to that is run; `seed` says what it really is.
 
-    So each search meets another truth where something is uncertain.
+    So each search in continuous time meets another truth where something is uncertain.
     """
     record = run_trial(mission, load_method(method), seed).record
-    value = record.end.makespan if mission.cost is None else record.end.cost
-    return value, path_of_record(record) if with_path else ()
-
-
-def _played(
-    mission: Mission, method: str, with_path: bool
-) -> tuple[float | None, tuple[Stretch, ...]]:
-    record = run_trial(expected_mission(mission), load_method(method)).record
     value = record.end.makespan if mission.cost is None else cost_of_record(record)
     path = path_of_record(record) if with_path else ()
     return None if value is None else float(value), path

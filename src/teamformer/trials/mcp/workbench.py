@@ -45,7 +45,6 @@ PAGES = (".html",)
 LONGEST = 600.0
 """Seconds that one call may search for."""
 
-COMPARED = ("heuristic", "join-all", "crews", "plan", "central")
 ROW = ("method", "seed", "status", "makespan", "cost", "percent_over_best", "error", "hint")
 
 
@@ -139,15 +138,16 @@ class Workbench:
     def compare_methods(
         self,
         file: str,
-        methods: Sequence[str] = COMPARED,
+        methods: Sequence[str] = (),
         seeds: int = 1,
         seconds: float = 10.0,
     ) -> Told:
         """Run a mission by several methods, with each seed from 0 to SEEDS - 1, side by side.
 
-        METHODS are names of teamformer://methods. SECONDS is how long central may search.
+        METHODS are names of teamformer://methods, by default those that suit the mission's time.
+        SECONDS is how long central may search.
         """
-        names = [_method(name) for name in methods]
+        names = [_method(name) for name in methods] or None
         rows = trials.compare(self._mission(file), names, seeds, _seconds(seconds))
         short = [{key: row[key] for key in ROW if row.get(key) is not None} for row in rows]
         bounds = (row.get("lower_bound") for row in rows)

@@ -105,7 +105,7 @@ interface Mission {
   robots: Robot[];
   tasks: Task[];
   chargers: { at: Place; room?: number }[];
-  zones: { name: string; area: Place[] | null; room: number; tasks: number[] }[];
+  zones: { name: string; area: Place[] | null; room: number; tasks: number[]; loads: number[] }[];
   tasksAt: Map<string, number[]>; // by cell
   doTasksMove: boolean;
   sensingRadius: number;

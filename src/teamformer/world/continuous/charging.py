@@ -52,11 +52,19 @@ class ChargingWorld(WorkingWorld):
     @property
     def next_time(self) -> float:
         """Return when something happens next, or somebody runs dry; infinite if neither ever is."""
-        due = self.next_due
-        for number, body, battery in self._batteries():
-            if self._rate(body, battery) > 0:
-                due = min(due, max(self.now, self._dry_at(number, battery)))
-        return due
+        return min(self.next_due, self._next_dry)
+
+    @property
+    def next_but_shifts(self) -> float:
+        """Return the same, but for the ends and beginnings of shifts."""
+        return min(super().next_but_shifts, self._next_dry)
+
+    @property
+    def _next_dry(self) -> float:
+        """Return when somebody runs dry if nothing happens; infinite if nobody does."""
+        spending = ((n, own) for n, body, own in self._batteries() if self._rate(body, own) > 0)
+        due = (max(self.now, self._dry_at(number, battery)) for number, battery in spending)
+        return min(due, default=math.inf)
 
     @property
     def is_busy(self) -> bool:

@@ -266,7 +266,7 @@ class Course(TaskStarts):
                 return
         if self._is_over():
             self._end(COMPLETED)
-        elif self.world.next_time > self.mission.step_limit:
+        elif self.world.next_but_shifts > self.mission.step_limit:
             tasks = range(len(self.world.truth.tasks))
             self.blocked = tuple(task for task in tasks if task not in self.world.over)
             if self.blocked:  # else somebody does not get home

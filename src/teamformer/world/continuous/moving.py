@@ -90,6 +90,12 @@ class MovingWorld(ABC):
         return self.agenda[0][0] if self.agenda else math.inf
 
     @property
+    def next_but_shifts(self) -> float:
+        """Return when something is due next but the ends and beginnings of shifts; or infinity."""
+        due = (it[0] for it in self.agenda if it[1] not in (REST, WORK) and self.is_due(it))
+        return min(due, default=math.inf)
+
+    @property
     def is_busy(self) -> bool:
         """Say whether somebody is on the way, forms or is at work."""
         return bool(self.works) or any(b.is_walking and not b.is_lost for b in self.bodies)

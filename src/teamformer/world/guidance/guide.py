@@ -22,7 +22,7 @@ from teamformer.world.guidance.known import known_of
 from teamformer.world.guidance.parts import Parts
 from teamformer.world.phases.ending import give_up_worlds
 from teamformer.world.rules.constants import NOBODY
-from teamformer.world.state.arrays import APPEARED, FOUND, RUNNING, START, Worlds
+from teamformer.world.state.arrays import APPEARED, FOUND, LOST, RUNNING, START, Worlds
 
 History = list[tuple[int, Plan]]
 """Steps made, and the plan from then on."""
@@ -46,6 +46,7 @@ class Guide:
         self.plans: list[History] = [[] for _ in missions]
         self.seconds = 0.0
         self._before = [tasks_before(mission.tasks) for mission in missions]
+        self._over = [[robot.rota.over for robot in mission.robots] for mission in missions]
         self._heeds = np.array([_bits_of(coordinator) for coordinator in coordinators], np.int32)
 
     def fork(self) -> Guide:
@@ -60,6 +61,8 @@ class Guide:
         for w, before in enumerate(self._before):
             if before and self._leaves_out(worlds, w):
                 worlds.count["news"][w] |= APPEARED
+            if self._works_no_more(worlds, w):
+                worlds.count["news"][w] |= LOST
         news = worlds.count["news"] & self._heeds
         worlds.count["news"][self._heeds > 0] = 0
         news[worlds.count["status"] != RUNNING] = 0
@@ -133,6 +136,12 @@ class Guide:
             ):
                 news &= ~FOUND
         return news
+
+    def _works_no_more(self, worlds: Worlds, w: int) -> bool:
+        """Say whether the last shift of a robot that is there is over: it counts as lost."""
+        step, slots = int(worlds.count["steps"][w]), worlds.robots["team"][w]
+        over = (robot for robot, at in enumerate(self._over[w]) if at == step)
+        return any(slots[robot] != NOBODY for robot in over)
 
     def _leaves_out(self, worlds: Worlds, w: int) -> bool:
         """Say whether a task that comes after others may begin now, and nobody is to do it."""
@@ -234,7 +243,7 @@ def _lacking(have: Counts, needs: Counts) -> dict[str, float]:
 
 
 def _refuse(what: str) -> None:
-    raise TeamformerError(what, "see docs/reference/methods.md for what a coordinator returns")
+    raise TeamformerError(what, "see docs/reference/coordinators.md for what a coordinator returns")
 
 
 def _of_open_tasks(plan: Plan, known: Known) -> Plan:

@@ -21,6 +21,7 @@ def known_of(worlds: Worlds, w: int, mission: Mission, news: int) -> Known:
     step = int(worlds.count["steps"][w])
     free_at = np.full(len(teams), step)  # (slots,)
     under_way: list[tuple[int, int]] = []
+    loading: dict[int, float] = {}
     x, y = teams["x"].copy(), teams["y"].copy()  # where teams are once they are free
     for task in np.flatnonzero(tasks["server"] != NOBODY).tolist():
         server = int(tasks["server"][task])
@@ -30,6 +31,8 @@ def known_of(worlds: Worlds, w: int, mission: Mission, news: int) -> Known:
         until = step + int(rest)
         free_at[server] = max(int(free_at[server]), until)
         under_way.append((task, until))
+        if tasks["is_load"][task] and not tasks["is_carried"][task]:
+            loading[task] = until - int(tasks["ahead"][task])
         if tasks["is_load"][task]:
             x[server], y[server] = tasks["to_x"][task], tasks["to_y"][task]
     slots = robots["team"][: len(mission.robots)]
@@ -47,6 +50,10 @@ def known_of(worlds: Worlds, w: int, mission: Mission, news: int) -> Known:
         unseen_places=frozenset(np.flatnonzero(tasks["hides_place"]).tolist()),
         news=words_of(news),
         left=_left(robots, len(mission.robots)),
+        loading=loading,
+        unloading=frozenset(
+            np.flatnonzero(tasks["is_unloading"] | (tasks["came_at"] != NOBODY)).tolist()
+        ),
     )
 
 
@@ -73,7 +80,8 @@ def _believed(worlds: Worlds, w: int, mission: Mission) -> Mission:
     at = worlds.tasks[["x", "y"]][w]
     unsure = [task for task in tasks if mission.tasks[task].within or _is_left(worlds, w, task)]
     places = {task: (along(at["x"][task]), along(at["y"][task])) for task in unsure}
-    return believed_mission(mission, needs, places)
+    lies = {task: places[task] for task in unsure if _is_left(worlds, w, task)}
+    return believed_mission(mission, needs, places, lies)
 
 
 def _without_what_is_over(mission: Mission, tasks: Array, step: int) -> Mission:

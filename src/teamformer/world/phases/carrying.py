@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from teamformer.base.kernels.jit import allocating_kernel, kernel
+from teamformer.world.phases.room import note_zones
 from teamformer.world.rules.constants import NEVER, NOBODY, ROUNDING
 from teamformer.world.state.task_places import change_cell, put_task
 
@@ -28,13 +29,18 @@ def is_carrying(world: World, team: int) -> bool:
 
 
 @kernel
-def is_delivered(world: World, team: int, task: int) -> bool:
+def is_delivered(world: World, team: int, task: int, step: int) -> bool:
     """Say whether a team that carries a load has been long enough where it is brought to.
 
-    `served` counts the steps at whose ends it stands there, the one of its arrival too.
+    `served` counts the steps at whose ends it stands there, the one of its arrival too; in a zone
+    those since it has room, for which it waits.
     """
     if not _is_there(world, team, task):
         world.tasks[task].served = 0
+    elif world.tasks[task].is_brought_to_zone and not world.tasks[task].is_unloading:
+        world.tasks[task].served = 0
+        if world.tasks[task].came_at == NOBODY:
+            world.tasks[task].came_at = step
     return bool(world.tasks[task].served > world.tasks[task].unload)
 
 
@@ -107,7 +113,10 @@ def place_loads(world: World, step: int) -> None:
         if world.tasks[task].server == NOBODY:
             world.tasks[task].is_carried = False
             world.tasks[task].left_at = step
+            world.tasks[task].is_unloading, world.tasks[task].came_at = False, NOBODY
             put_task(world, task, world.tasks[task].lies_x, world.tasks[task].lies_y)
+            if len(world.zones) > 0:
+                note_zones(world, task)
         elif world.tasks[task].taken_at == step:
             change_cell(world, task, world.tasks[task].to_x, world.tasks[task].to_y)
             if world.rules.has_walls:

@@ -58,14 +58,15 @@ def is_at_charger(world: World, team: int) -> bool:
 def _choose(world: World, team: int) -> None:
     """Say where a team charges before it goes on; who is about to charge goes on with that.
 
-    Who stands at its task begins, or waits.
+    Who has asked before and stands at its task begins, or waits.
     """
     task = world.teams[team].task
-    is_same = world.teams[team].charger != NOBODY and world.teams[team].charges_for == task
+    has_asked = world.teams[team].charges_for == task
+    is_same = has_asked and world.teams[team].charger != NOBODY
     if is_same and not (is_at_charger(world, team) and _is_full(world, team)):
         return
     world.teams[team].charger, world.teams[team].charges_for = NOBODY, task
-    if task != NOBODY and not stands_at(world, team, task):
+    if task != NOBODY and not (has_asked and stands_at(world, team, task)):
         world.teams[team].charger = _charger_for(world, team, task)
 
 

@@ -16,13 +16,15 @@ from teamformer.world.phases.carrying import (
 )
 from teamformer.world.phases.delays import is_in_shift
 from teamformer.world.phases.energy import has_enough
-from teamformer.world.phases.room import count_services, has_room, take_room
+from teamformer.world.phases.room import count_services, has_room, next_in_queue, take_room
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.state.arrays import (
     APPEARED,
     BROKEN_OFF,
     CANCELLED,
     DONE,
+    INSIDE,
+    UNLOADS,
 )
 from teamformer.world.state.spatial_index import find_tasks_here, stands_at
 
@@ -64,6 +66,8 @@ def _enter_zones(world: World, step: int) -> None:
     Each is begun by a team that is assigned to it, the lowest of those that can.
     """
     count_services(world)
+    if world.rules.has_loads:
+        _unload_in_zones(world, step)
     for position in range(world.count.open):
         task = world.order[position]
         if not world.tasks[task].is_in_zone or not world.tasks[task].is_open:
@@ -75,18 +79,43 @@ def _enter_zones(world: World, step: int) -> None:
             _begin(world, team, task, step)
         is_waiting = team == NOBODY and world.tasks[task].is_awaited
         if is_waiting or world.tasks[task].server != NOBODY:
-            take_room(world, task)
+            take_room(world, task, INSIDE)
+
+
+@kernel
+def _unload_in_zones(world: World, step: int) -> None:
+    """Let loads be unloaded that are where they are brought to: who came first is first.
+
+    Who goes on waiting takes room, too: nobody begins there before.
+    """
+    task = next_in_queue(world, NOBODY, NOBODY)
+    while task != NOBODY:
+        came = world.tasks[task].came_at
+        if has_room(world, task, UNLOADS):
+            world.tasks[task].came_at = NOBODY
+            world.tasks[task].is_unloading = True
+            world.tasks[task].served = 1
+            if world.tasks[task].unload == 0:
+                _unload(world, world.tasks[task].server, task, step)
+            else:
+                expect_arrival(world, world.tasks[task].server, task)
+        if world.tasks[task].server != NOBODY:
+            take_room(world, task, UNLOADS)
+        task = next_in_queue(world, came, task)
 
 
 @kernel
 def _who_enters(world: World, task: int, step: int) -> int:
     """Return the team that begins a task in a zone; NOBODY if none does."""
-    if not (has_room(world, task) and _is_free(world, task, step)):
+    is_load = world.tasks[task].is_load
+    if is_load and world.tasks[task].is_carried:
+        return NOBODY
+    if not (has_room(world, task, INSIDE) and _is_free(world, task, step)):
         return NOBODY
     for team in range(world.rules.robots):
         if world.teams[team].size == 0 or world.teams[team].task != task:
             continue
-        if world.teams[team].charger != NOBODY:
+        if world.teams[team].charger != NOBODY or (is_load and world.teams[team].serves > 0):
             continue
         is_able = stands_at(world, team, task) and can_do_alone(world, team, task)
         if is_able and _fits(world, team, task, step):
@@ -130,7 +159,7 @@ def _is_loaded(world: World, team: int, step: int) -> bool:
     if is_free and stands_at(world, team, task) and can_do_alone(world, team, task):
         if not carries_in_time(world, team, task, step):
             _miss(world, task, step)
-        elif _fits(world, team, task, step):
+        elif not world.tasks[task].is_in_zone and _fits(world, team, task, step):
             _begin(world, team, task, step)
             return True
     return False
@@ -262,17 +291,24 @@ def _carry(world: World, team: int, task: int, step: int) -> None:
         note_place(world, task, world.teams[team].x, world.teams[team].y)
         _end_service(world, team, task)
         world.count.news |= BROKEN_OFF
-    elif is_delivered(world, team, task):
-        world.tasks[task].is_carried = False
-        _end_service(world, team, task)
-        _finish(world, team, task, step)
+    elif is_delivered(world, team, task, step):
+        _unload(world, team, task, step)
     else:
         expect_arrival(world, team, task)
 
 
 @kernel
+def _unload(world: World, team: int, task: int, step: int) -> None:
+    """Let a load be where it is brought to, unloaded."""
+    world.tasks[task].is_carried = False
+    _end_service(world, team, task)
+    _finish(world, team, task, step)
+
+
+@kernel
 def _end_service(world: World, team: int, task: int) -> None:
     world.tasks[task].server = NOBODY
+    world.tasks[task].is_unloading, world.tasks[task].came_at = False, NOBODY
     world.teams[team].serves -= 1
 
 

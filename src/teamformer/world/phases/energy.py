@@ -48,7 +48,9 @@ def spend_standing(world: World) -> None:
             continue
         if world.teams[team].serves > 0:
             is_on_the_way = world.rules.has_loads and is_carrying(world, team)
-            if not is_on_the_way or stands_at(world, team, world.teams[team].task):
+            if is_on_the_way and world.tasks[world.teams[team].task].came_at != NOBODY:
+                world.robots[robot].left -= world.robots[robot].waiting
+            elif not is_on_the_way or stands_at(world, team, world.teams[team].task):
                 world.robots[robot].left -= world.robots[robot].serving
         elif _waits(world, team) and not is_robot_off(world, robot):
             world.robots[robot].left -= world.robots[robot].waiting

@@ -204,7 +204,8 @@ def join_teams(world: World, joiner: int, partner: int) -> None:
     world.teams[slot].is_detour = False
     world.teams[slot].task = task
     world.teams[slot].credit = 0.0
-    world.teams[slot].charger, world.teams[slot].has_walked = NOBODY, False
+    world.teams[slot].charger = world.teams[slot].charges_for = NOBODY
+    world.teams[slot].has_walked = False
     for robot in range(other, world.rules.robots):
         if world.robots[robot].team == other:
             add_robot(world, slot, robot)
@@ -256,7 +257,7 @@ def clear_slot(world: World, slot: int) -> None:
     world.teams[slot].task = NOBODY
     world.teams[slot].is_detour = False
     world.teams[slot].serves = 0
-    world.teams[slot].charger = NOBODY
+    world.teams[slot].charger = world.teams[slot].charges_for = NOBODY
     world.teams[slot].has_walked = False
 
 

@@ -17,10 +17,7 @@ def take_up(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> bool:
     world.carried.add(task)
     world.happened.taken[task] = slot
     team.serving[task] = int(wanted.unload) + 1
-    is_unloaded = carry(world, team, task)
-    if team.serving.get(task):
-        world.put_task(task, wanted.to)
-    return is_unloaded
+    return carry(world, team, task)
 
 
 def steps_to_go(world: PlainWorld, team: PlainTeam, goal: Place, credit: float = 0.0) -> int:
@@ -37,7 +34,8 @@ def steps_to_go(world: PlainWorld, team: PlainTeam, goal: Place, credit: float =
 def carry(world: PlainWorld, team: PlainTeam, task: int) -> bool:
     """End a step with a load; say whether it has been long enough where it goes.
 
-    A team that has lost what the task needs lets go of it, and so does one whose shift is over.
+    A team that has lost what the task needs lets go of it, and so does one whose shift is over. In
+    a zone it waits there for room.
     """
     to = world.mission.tasks[task].to
     assert to is not None
@@ -46,16 +44,27 @@ def carry(world: PlainWorld, team: PlainTeam, task: int) -> bool:
         del team.serving[task]
         world.served.discard(task)
         world.let_go[task] = team.at
+        world.stop_unloading(task)
         world.happened.any_broken_off = True
+    elif world.is_same(team.at, to) and task in world.brought_to_zones - world.unloading:
+        world.came.setdefault(task, world.steps + 1)
     elif world.is_same(team.at, to):
         team.serving[task] -= 1
     return team.serving.get(task) == 0
 
 
 def put_down(world: PlainWorld) -> None:
-    """At the end of a step, let loads lie where they were let go of."""
+    """At the end of a step, let loads lie where they were let go of, or head for where they go."""
     world.happened.left = dict(sorted(world.let_go.items()))
     for task, place in world.let_go.items():
         world.carried.remove(task)
+        world.stop_unloading(task)
         world.put_task(task, place)
+    for task in world.happened.taken.keys() & world.carried:
+        to = world.mission.tasks[task].to
+        assert to is not None
+        world.put_task(task, to)
+    if world.let_go and world.rooms:
+        world.lies |= world.let_go
+        world.list_rooms()
     world.let_go = {}

@@ -57,12 +57,18 @@ def charge(world: PlainWorld, walks: Joins) -> None:
 
 
 def _choose(world: PlainWorld, team: PlainTeam) -> None:
-    """Say where a team charges before it goes on; who is about to charge goes on with that."""
+    """Say where a team charges before it goes on; who is about to charge goes on with that.
+
+    Who has asked before and stands at its task begins, or waits.
+    """
     is_done = is_at_charger(world, team) and not _are_short(world, team)
-    if team.charger is not None and team.charges_for == team.task and not is_done:
+    has_asked = team.charges_for == team.task
+    if team.charger is not None and has_asked and not is_done:
         return
     team.charger, team.charges_for = None, team.task
-    if team.task is not None and not world.is_same(team.at, world.at[team.task]):
+    if team.task is None:
+        return
+    if not (has_asked and world.is_same(team.at, world.at[team.task])):
         team.charger = _charger_for(world, team, team.task)
 
 
@@ -169,7 +175,9 @@ def spend_standing(world: PlainWorld) -> None:
         is_there = team.task is not None and world.is_same(team.at, world.at[team.task])
         if team.serving:
             is_carrying = not world.carried.isdisjoint(team.serving)
-            world.left[robot] -= 0.0 if is_carrying and not is_there else battery.serving
+            waits = not world.came.keys().isdisjoint(team.serving)
+            standing = battery.waiting if waits else battery.serving
+            world.left[robot] -= 0.0 if is_carrying and not is_there else standing
         elif is_there and team.charger is None and world.is_at_work([robot]):
             world.left[robot] -= battery.waiting
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from teamformer.mission.checks.windows import window_opens
 from teamformer.mission.parts.capabilities import covers, total
 from teamformer.mission.parts.reach import can_reach
+from teamformer.mission.parts.zones import AtWork
 from teamformer.world.reference.carrying import carry, steps_to_go, take_up
 from teamformer.world.reference.charging import has_enough
 from teamformer.world.reference.state import PlainTeam, PlainWorld
@@ -35,9 +36,11 @@ def _enter_zones(world: PlainWorld) -> None:
     """Let tasks in zones begin in the order, where there is room for those before them, too.
 
     Each is begun by a team that is assigned to it, the lowest of those that can. What goes on takes
-    room, and so does what is still to begin before by the plan.
+    room, and so does what is still to begin before by the plan. Loads are unloaded before.
     """
-    taken = {room.zone: len(room.tasks & world.served) for room in world.rooms}
+    work = AtWork(world.served - world.carried, world.unloading & world.served)
+    taken = {room.zone: len(room.inside(work)) for room in world.rooms}
+    _unload_in_zones(world, taken)
     for task in (k for k in world.order if k in world.in_zones and k in world.open - world.served):
         rooms = [room for room in world.rooms if task in room.tasks]
         able = [
@@ -45,11 +48,31 @@ def _enter_zones(world: PlainWorld) -> None:
             for slot, team in world.in_slot_order()
             if team.task == task and team.charger is None and world.is_same(team.at, world.at[task])
             if _is_ready(world, team, task) and _fits(world, team, task)
+            if not (team.serving and world.mission.tasks[task].to)
         ]
         if able and all(taken[room.zone] < room.room for room in rooms):
             _begin(world, *able[0], task)
         is_waiting = task in world.open and task in world.awaited
         if task in world.served or is_waiting:
+            taken |= {room.zone: taken[room.zone] + 1 for room in rooms}
+
+
+def _unload_in_zones(world: PlainWorld, taken: dict[int, int]) -> None:
+    """Let loads be unloaded that are where they are brought to: who came first is first.
+
+    Who goes on waiting takes room, too: nobody begins there before.
+    """
+    queue = {(came, task) for task, came in world.came.items() if task in world.served}
+    for _, task in sorted(queue):
+        rooms = [room for room in world.rooms if task in room.loads]
+        slot, team = next((s, t) for s, t in world.in_slot_order() if task in t.serving)
+        if all(taken[room.zone] < room.room for room in rooms):
+            del world.came[task]
+            world.unloading.add(task)
+            team.serving[task] -= 1
+            if team.serving[task] == 0:
+                _finish(world, slot, team, task)
+        if task in world.served:
             taken |= {room.zone: taken[room.zone] + 1 for room in rooms}
 
 
@@ -91,7 +114,7 @@ def _is_with_load(world: PlainWorld, slot: int, team: PlainTeam) -> bool:
         if not _carries_in_time(world, team, task):
             _miss(world, task, world.steps + 1)
             return False
-        if _fits(world, team, task):
+        if task not in world.in_zones and _fits(world, team, task):
             _begin(world, slot, team, task)
             return True
     return task in team.serving
@@ -199,7 +222,7 @@ def _expect_end(world: PlainWorld, team: PlainTeam, task: int) -> None:
 
 def _finish(world: PlainWorld, slot: int, team: PlainTeam, task: int) -> None:
     team.serving.pop(task, None)
-    for tasks in (world.open, world.carried, world.served):
+    for tasks in (world.open, world.carried, world.served, world.unloading):
         tasks.discard(task)
     world.done[task] = world.steps + 1
     world.happened.done[task] = slot

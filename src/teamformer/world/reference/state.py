@@ -53,7 +53,7 @@ class PlainTeam:
     named: int | None = None  # the task that it names; None for who leaves such a team
     pursued: int | None = None  # what it headed for in this step
     charger: int | None = None  # where it charges before it goes on
-    charges_for: int | None = None  # the task that it then goes on to
+    charges_for: int | None = None  # the task before which it has asked whether to
     has_walked: bool = False  # in this step
 
 
@@ -151,8 +151,8 @@ class PlainWorld:
         for task, place in enumerate(self.at):
             self._squares[self._square(place)].add(task)
         self.before = tasks_before(tasks)
-        self.rooms = all_rooms_of(self.mission)
-        self.in_zones = frozenset[int]().union(*(room.tasks for room in self.rooms))
+        self.lies: dict[int, Place] = {}  # where loads were set down last
+        self.list_rooms()
         self.known: set[int] = set()
         self.open: set[int] = set()  # known and not over
         self.may_begin: set[int] = set()
@@ -162,9 +162,22 @@ class PlainWorld:
         self.served: set[int] = set()
         self.carried: set[int] = set()  # loads; `serving` has steps at their goals left
         self.let_go: dict[int, Place] = {}  # loads set down in this step, and where
+        self.unloading: set[int] = set()  # loads that are unloaded in zones
+        self.came: dict[int, int] = {}  # loads that wait for room there, and since which step
         self.due: dict[int, int] = {}  # of services, how many steps they are expected to take
         self.begun_at: dict[int, int] = {}  # the step in which each service began
         self.happened = Happenings()
+
+    def list_rooms(self) -> None:
+        """Work out which tasks are in which zones, loads by where they lie."""
+        self.rooms = all_rooms_of(self.mission, self.lies)
+        self.in_zones = frozenset[int]().union(*(room.tasks for room in self.rooms))
+        self.brought_to_zones = frozenset[int]().union(*(room.loads for room in self.rooms))
+
+    def stop_unloading(self, task: int) -> None:
+        """Let a load be unloaded no more, nor wait for it."""
+        self.unloading.discard(task)
+        self.came.pop(task, None)
 
     def in_units(self, counts: Counts) -> Units:
         """Return counts in the order of the capabilities, in whole units."""
@@ -253,6 +266,7 @@ class PlainWorld:
         for tasks in (self.open, self.carried, self.served):
             tasks.discard(task)
         self.let_go.pop(task, None)
+        self.stop_unloading(task)
         for team in self.teams.values():
             team.serving.pop(task, None)
             if team.task == task:

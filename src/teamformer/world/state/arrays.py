@@ -120,7 +120,7 @@ TEAM = np.dtype(
         ("task", np.int32),  # assignment, or NOBODY
         ("serves", np.int32),  # how many tasks it is serving
         ("charger", np.int32),  # where it charges before it goes on, or NOBODY
-        ("charges_for", np.int32),  # the task that it then goes on to
+        ("charges_for", np.int32),  # the task before which it has asked whether to, or NOBODY
         ("is_detour", np.bool_),  # the assignment was taken out of order
         # What follows lasts for one step.
         ("is_delayed", np.bool_),  # one of its robots stands still
@@ -181,6 +181,9 @@ TASK = np.dtype(
         ("missed_at", np.int32),  # the step after which it was not done any more, or NOBODY
         ("begun_at", np.int32),  # the step in which its service began
         ("is_in_zone", np.bool_),  # only so many of a zone that it is in are served at once
+        ("is_brought_to_zone", np.bool_),  # only so many are served or unloaded where it goes
+        ("is_unloading", np.bool_),  # it takes room there
+        ("came_at", np.int32),  # the step since which it waits for room there, or NOBODY
         ("is_awaited", np.bool_),  # its plan has somebody do it who is there; only asked in zones
     ],
     align=True,
@@ -193,6 +196,19 @@ ZONE = np.dtype(
     ],
     align=True,
 )
+AREA = np.dtype(
+    [
+        ("zone", np.int32),  # whose area or place it is, or NOBODY
+        ("left", np.float64),
+        ("low", np.float64),
+        ("right", np.float64),
+        ("high", np.float64),
+    ],
+    align=True,
+)
+INSIDE, UNLOADS, NAMED = 1, 2, 4
+"""How a task is in a zone: it takes room as it begins, or while its load is unloaded; by name."""
+
 SPOT = np.dtype(
     [
         ("x", np.float64),
@@ -249,7 +265,8 @@ class Worlds(NamedTuple):
     wanted: Array  # (worlds, robots, tasks) what each has to have left there, or (worlds, 0, 0)
     to_charger: Array  # (worlds, chargers, height, width) distances, or (worlds, 0, 0, 0)
     zones: Array  # (worlds, zones) ZONE, none if no world has any
-    inside: Array  # (worlds, zones, tasks) which tasks are in which zone
+    inside: Array  # (worlds, zones, tasks) INSIDE, UNLOADS and NAMED: which are in which zone
+    areas: Array  # (worlds, areas) AREA
 
 
 if TYPE_CHECKING:

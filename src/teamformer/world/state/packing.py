@@ -22,16 +22,20 @@ from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.rules.distances import UNREACHABLE, blocked_cells, distance_fields
 from teamformer.world.state.arrays import (
     ANYWHERE,
+    AREA,
     CELL,
     CHARGER,
     COUNT,
+    INSIDE,
     LATEST,
+    NAMED,
     ROBOT,
     RULES,
     SPOT,
     START,
     TASK,
     TEAM,
+    UNLOADS,
     ZONE,
     Worlds,
 )
@@ -86,6 +90,7 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
     shifts = max(len(robot.shifts) for s in missions for robot in s.robots)
     chargers = max(len(s.chargers) if s.charging else 0 for s in missions)
     zones = max(len(mission.zones) for mission in missions)
+    areas = max(sum(1 + len(zone.places) for zone in mission.zones) for mission in missions)
     hides_needs = any(task.may_need for s in missions for task in s.tasks)
     unsure = (count, tasks, caps) if hides_needs else (count, 0, 0)
     hides_places = any(task.within for s in missions for task in s.tasks)
@@ -123,7 +128,8 @@ def _empty_worlds(missions: Sequence[Mission], truths: Sequence[Mission]) -> Wor
         wanted=np.zeros((count, robots, tasks) if chargers else (count, 0, 0)),
         to_charger=np.full((count, chargers, *walls), UNREACHABLE, dtype=np.int32),
         zones=np.zeros((count, zones), dtype=ZONE),
-        inside=np.zeros((count, zones, tasks), dtype=np.bool_),
+        inside=np.zeros((count, zones, tasks), dtype=np.uint8),
+        areas=np.zeros((count, areas), dtype=AREA),
     )
     _say_nothing_yet(worlds)
     return worlds
@@ -308,10 +314,20 @@ def _pack_batteries(worlds: Worlds, w: int, mission: Mission) -> None:
 
 
 def _pack_zones(worlds: Worlds, w: int, mission: Mission) -> None:
-    for zone, tasks, room, _ in all_rooms_of(mission):
+    names, areas = [task.name for task in mission.tasks], []
+    for zone, tasks, room, loads in all_rooms_of(mission):
+        said = mission.zones[zone]
         worlds.zones["room"][w, zone] = room
-        worlds.inside[w, zone, sorted(tasks)] = True
-    worlds.tasks["is_in_zone"][w] = worlds.inside[w].any(axis=0)
+        worlds.inside[w, zone, sorted(tasks)] |= INSIDE
+        worlds.inside[w, zone, sorted(loads)] |= UNLOADS
+        worlds.inside[w, zone, [names.index(name) for name in said.tasks]] |= NAMED
+        areas += [(zone, *said.area[0], *said.area[1])] if said.area else []
+        areas += [(zone, *place, *place) for place in said.places]
+    worlds.areas["zone"][w] = NOBODY
+    worlds.areas[w, : len(areas)] = areas
+    worlds.tasks["is_in_zone"][w] = (worlds.inside[w] & INSIDE).any(axis=0)
+    worlds.tasks["is_brought_to_zone"][w] = (worlds.inside[w] & UNLOADS).any(axis=0)
+    worlds.tasks["came_at"][w] = NOBODY
 
 
 def _pack_places(worlds: Worlds, w: int, k: int, task: Task, world: World, at: Place) -> None:

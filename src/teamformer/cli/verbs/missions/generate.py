@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from teamformer.base.errors import TeamformerError
-from teamformer.cli.terminal.console import prepare_file, say
+from teamformer.cli.terminal.console import prepare_file, refuse_existing, say
 from teamformer.files.drawn.generate import Spec
 from teamformer.files.drawn.generate import generate as generate_mission
 from teamformer.files.drawn.named_settings import world_of
@@ -31,7 +31,7 @@ def generate(
     path: Path,
 ) -> int:
     """Write a random mission; return the exit status."""
-    prepare_file(path)
+    _prepare(path)
     world = _world(grid, plane, map_path)
     name = f"{spec.robots} robots, {spec.tasks} tasks, seed {seed}"
     spec = Spec(**{**vars(spec), "world": world})
@@ -41,8 +41,13 @@ def generate(
 
 def generate_setting(setting: str, seed: int, path: Path) -> int:
     """Write a world that a benchmark runs on; return the exit status."""
-    prepare_file(path)
+    _prepare(path)
     return _write(world_of(setting, seed), path)
+
+
+def _prepare(path: Path) -> None:
+    refuse_existing(path)
+    prepare_file(path)
 
 
 def _write(mission: Mission, path: Path) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -28,6 +28,7 @@ from teamformer.mission.truth import draw_truth
 from teamformer.record.critical_path.stretches import path_rows
 from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.export.reasons import story_lines
+from teamformer.record.happenings import events
 from teamformer.record.record import Record
 from teamformer.record.task_times import cancelled_steps, cost_of_record, lateness, missed_tasks
 from teamformer.record.teams import completions
@@ -177,8 +178,9 @@ def _show(trial: PlayedTrial) -> None:
         out.print(f"late: {task} by {by:g}{unit}", markup=False, style="red")
     for task, other in end.broken_links:
         out.print(f"not kept: the link of {task} to {other}", markup=False, style="red")
-    if lost := _losses(record):
-        out.print(f"lost: {lost}", markup=False, style="red")
+    for what, kind in (("lost", "lost"), ("has run dry", "dry")):
+        if lost := _losses(record, kind):
+            out.print(f"{what}: {lost}", markup=False, style="red")
     for line in why_so_late(record.true_mission, path_of_record(record)):
         out.print(line, markup=False)
     if trial.plan is not None:
@@ -207,44 +209,29 @@ def _counted(record: Record) -> str:
 
 
 def _verdict(record: Record) -> str:
-    end = record.end
-    if record.is_continuous:
-        return _verdict_in_time(record)
+    """Return how a trial ended: after how many steps or, in continuous time, at what time."""
+    end, bound, is_in_steps = record.end, record.lower_bound, not record.is_continuous
+    length = f"{end.steps} steps" if is_in_steps else f"{record.length:g}"
+    at = f"step {end.steps}" if is_in_steps else length
     if end.makespan is not None:
-        bound, seconds = record.lower_bound, seconds_of(record.mission, end.makespan)
-        what = "all done or called off" if cancelled_steps(record) else "all done"
-        done = f"{what} after {end.makespan} steps"
-        if seconds is not None:
+        ways = ["all done", *(["called off"] if cancelled_steps(record) else [])]
+        ways += ["missed"] if end.missed else []
+        done = f"{' or '.join(ways)} after {length}"
+        seconds = seconds_of(record.mission, end.makespan)
+        if seconds is not None and is_in_steps:
             done = f"{done}, {seconds:g} s"
         if not bound:
             return done
         ratio = 100 * (end.makespan / bound - 1)
-        return f"{done}; no plan can take less than {bound} (+{ratio:.0f}%)"
+        shown = bound if is_in_steps else f"{bound:g}"
+        return f"{done}; no plan can take less than {shown} (+{ratio:.0f}%)"
     if end.status == "infeasible":
-        return f"given up at step {end.steps}: {', '.join(end.blocked_tasks)} can never be done"
+        return f"given up at {at}: {', '.join(end.blocked_tasks)} can never be done"
     if end.status == "interrupted":
-        return f"interrupted at step {end.steps}"
-    return f"not done within the limit of {end.steps} steps"
-
-
-def _verdict_in_time(record: Record) -> str:
-    """Return how a mission in continuous time ended, in its unit."""
-    end, bound = record.end, record.lower_bound
-    if end.makespan is not None:
-        ways = [*(["called off"] if cancelled_steps(record) else [])]
-        ways += ["missed"] if end.missed else []
-        done = f"{' or '.join(['all done', *ways])} after {end.makespan:g}"
-        if not bound:
-            return done
-        ratio = 100 * (end.makespan / bound - 1)
-        return f"{done}; no plan can take less than {bound:g} (+{ratio:.0f}%)"
-    if end.status == "infeasible":
-        return f"given up at {record.length:g}: {', '.join(end.blocked_tasks)} can never be done"
-    if end.status == "interrupted":
-        return f"interrupted at {record.length:g}"
+        return f"interrupted at {at}"
     if end.status == "too late":
-        return f"too late at {record.length:g}: {', '.join(_failed(record))} must be done"
-    return f"not done within the limit of {record.length:g}"
+        return f"too late at {at}: {', '.join(_failed(record))} must be done"
+    return f"not done within the limit of {length}"
 
 
 def _failed(record: Record) -> list[str]:
@@ -277,29 +264,20 @@ def _task_table(record: Record) -> Table:
     return table
 
 
-def _losses(record: Record) -> str:
-    """Name the robots that were lost, with their steps; the first ones of many."""
+def _losses(record: Record, kind: str) -> str:
+    """Name the robots that were lost, or are dry, with their steps; the first ones of many."""
     lost: list[str] = []
     latest: dict[int, int] = {}  # the entry in the list of each robot that is lost
     at, in_ = ("at", "at") if record.is_continuous else ("in step", "in")
-    for when, kind, robot in _absences(record):
-        if kind == "back":
-            lost[latest[robot]] += f" (back {in_} {when:g})"
-        else:
-            latest[robot] = len(lost)
-            lost.append(f"{record.mission.robots[robot].name} {at} {when:g}")
+    for entry in events(record):
+        for robot in entry.robots if entry.kind in (kind, "back") else ():
+            if entry.kind == kind:
+                latest[robot] = len(lost)
+                lost.append(f"{record.mission.robots[robot].name} {at} {entry.at:g}")
+            elif robot in latest:
+                lost[latest[robot]] += f" (back {in_} {entry.at:g})"
     more = [f"{len(lost) - MOST_NAMES} more"] if len(lost) > MOST_NAMES else []
     return ", ".join(lost[:MOST_NAMES] + more)
-
-
-def _absences(record: Record) -> Iterator[tuple[float, str, int]]:
-    """Yield when a robot was lost or back: the step or moment, which of the two, and the robot."""
-    for event in record.events:
-        if event.kind in ("lost", "back"):
-            yield event.at, event.kind, event.robots[0]
-    for number, step in enumerate(record.steps, start=1):
-        yield from ((number, "back", robot) for robot in step.back)
-        yield from ((number, "lost", robot) for robot in step.lost)
 
 
 def _names(mission: Mission, robots: Sequence[int]) -> str:

@@ -32,6 +32,7 @@ from teamformer.cli.terminal.console import (
     prepare_file,
     prepare_folder,
     print_json,
+    processors,
     say,
     wide,
 )
@@ -50,7 +51,7 @@ class BenchOptions:
     methods: tuple[str, ...] = ()
     settings: tuple[str, ...] = ()
     worlds: tuple[Path, ...] = ()
-    workers: int = 1
+    workers: int | None = None
     folder: Path | None = None
     results: Path | None = None
 
@@ -144,7 +145,7 @@ def _request(suite: Suite, options: BenchOptions) -> Request:
         time_limit=limit,
         methods=options.methods,
         settings=settings,
-        workers=options.workers,
+        workers=options.workers or processors(),
         worlds={setting: path.resolve() for path, setting in worlds.items()},
     )
 

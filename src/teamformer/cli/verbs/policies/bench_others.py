@@ -150,7 +150,7 @@ def _rows_in(path: Path) -> list[Result]:
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         try:
             results.append(result_of(json.loads(line)))
-        except (ValueError, TypeError, TeamformerError):
+        except (KeyError, TypeError, ValueError):
             hint = "take the line out, or name another folder with --out"
             message = f"{path}:{number}: this is no row of `bench others`"
             raise TeamformerError(message, hint) from None

@@ -15,6 +15,7 @@ from teamformer.record.critical_path.words import why_so_late
 from teamformer.record.files.reading import read_record
 from teamformer.record.record import FLEET, Record
 from teamformer.record.referee import judge
+from teamformer.record.referee.verdict import Verdict
 from teamformer.record.telling.whole import path_of_record
 
 GUARANTEE = "by playing every decision again: all places, teams, tasks and totals"
@@ -53,9 +54,22 @@ def check(path: Path, mission: Path | None, as_json: bool) -> int:
                 "critical_path": path_rows(record.true_mission, chain),
             }
         )
-        return 1 if findings else 0
+    else:
+        against = "" if mission is None else f"; the mission is that of {mission}"
+        _tell(record, verdict, [str(finding["message"]) for finding in findings])
+        for line in why_so_late(record.true_mission, chain):
+            out.print(line, markup=False)
+        out.print(f"checked {_guarantee(record)}{against}", markup=False, style="dim")
+        said = {name: value for name, value in claimed.items() if value is not None}
+        words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in said.items())
+        out.print(f"only claimed by the record: {words}", markup=False, style="dim")
+    return 1 if findings else 0
+
+
+def _tell(record: Record, verdict: Verdict, findings: list[str]) -> None:
+    """Print what was found, and how the trial ended."""
     for finding in findings:
-        out.print(finding["message"], markup=False)
+        out.print(finding, markup=False)
     unit = "" if record.is_continuous else " steps"
     for task, by in verdict.late.items():
         out.print(f"late: {task} by {by:g}{unit}, which is allowed", markup=False)
@@ -69,16 +83,13 @@ def check(path: Path, mission: Path | None, as_json: bool) -> int:
         out.print(f"legal: {length}, {ending}", markup=False, style="green")
     if verdict.cost is not None:
         out.print(f"at a cost of {verdict.cost:g}", markup=False)
-    for line in why_so_late(record.true_mission, chain):
-        out.print(line, markup=False)
-    against = "" if mission is None else f"; the mission is that of {mission}"
-    what = OF_FLEETS if record.method == FLEET else GUARANTEE
-    what = GUARANTEE_OF_EVENTS if record.is_continuous else what
-    out.print(f"checked {what}{against}", markup=False, style="dim")
-    said = {name: value for name, value in claimed.items() if value is not None}
-    words = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in said.items())
-    out.print(f"only claimed by the record: {words}", markup=False, style="dim")
-    return 1 if findings else 0
+
+
+def _guarantee(record: Record) -> str:
+    """Return what the referee can judge of such a record, and how."""
+    if record.is_continuous:
+        return GUARANTEE_OF_EVENTS
+    return OF_FLEETS if record.method == FLEET else GUARANTEE
 
 
 def _claims(record: Record) -> dict[str, Any]:

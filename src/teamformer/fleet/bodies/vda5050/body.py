@@ -66,6 +66,7 @@ class Vda5050Body:
         self._held: ServiceTry | None = None  # whose load it has
         self._lies: Place | None = None  # where it has set down the load of the task at hand
         self._charges = self._stops = ""  # the actions by which it last began to charge, or stopped
+        self._is_charging = False  # by its state, since it was last told to
         self._tries = Tries()
         self._broker = Broker(address, f"teamformer-{self._run}", self._take, self._say)
 
@@ -179,19 +180,37 @@ class Vda5050Body:
                 self._serve(at, service)
 
     def _charge(self) -> None:
-        """Have the vehicle begin to charge, or stop, unless it was told so and has answered."""
-        is_wanted = self._command.charge
-        if is_wanted and not self._charges:
+        """Have the vehicle begin to charge, or stop, unless it was told so and has answered.
+
+        It is told anew if it has failed to, or if it charges no more and was not told to stop.
+        """
+        is_wanted, stops_by_itself = self._command.charge, self._stops_by_itself()
+        if is_wanted and (stops_by_itself or not self._charges):
             self._charges = self._another(f"{self._run}-charge")
         elif not is_wanted and self._charges:
             self._stops = self._another(f"{self._run}-stop")
             self._charges = ""
         name, kind = (self._charges, START) if self._charges else (self._stops, STOP)
-        if name and self._state.status_of(name) is None:
+        if not name:
+            return
+        status = self._state.status_of(name)
+        if status is None:
             action = action_of(kind, name, {}, self._dialect.blocking)
             self._once(CHARGING[kind], lambda: self._act(action))
-        elif name:
+        elif status in FAILED:
+            self._fail(CHARGING[kind], name)
+            again = self._another(name)
+            self._charges, self._stops = (again, "") if kind == START else ("", again)
+        elif status == FINISHED:
+            self._tries.succeed(CHARGING[kind])
+        else:
             self._tries.answer(CHARGING[kind])
+
+    def _stops_by_itself(self) -> bool:
+        """Say whether the vehicle is to charge, has done so, and says that it does so no more."""
+        was, self._is_charging = self._is_charging, bool(self._charges) and self._state.is_charging
+        is_full = self._state.charge == 1.0
+        return was and bool(self._charges) and not self._is_charging and not is_full
 
     def _go(self, at: Place) -> None:
         """Send the vehicle to the place of the command, or have it stop."""

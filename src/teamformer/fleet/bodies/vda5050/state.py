@@ -52,10 +52,19 @@ class State:
     @property
     def charge(self) -> float | None:
         """Return how full its battery is, 0 to 1, if it says so."""
-        part, key = self.dialect.battery
-        said = self.content.get(part)
-        percent = _number(said.get(key)) if isinstance(said, dict) else None
+        _, key = self.dialect.battery
+        percent = _number(self._power.get(key))
         return None if percent is None else charge_of(percent / 100)
+
+    @property
+    def is_charging(self) -> bool:
+        """Say whether it says that its battery is charged just now."""
+        return self._power.get("charging") is True
+
+    @property
+    def _power(self) -> Mapping[str, Any]:
+        said = self.content.get(self.dialect.battery[0])
+        return said if isinstance(said, dict) else {}
 
     @property
     def order(self) -> str:

@@ -9,6 +9,7 @@ from teamformer.fleet.bodies.walking import Lifted, Walked
 from teamformer.fleet.messages import MOST_MOVES, LoadFact
 from teamformer.mission.parts.grid import Place
 from teamformer.world.continuous.events import Event as ServiceEvent
+from teamformer.world.rules.constants import NOBODY
 
 
 class Said(NamedTuple):
@@ -20,6 +21,7 @@ class Said(NamedTuple):
     goal: int
     phase: int
     hold: float  # seconds for which it promises to stay, by its own clock
+    charger: int = NOBODY  # at which it is to charge, or charges
 
 
 class Worked(NamedTuple):
@@ -47,7 +49,7 @@ class Finished(NamedTuple):
 
 
 class Broke(NamedTuple):
-    """Something befell a robot: crash, restart, pause, resume, stuck, free."""
+    """Something befell a robot: crash, restart, pause, resume, stuck, free, drain."""
 
     at: float
     robot: int

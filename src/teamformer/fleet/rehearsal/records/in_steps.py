@@ -9,7 +9,7 @@ next; so is a load that they took up then. Operators' tasks are tasks that appea
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from teamformer.fleet.bodies.journey import Journey
@@ -27,12 +27,14 @@ from teamformer.fleet.rehearsal.checking.trace import (
 from teamformer.fleet.rehearsal.faults import Faults
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.fleet.rehearsal.records.at_chargers import AtChargers, dry_in
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
 from teamformer.record.record import HEARD, Record, TaskAt
 from teamformer.record.snapshots.deeds import SLACK, Deed, deed_of, deeds_by_step
 from teamformer.record.snapshots.writer import Sighting, SnapshotWriter, fleet_record
+from teamformer.world.continuous.events import Event as OfWorld
 from teamformer.world.continuous.events import Passed
 from teamformer.world.rules.constants import NOBODY
 
@@ -58,16 +60,25 @@ def record_in_steps(
     deeds = deeds_by_step(finished, by_key, mission.step)
     offs = (math.ceil(task.cancelled) for task in tasks if task.cancelled is not None)
     off = max((at for at in offs if (at - 1) * mission.step <= outcome.end), default=0)
-    length = max(math.ceil(outcome.end / mission.step), off)
+    length = max(math.ceil((outcome.end - SLACK) / mission.step), off)
     deeds += [[] for _ in range(len(deeds), length)]
-    robots = _robots_of(rehearsal, deeds)
+    status, until = STATUSES[outcome.status], mission.source.until
+    missed = dict[int, Collection[int]]()
+    if until is not None and status in ("completed", "too late"):  # the rest is given up
+        over = {deed.task for row in deeds for deed in row}
+        over |= {n for n, task in enumerate(tasks) if task.cancelled is not None}
+        missed[min(len(deeds), int(until))] = {*range(len(tasks))} - over
+    busy_until = _busy_until(deeds)
+    robots = _robots_of(rehearsal, busy_until)
     source = replace(mission.source, tasks=tasks, robots=robots, teams=(), arrivals=None)
     ends = ((robot, at.lost_for_good) for robot, at in enumerate(robots))
     lost = {robot: int(step) for robot, step in ends if step is not None}
+    for robot, step in dry_in(events, mission.step).items():
+        lost.setdefault(robot, max(step, busy_until.get(robot, 0) + 1))
     true = replace(source, tasks=truth)
     writer = SnapshotWriter(true)
-    _Teller(true, mission.step, number).tell(writer, events, deeds, lost)
-    status, known = STATUSES[outcome.status], true if source.has_surprises else None
+    _Teller(true, mission.step, number).tell(writer, events, deeds, lost, missed)
+    known = true if source.has_surprises else None
     return fleet_record(source, writer.steps, status, seed, blocked_of(outcome, tasks), known)
 
 
@@ -125,14 +136,18 @@ def _with_call_offs(rehearsal: Rehearsal) -> Iterator[Task]:
         yield replace(task, cancelled=min(times) if is_off else None)
 
 
-def _robots_of(rehearsal: Rehearsal, deeds: Sequence[Sequence[Deed]]) -> tuple[Robot, ...]:
-    """Return the robots, with when each breaks down for good; `deeds` are those of each step."""
-    busy_until = {
+def _busy_until(deeds: Sequence[Sequence[Deed]]) -> dict[int, int]:
+    """Return the last step in which each robot is shown to have done something."""
+    return {
         robot: step
         for step, done in enumerate(deeds, start=1)
         for deed in done
         for robot in deed.robots
     }
+
+
+def _robots_of(rehearsal: Rehearsal, busy_until: Mapping[int, int]) -> tuple[Robot, ...]:
+    """Return the robots, with when each breaks down for good: after what it was busy with."""
     mission, faults = rehearsal.mission, rehearsal.faults
     return tuple(
         replace(
@@ -168,6 +183,8 @@ class _Teller:
         self._says = {robot: (robot, NOBODY) for robot in robots}
         self._shown: set[int] = set()  # tasks whose needs somebody knows
         self._lifted: dict[int, Lifted] = {}  # loads that are up, and no step shows it yet
+        self._at_chargers = AtChargers(mission)
+        self._at_work: dict[int, tuple[int, ...]] = {}  # by task that is not shown as done
 
     def tell(
         self,
@@ -175,8 +192,12 @@ class _Teller:
         events: Sequence[Event],
         deeds: Sequence[Sequence[Deed]],
         lost: Mapping[int, int],
+        missed: Mapping[int, Collection[int]],
     ) -> None:
-        """Write down each step; `deeds` has what it shows as done, `lost` who is lost when."""
+        """Write down each step; `deeds` has what it shows as done, `lost` who is lost when.
+
+        `missed` are the tasks that are missed in a step.
+        """
         position = 0
         for step, done in enumerate(deeds, start=1):
             heard, lifts = set[tuple[int, int, str]](), list[Lifted]()
@@ -184,14 +205,17 @@ class _Teller:
             while position < len(events) and events[position].at <= step * self._step + SLACK:
                 event = events[position]
                 position += 1
+                self._at_chargers.note(event)
                 if isinstance(event, Walked):
                     self._walks[event.robot] = event
-                elif isinstance(event, Said):
+                elif isinstance(event, Said) and event.robot in self._says:
                     self._says[event.robot] = (event.team, event.goal)
                 elif isinstance(event, Sent) and event.kind in HEARD:
                     heard.add((event.sender, event.receiver, event.kind))
                 elif isinstance(event, Lifted):
                     lifts.append(event)
+                elif isinstance(event, OfWorld) and event.task in self._number:
+                    self._note_service(event)
                 elif isinstance(event, Believed):
                     moved[event.task] = TaskAt(event.task, *self._as_place(*event.place))
                     found += [event.task] if event.is_found else []
@@ -199,8 +223,11 @@ class _Teller:
                     shown.add(event.task)
             gone = tuple(r for r, at in lost.items() if at == step)
             seen = self._seen(step * self._step, gone, done, lifts)
+            places = {robot: at for robot, (_, at) in seen.said.items()}
+            seen = replace(seen, charge=self._at_chargers.of(places))
             new, self._shown = tuple(sorted(shown - self._shown)), self._shown | shown
             seen = replace(seen, shown=new, found=tuple(found), moved=tuple(moved.values()))
+            seen = replace(seen, missed=tuple(sorted(missed.get(step, ()))))
             writer.add(self._mission, replace(seen, heard=tuple(sorted(heard))))
 
     def _seen(
@@ -215,11 +242,19 @@ class _Teller:
                 for robot, (team, _) in self._says.items()
             },
             aims={robot: self._number.get(goal) for robot, (_, goal) in self._says.items()},
+            at_work=dict(self._at_work),
             done=done,
             taken=[Deed(k, self._as_place(*it.place), it.robots) for k, it in lifted.items()],
             left=tuple(left.values()),
             lost=lost,
         )
+
+    def _note_service(self, event: OfWorld) -> None:
+        """Note that a service begins, or breaks off."""
+        if event.kind == "serve":
+            self._at_work[self._number[event.task]] = event.robots
+        elif event.kind == "broken":
+            self._at_work.pop(self._number[event.task], None)
 
     def _loads(
         self, lifts: Sequence[Lifted], done: Sequence[Deed]

@@ -13,6 +13,7 @@ from teamformer.fleet.fleet_mission import place_in
 from teamformer.fleet.rehearsal.checking.trace import NEEDS, Believed, Broke, Event, Noticed, Said
 from teamformer.fleet.rehearsal.outcome import Outcome
 from teamformer.fleet.rehearsal.play import Rehearsal
+from teamformer.fleet.rehearsal.records.at_chargers import CHARGES
 from teamformer.fleet.rehearsal.records.in_steps import (
     STATUSES,
     blocked_of,
@@ -30,9 +31,6 @@ from teamformer.world.rules.constants import NOBODY
 
 CLOSE = "close"
 """Stands for the kind of what lets all be missed that is not over."""
-
-CHARGES = ("charge", "charged", "empty")
-"""Kinds of events of batteries."""
 
 KINDS = {"crash": "lost", "restart": "back"}
 """What befalls robots that records tell of; who is stuck is seen not to get on."""

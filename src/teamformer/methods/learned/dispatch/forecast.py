@@ -11,12 +11,11 @@ from teamformer.mission.model import Mission
 from teamformer.planning.continuous.continuous_mission import ContinuousMission, pose_mission
 from teamformer.planning.continuous.reactive import mean_future
 from teamformer.planning.dispatch.futures import empty_calls
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
+from teamformer.planning.problem.coalition_plan import CoalitionPlan
 from teamformer.planning.problem.constants import TICKS
 from teamformer.planning.problem.prices import STEP
 from teamformer.planning.problem.schedule import COST, MAKESPAN, schedule_of
-from teamformer.planning.step_times.groups import empty_groups
-from teamformer.planning.steps.reactive import mean_future_in_steps, pose_present
+from teamformer.planning.steps.reactive import future_of_present, mean_future_in_steps
 from teamformer.planning.steps.situation import Situation, situation_of
 from teamformer.planning.steps.timed_plan import TimedPlan, time_team_plan
 
@@ -50,26 +49,14 @@ class StepForecast:
 
     def __init__(self, situation: Situation) -> None:
         self.situation = situation
-        self.given = GivingOut.of(*pose_present(situation))
-        self._groups = empty_groups(situation.problem, situation.company, situation.forming_steps)
-        self._calls = empty_calls(self.given.problem, 0)
-        self._scratch = empty_plan(self.given.problem)
+        self._future = future_of_present(situation, 0)
+        self.given = GivingOut.of(self._future.problem, self._future.schedule)
 
     def worth(self, position: int, futures: int, seed: int) -> float:
         """Return what so many futures come to on average."""
-        self._calls.random[0] = seed + 1
-        lead = mean_future_in_steps(
-            self.given.problem,
-            self.given.schedule,
-            self._calls,
-            self.situation.problem,
-            self.situation.crossings,
-            self._groups,
-            self._scratch,
-            position,
-            futures,
-            self.given.leg // CALMER,
-        )
+        self._future.calls.random[0] = seed + 1
+        leg = self.given.leg // CALMER
+        lead = mean_future_in_steps(self._future, position, futures, leg)
         whole = self.situation.problem.prices.whole
         step = int(whole[0]) if len(whole) and whole[0] else STEP * self.given.tasks
         return lead / step * TICKS / self.given.leg

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -54,15 +55,20 @@ class Remaining:
         """Return the mission as it is believed to be."""
         return self.known.mission
 
-    @property
+    @cached_property
     def own_robots(self) -> list[Robot]:
         """Return what the mission says of the robots."""
         return [self.mission.robots[robot] for robot in self.robots]
 
-    @property
+    @cached_property
     def own_tasks(self) -> list[Task]:
         """Return what the mission says of the tasks."""
         return [self.mission.tasks[task] for task in self.tasks]
+
+    @cached_property
+    def free(self) -> list[float]:
+        """Return when each robot can leave its place, (robots,)."""
+        return [self.known.free_at[robot] for robot in self.robots]
 
     @property
     def busy(self) -> float:

@@ -2,7 +2,7 @@
 
 import { PHONE, scaleToFit } from "../draw/camera.js";
 import { byId, element, oneStop, refill } from "../panel/dom.js";
-import { costOf, isWeighed, weighedValue } from "../record/costs.js";
+import { costOf, isWeighed, missedWeight, weighedValue } from "../record/costs.js";
 import { describeAmount } from "../record/lengths.js";
 import { hasDueTimes } from "../record/mission.js";
 import { countDone } from "../record/scene.js";
@@ -61,14 +61,17 @@ function columnsFor(count, used, width, height) {
 }
 
 // What records are compared by: the columns that tell of it, and `judge`, what a record is judged by.
-// Where all missions are judged by more than the makespan, as plans of them are, records are, too.
+// Where all missions are judged by more than the makespan, as plans of them are, records are, too. Without
+// a cost what was missed counts first.
 function measuresOf(/** @type {Trial[]} */ trials) {
   const has = (isTrue) => trials.length > 0 && trials.every(({ history }) => isTrue(history.mission));
   const columns = [{ name: "makespan", of: describeMakespan }];
   if (has(({ cost }) => cost)) columns.push({ name: "cost", of: describeCost });
   if (trials.some(({ history }) => hasDueTimes(history.mission))) columns.push({ name: "late", of: describeAllLate });
+  if (trials.some(({ history }) => history.record.mission.until !== undefined)) columns.push({ name: "missed", of: (history) => String(missedWeight(history)) });
+  const missed = (history) => (history.mission.cost ? 0 : missedWeight(history));
   const judge = has(isWeighed) ? weighedValue : ({ end }) => end.makespan;
-  return { columns, judge };
+  return { columns, judge, missed };
 }
 
 function describeMakespan(/** @type {TrialHistory} */ { mission, end: { makespan, status } }) {
@@ -87,11 +90,13 @@ function describeAllLate(/** @type {TrialHistory} */ { mission, doneAt }) {
   return `${late.length} by ${describeAmount(mission.world, late.reduce((sum, by) => sum + by, 0))}`;
 }
 
-function comparedRow(/** @type {App} */ app, /** @type {Trial} */ trial, { columns, judge }) {
+function comparedRow(/** @type {App} */ app, /** @type {Trial} */ trial, { columns, judge, missed }) {
   const { history } = trial;
   const title = titleOf(app.trials, trial);
-  const all = app.trials.map((other) => judge(other.history)).filter((value) => value !== null);
-  const [value, best] = [judge(history), Math.min(...all)];
+  const over = app.trials.map((other) => other.history).filter((other) => judge(other) !== null);
+  const least = Math.min(...over.map(missed));
+  const best = Math.min(...over.filter((other) => missed(other) === least).map(judge));
+  const value = missed(history) > least ? null : judge(history);
   const isFront = trial === app.trial;
   const name = element("button", { type: "button", class: "link", "data-key": title, title: "Show its details", on: () => app.bringToFront(trial) }, title);
   if (isFront) name.setAttribute("aria-current", "true");

@@ -2,7 +2,7 @@
 
 const MOST_PIXELS_PER_CELL = 96;
 const AROUND = [60, 72]; // pixels left and right, over and under a map that is fitted
-const LEAST_PIXELS_PER_CELL = 1.5;
+const LEAST_PIXELS_PER_CELL = 1.5; // unless less is needed to show all
 
 const AROUND_ON_PHONES = [52, 60];
 export const PHONE = 480; // pixels across
@@ -18,6 +18,7 @@ export class Camera {
     this.world = world;
     this.middle = world.isPlane ? 0 : 0.5; // whole numbers are the middles of cells
     this.cell = 1; // pixels
+    this.least = LEAST_PIXELS_PER_CELL;
     this.left = 0;
     this.top = 0;
     this.isFitted = true;
@@ -27,7 +28,8 @@ export class Camera {
   fit(width, height, above = 0) {
     const { used } = this.world;
     const wanted = scaleToFit(used, width, height - above);
-    this.cell = Math.max(LEAST_PIXELS_PER_CELL, Math.min(wanted, MOST_PIXELS_PER_CELL));
+    this.least = wanted > 0 ? Math.min(wanted, LEAST_PIXELS_PER_CELL) : LEAST_PIXELS_PER_CELL;
+    this.cell = Math.max(this.least, Math.min(wanted, MOST_PIXELS_PER_CELL));
     const first = this.world.yIsUp ? this.world.height - used.low - used.height : used.low;
     this.left = (width - this.cell * used.width) / 2 - this.cell * used.left;
     this.top = above + (height - above - this.cell * used.height) / 2 - this.cell * first;
@@ -42,7 +44,7 @@ export class Camera {
 
   zoom(factor, x, y) {
     const wanted = this.cell * factor;
-    const cell = Math.max(LEAST_PIXELS_PER_CELL, Math.min(wanted, MOST_PIXELS_PER_CELL * 2));
+    const cell = Math.max(this.least, Math.min(wanted, MOST_PIXELS_PER_CELL * 2));
     this.left = x - ((x - this.left) * cell) / this.cell;
     this.top = y - ((y - this.top) * cell) / this.cell;
     this.cell = cell;

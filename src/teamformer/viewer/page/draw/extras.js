@@ -5,7 +5,7 @@ import { orderAt, robotsWith, tasksNeeding } from "../record/scene.js";
 import { NOBODY, placeOf } from "../record/state.js";
 import { wayTo } from "../record/ways.js";
 import { ringColour } from "./palette.js";
-import { outlineDisc, robotSpot, shorten, strokeAs, teamSpot, traceLine, tracedSquare } from "./shapes.js";
+import { outlineDisc, robotSpot, shorten, strokeAs, teamSpot, tracedDisc, tracedSquare, traceLine } from "./shapes.js";
 import { taskBox } from "./tasks.js";
 
 const TRAIL_STEPS = 12;
@@ -108,7 +108,6 @@ function outlineCapability(/** @type {View} */ view, cap) {
 }
 
 function drawSensing(/** @type {View} */ { ctx, mission, camera, theme }, x, y) {
-  ctx.beginPath();
-  ctx.arc(x, y, mission.sensingRadius * camera.cell, 0, 2 * Math.PI);
+  tracedDisc(ctx, x, y, mission.sensingRadius * camera.cell);
   strokeAs(ctx, theme.accent, 1, { alpha: 0.4, dash: [3, 3] });
 }

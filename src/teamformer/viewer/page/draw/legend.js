@@ -3,7 +3,7 @@
 import { ACTIVITIES } from "../panel/inspector.js";
 import { plural } from "../record/lengths.js";
 import { ACTIVITY_COLOURS, DENSE_SIDE, densityStrength } from "./groups.js";
-import { strokeAs, write } from "./shapes.js";
+import { strokeAs, tracedDisc, write } from "./shapes.js";
 import { drawTaskDot } from "./tasks.js";
 
 const LEGEND_ROW = 18; // pixels
@@ -65,8 +65,7 @@ function groupItems(/** @type {View} */ { ctx, theme }) {
   return ["walks", "waits", "serves", "idle"].map((activity) => ({
     text: `robots ${ACTIVITIES[activity]}`,
     draw: (x, y) => {
-      ctx.beginPath();
-      ctx.arc(x, y, 5, 0, 2 * Math.PI);
+      tracedDisc(ctx, x, y, 5);
       strokeAs(ctx, theme[ACTIVITY_COLOURS[activity]], 4);
     },
   }));

@@ -40,7 +40,8 @@ function namePlaces(/** @type {View} */ view, taken, /** @type {Roads} */ { name
   });
 }
 
-function isOverTask(/** @type {View} */ view, { x, y, half }) {
+// Whether a text in the middle of a line, so far to both sides, covers a task.
+export function isOverTask(/** @type {View} */ view, { x, y, half }) {
   return view.mission.tasks.some((_, task) => {
     if (standingOf(view.history, task, view.scene.step) === "hidden") return false;
     const box = taskBox(view, task);

@@ -83,9 +83,13 @@ export function robotSpot(/** @type {View} */ { camera, blended }, robot) {
   };
 }
 
-export function drawDisc(/** @type {Canvas2D} */ ctx, x, y, r, colour) {
+export function tracedDisc(/** @type {Canvas2D} */ ctx, x, y, r) {
   ctx.beginPath();
   ctx.arc(x, y, r, 0, 2 * Math.PI);
+}
+
+export function drawDisc(/** @type {Canvas2D} */ ctx, x, y, r, colour) {
+  tracedDisc(ctx, x, y, r);
   fillAs(ctx, colour);
 }
 
@@ -105,7 +109,6 @@ export function shorten(one, other, length) {
 }
 
 export function outlineDisc(/** @type {Canvas2D} */ ctx, x, y, r) {
-  ctx.beginPath();
-  ctx.arc(x, y, r, 0, 2 * Math.PI);
+  tracedDisc(ctx, x, y, r);
   ctx.stroke();
 }

@@ -8,7 +8,7 @@ import { standingOf } from "../record/scene.js";
 import { serviceAfter } from "../record/told.js";
 import { taskColour } from "./palette.js";
 import { TASK_HALF, between, taskSquare } from "./placing.js";
-import { cornerOf, drawCross, fillAs, isOnScreen, onto, penOf, shorten, strokeAs, teamSpot, traceLine, tracedSquare, write } from "./shapes.js";
+import { cornerOf, drawCross, fillAs, isOnScreen, onto, penOf, shorten, strokeAs, teamSpot, tracedDisc, tracedSquare, traceLine, write } from "./shapes.js";
 
 export function drawTasks(/** @type {View} */ view, tasks) {
   for (const task of tasks) attemptOn(view.ctx, "the tasks", () => drawTaskAsItStands(view, task));
@@ -131,8 +131,7 @@ export function drawRegions(/** @type {View} */ view) {
   mission.tasks.forEach(({ around, within }, task) => {
     const isHidden = ["hidden", "cancelled"].includes(standingOf(history, task, scene.step));
     if (isHidden || history.foundAt[task] <= scene.step || mission.world.roads) return;
-    ctx.beginPath();
-    ctx.arc(camera.x(around[0]), camera.y(around[1]), (within + 0.5) * camera.cell, 0, 2 * Math.PI);
+    tracedDisc(ctx, camera.x(around[0]), camera.y(around[1]), (within + 0.5) * camera.cell);
     fillAs(ctx, taskColour(task, view.isDark), 0.06);
     strokeAs(ctx, taskColour(task, view.isDark), 1, { alpha: 0.5, dash: [2, 4] });
   });

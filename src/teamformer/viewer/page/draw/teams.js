@@ -3,7 +3,7 @@
 import { piecesOf, sumCounts } from "../record/counts.js";
 import { robotsLostAt } from "../record/history.js";
 import { ringColour } from "./palette.js";
-import { drawCross, drawDisc, fillAs, isOnScreen, robotSpot, strokeAs, write } from "./shapes.js";
+import { drawCross, drawDisc, fillAs, isOnScreen, robotSpot, strokeAs, tracedDisc, write } from "./shapes.js";
 
 export function drawTeam(/** @type {View} */ view, /** @type {Team} */ team) {
   const ring = ringColour(team, view.isDark, view.options.rings);
@@ -38,8 +38,7 @@ function drawRobot(/** @type {View} */ view, robot, ring, isMet) {
 function drawRotors(/** @type {View} */ { ctx, theme }, x, y, r, colour) {
   const width = Math.max(1, r * 0.16);
   for (const [right, up] of [[1, 1], [1, -1], [-1, 1], [-1, -1]]) {
-    ctx.beginPath();
-    ctx.arc(x + right * r * 0.95, y + up * r * 0.95, Math.max(1.5, r * 0.42), 0, 2 * Math.PI);
+    tracedDisc(ctx, x + right * r * 0.95, y + up * r * 0.95, Math.max(1.5, r * 0.42));
     fillAs(ctx, theme.ground);
     strokeAs(ctx, colour, width);
   }

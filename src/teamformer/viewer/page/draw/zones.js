@@ -1,20 +1,25 @@
 // Zones: where they are, how many services go on in each, and for how many there is room.
 
 import { CARRYING, UNLOADING, serviceAfter } from "../record/told.js";
-import { fillAs, strokeAs, write } from "./shapes.js";
+import { isOverTask } from "./names.js";
+import { fillAs, strokeAs, tracedDisc, write } from "./shapes.js";
 
 const DASH = [5, 4];
 
 export function drawZones(/** @type {View} */ view) {
   for (const zone of view.mission.zones) {
-    const at = zone.area ? traceArea(view, zone.area) : markTasks(view, zone);
-    if (!at) continue;
-    const { history, scene, theme } = view;
+    const corners = zone.area ? [traceArea(view, zone.area)] : markTasks(view, zone);
+    if (!corners.length) continue;
+    const { ctx, history, scene, theme } = view;
     const doing = (task) => serviceAfter(history, task, scene.step)?.doing;
     const served = zone.tasks.filter((task) => ![undefined, CARRYING, UNLOADING].includes(doing(task)));
     const busy = served.length + zone.loads.filter((task) => doing(task) === UNLOADING).length;
     const colour = busy < zone.room ? theme.muted : theme.wait;
-    write(view.ctx, `${zone.name} ${busy}/${zone.room}`, at.x, at.y, colour, `11px ${theme.font}`, "left", "bottom", theme.ground);
+    const text = `${zone.name} ${busy}/${zone.room}`;
+    ctx.font = `11px ${theme.font}`;
+    const half = ctx.measureText(text).width / 2;
+    const at = corners.find(({ x, y }) => !isOverTask(view, { x: x + half, y: y - 6, half })) ?? corners[0];
+    write(ctx, text, at.x, at.y, colour, ctx.font, "left", "bottom", theme.ground);
   }
 }
 
@@ -31,15 +36,15 @@ function traceArea(/** @type {View} */ { ctx, camera, theme }, /** @type {Place[
   return { x: left + 3, y: top - 2 };
 }
 
-// Where no area says where it is, its tasks are ringed, and where loads are brought to.
+// Where no area says where it is, its tasks are ringed, and where loads are brought to. Returns where
+// its name may go: at the upper right of each ring.
 function markTasks(/** @type {View} */ { ctx, camera, theme, mission }, zone) {
   const r = Math.max(9, 0.75 * camera.cell);
   const places = [...zone.tasks.map((task) => mission.tasks[task].at), ...zone.loads.map((task) => mission.tasks[task].to)];
   const spots = places.map(([x, y]) => ({ x: camera.x(x), y: camera.y(y) }));
   for (const { x, y } of spots) {
-    ctx.beginPath();
-    ctx.arc(x, y, r, 0, 2 * Math.PI);
+    tracedDisc(ctx, x, y, r);
     strokeAs(ctx, theme.muted, 1, { dash: DASH });
   }
-  return spots.length ? { x: spots[0].x + r, y: spots[0].y - r } : null;
+  return spots.map(({ x, y }) => ({ x: x + r, y: y - r }));
 }

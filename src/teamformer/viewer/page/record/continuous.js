@@ -126,27 +126,31 @@ function inTicksOf(/** @type {any} */ end, tick) {
 // What is told, with all times in ticks.
 function toldInTicks(told, tick) {
   if (!told) return told;
-  const whens = (rows, places) => listIn(rows).map((row) => row.map((value, at) => (places.includes(at) && typeof value === "number" ? value / tick : value)));
-  const byRobot = (rows) => listIn(rows).map((own) => whens(own, [0]));
+  const timed = (rows, places) => listIn(rows).map((row) => rowInTicks(row, places, tick));
   return {
     ...told,
-    services: whens(told.services, [2, 3]),
-    phases: byRobot(told.phases),
-    path: whens(told.path, [0, 1]),
+    services: timed(told.services, [2, 3]),
+    phases: listIn(told.phases).map((own) => timed(own, [0])),
+    path: timed(told.path, [0, 1]),
     charge: listIn(told.charge).map((own) => listIn(own).map((row) => levelInTicks(row, tick))),
   };
 }
 
 // What is told of a moment: rows with their numbers, or with their robots.
 function newsInTicks(told, tick) {
-  const at = ([key, row], places) => [key, row.map((value, place) => (places.includes(place) && typeof value === "number" ? value / tick : value))];
+  const timed = (rows, places) => rows.map(([key, row]) => [key, rowInTicks(row, places, tick)]);
   return {
     ...told,
-    services: told.services.map((row) => at(row, [2, 3])),
-    phases: told.phases.map((row) => at(row, [0])),
-    path: (told.path ?? []).map(([from, to, ...rest]) => [from / tick, to / tick, ...rest]),
+    services: timed(told.services, [2, 3]),
+    phases: timed(told.phases, [0]),
+    path: listIn(told.path).map((row) => rowInTicks(row, [0, 1], tick)),
     charge: listIn(told.charge).map(([robot, row]) => [robot, levelInTicks(row, tick)]),
   };
+}
+
+// A row whose entries in some places are times; a time that is not known stays null.
+function rowInTicks(row, /** @type {number[]} */ places, tick) {
+  return row.map((value, place) => (places.includes(place) && typeof value === "number" ? value / tick : value));
 }
 
 // How full a battery is from a moment on, and by how much that changes in a tick.

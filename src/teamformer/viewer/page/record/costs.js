@@ -1,5 +1,6 @@
 // What a mission cost, and what records of it are judged by, the less the better.
 
+import { exact } from "./counts.js";
 import { hasDueTimes } from "./mission.js";
 
 const LATENESS = 2; // what it weighs beside the makespan in a mission with windows and without a cost
@@ -21,8 +22,14 @@ export function weighedValue(/** @type {TrialHistory} */ history) {
   return history.mission.cost ? costOf(history) : weighedBy({ makespan: 1, tardiness: LATENESS }, history);
 }
 
+// What was missed, by weight.
+export function missedWeight(/** @type {TrialHistory} */ { mission, missed }) {
+  return [...missed.keys()].reduce((sum, task) => exact(sum + mission.tasks[task].weight), 0);
+}
+
 // The mean by weight of when all is over, when tasks are done and how late, and what is missed.
-function weighedBy(weights, /** @type {TrialHistory} */ { mission, doneAt, missed, end }) {
+function weighedBy(weights, /** @type {TrialHistory} */ history) {
+  const { mission, doneAt, end } = history;
   const { tasks } = mission;
   if (end.makespan === null) return null;
   const done = [...tasks.keys()].filter((task) => doneAt[task] < Infinity);
@@ -33,7 +40,7 @@ function weighedBy(weights, /** @type {TrialHistory} */ { mission, doneAt, misse
     tardiness: sum(done.map((task, at) => late[at] * tasks[task].weight)),
     max_tardiness: Math.max(0, ...late),
     completion: sum(done.map((task) => tasks[task].weight * doneAt[task])),
-    missed: sum([...missed.keys()].map((task) => tasks[task].weight)),
+    missed: missedWeight(history),
   };
   const weighed = Object.entries(weights).map(([part, weight]) => weight * parts[part]);
   return sum(weighed) / sum(Object.values(weights));

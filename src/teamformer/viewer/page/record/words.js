@@ -6,7 +6,7 @@ import { isFlying, walkingDistance } from "./mission.js";
 import { isSamePlace } from "./plane.js";
 import { isOver, standingOf } from "./scene.js";
 import { NOBODY } from "./state.js";
-import { serviceAfter, stepsInPhases } from "./told.js";
+import { chargeAt, serviceAfter, stepsInPhases } from "./told.js";
 
 export const MANY = 3; // names written out
 const MANY_NEEDS = 12; // kinds of needs written out
@@ -153,8 +153,16 @@ export function describeShares(/** @type {TrialHistory} */ history, robot, step)
 export function describeLoss(/** @type {TrialHistory} */ history, robot, step) {
   const absence = absenceAt(history, robot, step);
   if (!absence) return "lost";
-  return `lost ${describeWhen(history.mission.world, absence.from)}`;
+  return `${isDry(history, robot, absence.from) ? "dry" : "lost"} ${describeWhen(history.mission.world, absence.from)}`;
 }
+
+// Whether a robot that is lost since a step has nothing left in its battery.
+function isDry(/** @type {TrialHistory} */ history, robot, step) {
+  const charge = chargeAt(history, robot, step);
+  return charge !== null && charge < EMPTY;
+}
+
+const EMPTY = 1e-4; // of a full battery: what is told is rounded
 
 function describeLateness(/** @type {TrialHistory} */ { mission, doneAt }, task) {
   const late = doneAt[task] - mission.tasks[task].due;
@@ -211,13 +219,14 @@ function eventText(/** @type {TrialHistory} */ history, /** @type {HistoryEvent}
     case "split":
       return describeSplit(mission, event);
     case "lost":
-      return `${robotName(mission, event.robots[0])} is lost`;
-    case "empty":
-      return `${robotName(mission, event.robots[0])} has run dry`;
+    case "empty": {
+      const name = robotName(mission, event.robots[0]);
+      return event.kind === "empty" || isDry(history, event.robots[0], event.step) ? `${name} has run dry` : `${name} is lost`;
+    }
     case "charges":
       return `${robotName(mission, event.robots[0])} charges`;
     case "queues":
-      return `${robotName(mission, event.robots[0])} waits for a charger`;
+      return task ? `${team} wait${event.robots.length > 1 ? "" : "s"} for room to unload ${task}` : `${team} waits for a charger`;
     case "full":
       return `${robotName(mission, event.robots[0])} is full`;
     case "back":

@@ -1,80 +1,67 @@
-"""Small problems solved and proven by CP-SAT: a circuit for each robot, a start for each task."""
+"""OR-Tools' CP-SAT: a circuit for each robot, a start for each task."""
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from teamformer.base.array_types import Ints
 from teamformer.base.import_apart import import_apart
-from teamformer.planning.problem.coalition_plan import CoalitionPlan, empty_plan
-from teamformer.planning.problem.coalition_problem import NEVER, NOBODY, CoalitionProblem
+from teamformer.bench.peers.auction import auction
+from teamformer.bench.peers.peer_plan import OutOfReachError, PeerPlan, makespan_of, plan_of
+from teamformer.planning.problem.coalition_plan import CoalitionPlan, routes_of
+from teamformer.planning.problem.coalition_problem import CoalitionProblem
 from teamformer.planning.problem.schedule import MAKESPAN, schedule_of
 from teamformer.planning.relaxation.cp_sat import make_solver
 
 if TYPE_CHECKING:
     from ortools.sat.python import cp_model
 
-MOST_ARCS = 2500
-"""Robots times pairs of tasks; beyond that a proof takes longer than anybody waits."""
+MOST_ARCS = 400_000
+"""Robots times pairs of tasks from which on the model is not built: it takes gigabytes."""
 
 
-@dataclass(frozen=True)
-class Proof:
-    """What CP-SAT found: a plan, if a better one, and ticks that no plan beats."""
+def solve_by_cp_sat(problem: CoalitionProblem, seconds: float) -> PeerPlan | None:
+    """Return what one thread of CP-SAT makes of the plan of one fair auction, and its bound.
 
-    plan: CoalitionPlan | None
-    bound: int
-
-
-def is_small(problem: CoalitionProblem) -> bool:
-    """Say whether it is worth trying to prove a plan; late tasks, forming, shifts are not in it."""
-    arcs = len(problem.counts) * len(problem.needs) ** 2
-    is_plain = (problem.due >= NEVER).all() and problem.forming[0] == 0
-    return arcs <= MOST_ARCS and bool(is_plain) and not len(problem.rotas.every)
-
-
-def solve_exactly(
-    problem: CoalitionProblem,
-    plan: CoalitionPlan,
-    bound: int,
-    seconds: float,
-    is_large: bool = False,
-) -> Proof:
-    """Search with one thread of CP-SAT; return its best plan, if it finds one, and its bound.
-
-    `plan` is its hint: who does what. If the problem `is_large`, the whole plan is the hint, and
-    the bound comes from a linear relaxation. `seconds` include the time to pose the model.
+    The plan is the auction's where CP-SAT finds none that is better; `seconds` include the time to
+    pose the model. None where the auction finds none.
     """
+    arcs = len(problem.counts) * len(problem.needs) ** 2
+    if arcs > MOST_ARCS:
+        raise OutOfReachError(f"cp-sat is asked no missions with {arcs:,} arcs")
     begun = time.perf_counter()
-    circuits = _Circuits(problem, bound, int(schedule_of(problem, plan).total[MAKESPAN]))
+    first = auction(problem, 0.0)
+    return None if first is None else solve_from(problem, first.plan, begun + seconds)
+
+
+def solve_from(problem: CoalitionProblem, plan: CoalitionPlan, deadline: float) -> PeerPlan:
+    """Return the best of a plan and those that CP-SAT finds from it, with its bound.
+
+    `deadline` is what `time.perf_counter` shows then.
+    """
+    circuits = _Circuits(problem, makespan_of(problem, plan))
     circuits.hint(plan)
-    if is_large:
-        circuits.hint_ways(plan)
     from ortools.sat.python import cp_model
 
     solver = make_solver(seed=0)
-    if is_large:
-        solver.parameters.linearization_level = 2
-    left = seconds - (time.perf_counter() - begun)
-    solver.parameters.max_time_in_seconds = max(left, 0.01)
+    solver.parameters.linearization_level = 2  # the bound comes from a linear relaxation
+    solver.parameters.max_time_in_seconds = max(deadline - time.perf_counter(), 0.01)
     status = solver.solve(circuits.model)
-    if status == cp_model.INFEASIBLE:  # never: the hint is a plan
-        return Proof(None, bound)
-    least = max(bound, round(solver.best_objective_bound))
-    if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-        return Proof(None, least)
-    return Proof(circuits.plan_of(solver), least)
+    least = 0 if status == cp_model.INFEASIBLE else max(0, round(solver.best_objective_bound))
+    plans = [plan]
+    if status in (cp_model.OPTIMAL, cp_model.FEASIBLE):
+        plans.insert(0, circuits.plan_of(solver))
+    return PeerPlan(min(plans, key=partial(makespan_of, problem)), least)
 
 
 class _Circuits:
     """The model: which robot goes from where to where, and when tasks start."""
 
-    def __init__(self, problem: CoalitionProblem, bound: int, horizon: int) -> None:
+    def __init__(self, problem: CoalitionProblem, horizon: int) -> None:
         """Pose the model of plans that end by the horizon."""
         import_apart("ortools.sat.python.cp_model")
         from ortools.sat.python import cp_model
@@ -86,7 +73,7 @@ class _Circuits:
             for task in range(tasks)
         ]
         self.end = [self._end(task, horizon) for task in range(tasks)]
-        self.makespan = self.model.new_int_var(bound, horizon, "makespan")
+        self.makespan = self.model.new_int_var(0, horizon, "makespan")
         self.does = [
             [self.model.new_bool_var(f"{robot} does {task}") for task in range(tasks)]
             for robot in range(robots)
@@ -95,9 +82,6 @@ class _Circuits:
         for robot in range(robots):
             self._route(robot)
         self._cover()
-        for task in range(tasks):
-            for other in problem.before[task][problem.before[task] != NOBODY]:
-                self.model.add(self.start[task] >= self.end[other])
         self.model.minimize(self.makespan)
 
     def _end(self, task: int, horizon: int) -> cp_model.LinearExprT:
@@ -164,45 +148,24 @@ class _Circuits:
                 self.model.add(sum(brought) >= int(needs[cap]))
 
     def hint(self, plan: CoalitionPlan) -> None:
-        """Begin at who does what in a plan."""
+        """Begin at a plan: who does what, when, and by which ways."""
         for task, coalition in enumerate(plan.coalition):
             for robot, does in enumerate(self.does):
                 self.model.add_hint(does[task], robot in coalition[: plan.size[task]])
-
-    def hint_ways(self, plan: CoalitionPlan) -> None:
-        """Begin at a plan's ways and starts, too."""
         schedule = schedule_of(self.problem, plan)
         for task, start in enumerate(self.start):
             self.model.add_hint(start, int(schedule.start[task]))
         self.model.add_hint(self.makespan, int(schedule.total[MAKESPAN]))
-        for robot, ways in enumerate(self.goes):
-            nodes = [
-                task + 1 for task in plan.order if robot in plan.coalition[task, : plan.size[task]]
-            ]
-            taken = set(pairwise((0, *nodes, 0)))
+        for ways, tasks in zip(self.goes, routes_of(plan, len(self.goes)), strict=True):
+            taken = set(pairwise((0, *(task + 1 for task in tasks), 0)))
             for way, goes in ways.items():
                 self.model.add_hint(goes, way in taken)
 
     def plan_of(self, solver: cp_model.CpSolver) -> CoalitionPlan:
-        """Return what the solver found as a plan; tasks in the order in which they start.
-
-        Those that take no time may do so at one moment: then what comes before others is first.
-        """
-        plan = empty_plan(self.problem)
-        starts = np.array([solver.value(start) for start in self.start])
-        ends = np.array([solver.value(end) for end in self.end])
-        plan.order[:] = np.lexsort((_depths(self.problem), ends, starts))
-        for task in range(len(starts)):
-            coalition = [r for r, does in enumerate(self.does) if solver.value(does[task])]
-            plan.size[task] = len(coalition)
-            plan.coalition[task, : len(coalition)] = coalition
-        return plan
-
-
-def _depths(problem: CoalitionProblem) -> Ints:
-    """Return how many tasks stand in the longest chain of those before each, as (tasks,)."""
-    depth = np.zeros(len(problem.needs), np.int64)
-    for _ in depth:
-        for task, before in enumerate(problem.before):
-            depth[task] = max((depth[other] + 1 for other in before if other != NOBODY), default=0)
-    return depth
+        """Return what the solver found as a plan; tasks in the order in which they start."""
+        starts, ends = ([solver.value(at) for at in times] for times in (self.start, self.end))
+        coalitions = [
+            [robot for robot, does in enumerate(self.does) if solver.value(does[task])]
+            for task in range(len(starts))
+        ]
+        return plan_of(self.problem, coalitions, np.lexsort((ends, starts)).tolist())

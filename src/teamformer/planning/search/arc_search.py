@@ -47,8 +47,8 @@ QUENCHED_IF_CHARGED = 500
 """The same where robots have batteries."""
 
 HOTTER_IF_CHARGED = 2
-"""If robots charge, annealings begin hotter by this factor. A moved task changes where they charge
-later, so it changes more of a plan."""
+"""If robots charge, annealings begin hotter by this factor than those of few tasks, however many
+there are. A moved task changes where they charge later, so it changes more of a plan."""
 
 WEIGHED_ROUNDS_EACH, MOST_WEIGHED_ROUNDS = 20_000, 600_000
 """The shared plan takes so many rounds for each task then, and so many at most: about a second."""
@@ -154,7 +154,7 @@ class ArcSearch:
                 self.leg if self._is_late(lead) or self._is_dry else lead / visits
             )
             return hot, hot * COOLER**COOLINGS
-        is_few = has_few_tasks(len(self.problem.needs))
+        is_few = has_few_tasks(len(self.problem.needs)) or are_charged(self.problem.batteries)
         hottest, coldest = (HOT_IF_FEW, COLD_IF_FEW) if is_few else (HOT, COLD)
         return self.leg // hottest, self.leg // coldest
 

@@ -9,6 +9,8 @@ import pytest
 
 from fleets import PLANNER, Watched, errand, recorded
 from teamformer.fleet.agent.planning import make_plan
+from teamformer.fleet.bodies.body import Command
+from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import TaskFact
 from teamformer.fleet.planner import FleetSituation
@@ -26,6 +28,7 @@ from teamformer.record.record import Record
 from teamformer.record.referee import judge as judge_record
 from teamformer.record.task_times import done_steps, missed_tasks
 from teamformer.record.telling.whole import told_of
+from teamformer.world.continuous.events import Event
 
 
 def corridor(
@@ -205,6 +208,34 @@ def test_services_in_a_zone_take_turns_in_steps(room: int, ends: list[int]) -> N
     assert sorted(done(record).values()) == pytest.approx(ends, abs=1)
 
 
+def test_a_team_that_waits_for_room_is_not_shown_at_work() -> None:
+    """All are there after 5 steps; what is served begins as the one before is done."""
+    _, record = recorded(corridor(THREE, {}, {}, {}, zones=(DOCK,)))
+    served = [(n, row) for n, step in enumerate(record.steps, 1) for row in step.served]
+    ends = sorted((step, task) for task, step in done_steps(record).items())
+    assert [n for n, _ in served] == [4, *(step for step, _ in ends[:-1])]
+    assert [row[0] for _, row in served] == [task for _, task in ends]
+
+
+def with_row(record: Record, number: int, **rows: Any) -> Record:
+    """Return a record with other rows in a step."""
+    steps = list(record.steps)
+    steps[number - 1] = replace(steps[number - 1], **rows)
+    return replace(record, steps=tuple(steps))
+
+
+def test_what_cannot_be_missed_and_who_cannot_charge_are_found() -> None:
+    _, record = recorded(corridor([NEAR, FAR_OFF], until=20))
+    for rows, told in (
+        ({"missed": ((0, "nobody free"),)}, "task near can still be done, or is over"),
+        ({"charge": ((0, "charging"),)}, "robot r0 is said to charge, and is at no charger"),
+    ):
+        assert told in str(judge_record(with_row(record, 3, **rows)).findings)
+    _, record = recorded(charged([errand("t", 14, duration=2)], robots=2))
+    both = ((0, "charging"), (1, "charging"))
+    assert "is at no charger" in str(judge_record(with_row(record, 4, charge=both)).findings)
+
+
 def test_every_promise_is_kept_in_zones_in_steps_under_schedules_of_faults() -> None:
     both = replace(errand("both", 4, duration=3), needs={"a": 2})
     tasks = [*THREE, both, errand("out", 20, duration=2)]
@@ -267,6 +298,18 @@ def test_who_finds_a_charger_taken_queues_in_steps() -> None:
         (13, 1, ""),
     ]
     assert done(record) == {"t": 27}  # full after 12, there after 24, two at work
+
+
+@pytest.mark.parametrize("time", ["steps", "continuous"])
+def test_who_is_told_to_charge_no_more_leaves_its_charger_to_others(time: str) -> None:
+    """The first is unplugged at 4, before it is full, and stays; the second charges from 7 on."""
+    world = FleetWorld(FleetMission(replace(charged([errand("t", 14)], 2).source, time=time)))
+    for at, robot, charge in ((0.0, 0, True), (4.0, 0, False), (5.0, 1, True)):
+        world.advance(at)
+        world.command(robot, Command(1, (2, 0), 0, 0, charge=charge))
+    world.advance(8.0)
+    kinds = [(e.at, e.kind, e.robots) for e in world.moves if isinstance(e, Event)]
+    assert kinds == [(2.0, "charge", (0,)), (4.0, "unplugged", (0,)), (7.0, "charge", (1,))]
 
 
 def test_a_robot_of_a_faster_pace_spends_less_on_a_way_in_steps() -> None:

@@ -18,6 +18,9 @@ from teamformer.world.rules.constants import NOBODY
 SAME = 1e-9
 """By such a share of a full battery sums are off."""
 
+UNPLUGGED = "unplugged"
+"""Stands for the kind of what lets a robot charge no more that is not full."""
+
 
 class BatteryWorld(WalkingWorld):
     """What robots have left, in the mission's units; `now` goes on by `pass_to` only."""
@@ -120,7 +123,8 @@ class BatteryWorld(WalkingWorld):
             charger = self._charger_of(robot)
             if charger == NOBODY:
                 self._plugged.pop(robot, None)
-                self._charging.pop(robot, None)
+                if self._charging.pop(robot, None) is not None:
+                    self._tell_charge(UNPLUGGED, robot)
             elif robot not in self._plugged:
                 self._plugged[robot] = self.now, charger
         for robot, (_, charger) in sorted(self._plugged.items(), key=lambda one: (one[1], one[0])):

@@ -214,22 +214,17 @@ class FleetSeen:
         """Say who cannot be at a charger that is said to, and where too many charge."""
         self._at_chargers |= dict(step.charge)
         self._at_chargers = {robot: what for robot, what in self._at_chargers.items() if what}
-        taken = [0] * len(self._mission.chargers)
+        chargers, taken = self._mission.chargers, list[Place]()
         for robot, what in self._at_chargers.items():
-            is_lost, who = robot in self._teams.lost(), self._words.robot(robot)
-            charger = None if is_lost else self._charger_at(self._teams.place(robot))
-            if charger is None or self._mission.robots[robot].battery is None:
+            who, here = self._words.robot(robot), self._teams.place(robot)
+            is_able = self._mission.robots[robot].battery and robot not in self._teams.lost()
+            room = sum(it.room for it in chargers if is_same_place(self._mission, here, it.at))
+            if not is_able or not room:
                 yield f"robot {who} is said to charge, and is at no charger or has no battery"
                 continue
-            taken[charger] += what == CHARGING
-            if taken[charger] > self._mission.chargers[charger].room:
+            taken += [here] if what == CHARGING else []
+            if sum(is_same_place(self._mission, here, other) for other in taken) > room:
                 yield f"robot {who} charges where there is no room to"
-
-    def _charger_at(self, place: Place) -> int | None:
-        """Return the charger at a place, if there is one."""
-        chargers = enumerate(self._mission.chargers)
-        near = (n for n, it in chargers if is_same_place(self._mission, place, it.at))
-        return next(near, None)
 
     def _end_of(self, task: int) -> Place:
         """Return where a task is done: a load, where it is brought."""

@@ -94,13 +94,17 @@ class SnapshotWriter:
             shown=seen.shown,
             found=seen.found,
             moved=seen.moved,
-            charge=tuple(self._charge(seen.charge)),
+            charge=tuple(self._charge(seen, places)),
             missed=tuple((k, why_missed(mission, k, served, aims)) for k in seen.missed),
         )
         return self._seen.add(self.steps, made, mission, seen.at_work)
 
-    def _charge(self, doing: Mapping[int, str]) -> Iterator[tuple[int, str]]:
-        """Yield the robots that do something else at chargers than in the step before."""
+    def _charge(self, seen: Sighting, places: Mapping[int, Place]) -> Iterator[tuple[int, str]]:
+        """Yield the robots that do something else at chargers than in the step before.
+
+        Who is shown where it did a task is not at a charger yet.
+        """
+        doing = {r: what for r, what in seen.charge.items() if seen.said[r][1] == places[r]}
         before, self._at_chargers = self._at_chargers, doing
         for robot in sorted(before.keys() | doing.keys()):
             if (now := doing.get(robot, "")) != before.get(robot, ""):

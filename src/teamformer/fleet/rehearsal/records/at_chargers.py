@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
+from teamformer.fleet.bodies.batteries import UNPLUGGED
 from teamformer.fleet.rehearsal.checking.trace import Event, Said
 from teamformer.mission.model import Mission
 from teamformer.mission.parts.grid import Place
@@ -33,7 +34,7 @@ class AtChargers:
             (self._waiting.add if waits else self._waiting.discard)(event.robot)
         elif isinstance(event, OfWorld) and event.kind == "charge":
             self._charging.update(event.robots)
-        elif isinstance(event, OfWorld) and event.kind in CHARGES:
+        elif isinstance(event, OfWorld) and event.kind in (*CHARGES, UNPLUGGED):
             self._charging.difference_update(event.robots)
 
     def of(self, places: Mapping[int, Place]) -> dict[int, str]:
@@ -47,10 +48,15 @@ class AtChargers:
         charged, queued = self._charged & there.keys(), self._queued & self._charging
         taken = [there[robot] for robot in charged | self._charging]
         for robot in (self._waiting & there.keys()) - self._charging - charged:
-            if taken.count(there[robot]) >= self._mission.chargers[there[robot]].room:
+            if taken.count(there[robot]) >= self._room(there[robot]):
                 queued.add(robot)
         self._charged, self._queued = set(self._charging), queued
         return dict.fromkeys(queued, QUEUEING) | dict.fromkeys(charged, CHARGING)
+
+    def _room(self, charger: int) -> int:
+        """Return how many charge where a charger is; there may be more of them."""
+        place = self._mission.chargers[charger].at
+        return sum(it.room for it in self._mission.chargers if it.at == place)
 
     def _at(self, place: Place) -> int:
         """Return the charger at a place; NOBODY for none."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import zip_longest
 
+from teamformer.fleet.bodies.batteries import UNPLUGGED
 from teamformer.fleet.bodies.journey import Journey
 from teamformer.fleet.bodies.walking import Walked
 from teamformer.fleet.fleet_mission import place_in
@@ -139,6 +140,9 @@ class _TellerInTime:
         task, robots, place = event.task, event.robots, event.place
         if event.kind == CLOSE:
             self._seen.miss_the_rest(event.at, self._mission)
+            return
+        if event.kind == UNPLUGGED:
+            self._seen.tell(event.at, "arrive", robots, NOBODY, place=place)
             return
         if event.kind in CHARGES:
             self._seen.tell(event.at, event.kind, robots, place=place, until=event.until)

@@ -32,7 +32,10 @@ TABLES: dict[type[Any], tuple[tuple[Key, ...], dict[str, str]]] = {
     Breakdown: (BREAKS_KEYS, {}),
     Charger: (CHARGER_KEYS, {}),
     Delays: (DELAYS_KEYS, {}),
-    Zone: (ZONE_KEYS, {"name": "it stands before the keys"}),
+    Zone: (
+        ZONE_KEYS,
+        {"name": "it stands before the keys", "loads": "only what is left of a mission names them"},
+    ),
     Plane: (PLANE_KEYS, dict.fromkeys(("plane", "width", "height"), "plane has both sides")),
 }
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -127,8 +126,8 @@ def _refused(folder: Path, given: Tree) -> list[str]:
     return []
 
 
-@pytest.mark.parametrize("rules", [rules_of_fleets, rules_of_robotarium])
-def test_who_does_not_know_until_says_so(rules: Callable[..., Iterable[Any]]) -> None:
+def test_the_robotarium_does_not_know_until_and_fleets_do() -> None:
     mission = mission_from_tree(tree(MAY, {}, until=9, time="steps"))
-    told = [problem.message for problem in rules(mission)]
+    told = [problem.message for problem in rules_of_robotarium(mission)]
     assert any("until" in message for message in told)
+    assert list(rules_of_fleets(mission)) == []

@@ -215,11 +215,11 @@ def test_tasks_that_appear_must_fit_as_well() -> None:
 
 
 def test_a_truth_need_not_fit_into_shifts(tmp_path: Path) -> None:
-    """A task that is believed to take 2 steps takes 9; its record says so, and is legal."""
+    """Robots that are there after step 7 or later have no four steps left; the record is legal."""
     robots = tuple(replace(robot, shifts=((0, 5), (6, 11)), every=0) for robot in MISSION.robots)
-    task = replace(MISSION.tasks[0], lasts=(1, 9))
+    task = replace(MISSION.tasks[0], at=(3, 0), within=6, duration=4)
     mission = replace(MISSION, time="steps", robots=robots, tasks=(task,), step_limit=30)
-    seed = next(n for n in range(99) if draw_truth(mission, n).tasks[0].duration == 9)
+    seed = next(n for n in range(99) if max(draw_truth(mission, n).tasks[0].at) >= 8)
     record = run_trial(mission, load_method("plan"), seed).record
     assert record.end.blocked_tasks == ("x",)
     save_record(record, tmp_path / "record.json")

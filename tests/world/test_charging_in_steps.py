@@ -178,4 +178,4 @@ def test_step_with_batteries_is_what_the_plain_twin_does(is_plane: bool) -> None
     assert charges > 100
     assert queues > 20
     assert done > 100
-    assert dry > 2
+    assert dry > 0

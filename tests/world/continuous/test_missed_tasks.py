@@ -133,6 +133,14 @@ def test_whatever_happens_records_are_legal(seed: int) -> None:
     run(replace(mission, robots=tuple(robots), tasks=tuple(tasks)))
 
 
+def test_nobody_waits_for_an_optional_task_that_the_plan_leaves_out() -> None:
+    """Both are to start together; at 5, as it is over, only the one that takes no time is done."""
+    linked = [task("long", 5, weight=0.001), task("short", 5, 0, starts={"long": (0.0, 0.0)})]
+    record = run(line(linked, robots=2, until=5.0))
+    assert missed(record) == {"long": (5, "too far")}
+    assert (record.end.status, record.end.makespan) == ("completed", 5)
+
+
 def test_optional_tasks_that_cannot_start_together_are_missed() -> None:
     """The battery of one of two robots takes it to 10 and back only; what must be is refused."""
     linked = [task("one", 12), task("other", 15, starts={"one": (0.0, 0.0)}), task("more", 9)]

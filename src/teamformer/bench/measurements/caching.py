@@ -18,7 +18,6 @@ from teamformer.world.env import TeamFormation
 
 NETWORK = "teamformer-c100-full"
 ROBOTS, TASKS, NEEDS, SIDE = 100, 20, 50, 20  # 100N20T-C100-R50
-TRIALS = 10
 EVERY = 10  # steps between views that are measured
 
 
@@ -37,25 +36,25 @@ class Caching:
         return self.uncached / self.cached
 
 
-def measure_caching() -> Caching:
+def measure_caching(trials: int = 10) -> Caching:
     """Spell all counts of 100 robots with 100 capabilities, with and without kept memories.
 
     The views are those of trials, side by side, in which teams join all on the way: from a hundred
     teams of one to a team of a hundred.
     """
     cached, uncached = shipped_speller(NETWORK), shipped_speller(NETWORK, keeps_memories=False)
-    views = _views_of_trials(cached.capabilities)
+    views = _views_of_trials(cached.capabilities, trials)
     seconds, wanted = _time(cached, views)
     more_seconds, again = _time(uncached, views)
     are_same = all(np.array_equal(a, b) for a, b in zip(wanted, again, strict=True))
     return Caching(seconds, more_seconds, sum(len(view[0]) for view in views), are_same)
 
 
-def _views_of_trials(capabilities: int) -> list[tuple[Array, ...]]:
+def _views_of_trials(capabilities: int, trials: int) -> list[tuple[Array, ...]]:
     """Return the tokens of teams that have a choice, every so many steps."""
     spec = Spec(ROBOTS, TASKS, capabilities, requirements=NEEDS, world=Grid(SIDE, SIDE))
     rng = np.random.default_rng(0)
-    env = TeamFormation([generate(spec, rng) for _ in range(TRIALS)])
+    env = TeamFormation([generate(spec, rng) for _ in range(trials)])
     method, codec, views = JoinAll(), SpellingCodec(capabilities), []
     for step in itertools.count():
         if not env.is_running.any():

@@ -36,9 +36,9 @@ class SizeRow:
     check_megabytes: float
 
 
-def measure_size() -> Iterator[SizeRow]:
+def measure_size(sides: dict[int, int] = SIDES) -> Iterator[SizeRow]:
     """Yield a row for each method and size: tasks that need three of eight capabilities."""
-    for count, side in SIDES.items():
+    for count, side in sides.items():
         spec = Spec(count, count, 8, requirements=3, world=Grid(side, side))
         mission = generate(spec, np.random.default_rng(1), f"{count} robots and tasks")
         for method in ("plan", "crews") if count <= MOST_PLANNED else ("crews",):

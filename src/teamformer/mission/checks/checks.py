@@ -155,9 +155,10 @@ def _problems_of_places(mission: Mission) -> Iterator[Problem]:
     for number, charger in enumerate(mission.chargers):
         if fault := _fault_of_place(world, charger.at):
             yield Problem(("chargers", number, "at"), f"charger {number + 1} is at {fault}")
+    sought = {task.at for task in mission.tasks if task.within}  # at, or near there
     for zone in mission.zones:
         for entry, place in enumerate(zone.places):
-            if fault := _fault_of_place(world, place):
+            if fault := _fault_of_place(world, place, place in sought):
                 message = f"zone '{zone.name}' has a place at {fault}"
                 yield Problem(("zones", zone.name, "places", entry), message)
 

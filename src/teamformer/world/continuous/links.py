@@ -2,6 +2,7 @@
 
 A task whose start lies at least so long after another one waits for that. One that starts at most
 so long before another has to wait for robots that come later: it is held until then, as foreseen.
+Nobody waits for an optional task that the plan leaves out.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ class GapKeeper:
             for name, (least, most) in task.starts.items()
         ]
         self.linked = {task for gap in self.gaps for task in (gap.task, gap.other)}
+        self._optional = {task for task in self.linked if mission.tasks[task].optional}
         self.holds: Mapping[int, float] = {}
         self._foreseen: Timed | None = None
         self._has_delays = any(robot.delays for robot in mission.robots)
@@ -90,9 +92,13 @@ class GapKeeper:
         begun = world.started.get(gap.other)
         if begun is not None:
             return begun + gap.least > world.now and not self._is_now(world, begun + gap.least)
-        if gap.other in world.over:
+        if gap.other in world.over or self._is_left_out(world, gap.other):
             return False
         return gap.least > 0 or gap.other not in free
+
+    def _is_left_out(self, world: PhysicalWorld, task: int) -> bool:
+        """Say whether everybody knows of an optional task, and the plan leaves it out."""
+        return task in self._optional & world.appeared and self._start(task) is None
 
     def _differs(self, world: PhysicalWorld, task: int) -> bool:
         foreseen = self._start(task)

@@ -271,14 +271,14 @@ def test_outputs_of_a_load_that_a_part_of_its_team_takes_further_agree(
 def test_outputs_of_a_load_that_is_left_for_another_beside_it_agree(
     tmp_path: Path, page: Any
 ) -> None:
-    """The robot comes for load t0, and takes up t1 when it is back from a crash there."""
+    """The robot comes for load t0, and takes up t1, which takes no time, when it is back there."""
     loads = (
         replace(task_at("a", 0, duration=1, appears=1), to=(0, 0)),
         replace(task_at("a", 0), to=(2, 0)),
     )
     bars = _bars_of_rehearsal(page, tmp_path, make([robot("a", 2)], loads), Crash(0, 3.0, 4.0))
     assert [(bar.phase, bar.task, bar.ended) for bar in bars[2:4]] == [
-        ("loading", "t1", 5),
+        ("waiting", "t1", 5),
         ("carrying", "t1", 7),
     ]
 
@@ -286,11 +286,12 @@ def test_outputs_of_a_load_that_is_left_for_another_beside_it_agree(
 def test_outputs_of_a_load_that_is_brought_in_the_step_in_which_it_is_taken_up_agree(
     tmp_path: Path, page: Any
 ) -> None:
-    """Robot 0 crashes at the load, and is not where that is once robot 1 has brought it on."""
+    """Robot 0 crashes as it loads, and is not where that is once robot 1 has brought it on."""
     robots = [robot("a", 6), robot("a", 0, speed=2.0)]
     tasks = [replace(task_at("a", 6, duration=1), to=(7, 0)), task_at("a", 19)]
     bars = _bars_of_rehearsal(page, tmp_path, make(robots, tasks), Crash(0, 0.5, 40.0))
-    assert Bar("r0", "loading", "t0", 1, 19) in bars
+    assert Bar("r0", "waiting", "t0", 0, 19) in bars
+    assert Bar("r1", "loading", "t0", 18, 19) in bars
     assert max(bar.ended for bar in bars) == 19  # with the last task, not with the rehearsal
 
 

@@ -56,6 +56,16 @@ def test_the_path_leads_over_who_comes_last() -> None:
     ]
 
 
+def test_who_takes_up_a_load_where_it_waited_for_it_has_not_walked() -> None:
+    """The robot is there after 2 steps, takes the load up in the sixth, and carries it for 2."""
+    load = replace(task("a", 0), to=(2, 0), between=(5, 50))
+    mission = make([robot("a", 2)], [load])
+    assert told(path_of_record(played(mission)))[1:] == [
+        (5, 6, "waiting", 0, 0),
+        (6, 8, "carrying", 0, 0),
+    ]
+
+
 def test_the_path_goes_back_through_tasks() -> None:
     """Robot a does t0 in 4 steps and 2 of work; b waits for it at t1, 6 on, where they form."""
     mission = make([robot("a", 0), robot("b", 10)], [task("a", 4, duration=2), task("ab", 10)])

@@ -88,14 +88,16 @@ class Phases:
         formed: set[int],
         work: Mapping[int, str],
         goals: Sequence[Place],
+        were: Mapping[int, Place],
         off: Set[int],
         at_chargers: Mapping[int, str],
     ) -> list[int]:
         """Take in a step that the teams have made; return which of some do something else.
 
         `formed` are the teams that have parted or joined, `work` is what teams do for tasks,
-        `goals` where each task is believed to be, or is brought to, `off` are the robots outside
-        their shifts, `at_chargers` what robots do there.
+        `goals` where each task is believed to be, or is brought to, `were` where those that were
+        taken up or done in the step were before, `off` are the robots outside their shifts,
+        `at_chargers` what robots do there.
         """
         told, others, self.apart = dict(step.pursued), [], {}
         for slot in sorted(slots):
@@ -106,6 +108,8 @@ class Phases:
             has_moved, does_work = place != was_at, work.get(slot)
             if does_work == CARRYING and is_there and not has_moved:
                 does_work = None  # it waits for room to unload
+            if task in were:  # it stood there until that was taken up or done
+                is_there = is_there or is_same_place(mission, place, were[task])
             phase = phase_of(
                 slot in step.back, slot in formed, does_work, has_moved, task, is_there
             )

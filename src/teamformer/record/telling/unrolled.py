@@ -105,6 +105,7 @@ class Unrolled:
         work = self.services.by_slot(self.teams)
         walking = before.walking - self.formed - work.keys() - set(step.back)
         slots = ((changed | self._changed) & self.teams.robots.keys()) - walking
+        were = {task: self.goals[task] for task, _ in (*step.taken, *step.done)}
         self._complete(step)
         self.others = self.phases.follow(
             self.mission,
@@ -115,6 +116,7 @@ class Unrolled:
             formed,
             work,
             self.goals,
+            were,
             off,
             self.at_chargers,
         )

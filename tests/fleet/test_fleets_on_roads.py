@@ -204,6 +204,20 @@ def test_the_record_of_a_rehearsal_tells_events_that_check_finds_right(tmp_path:
     assert judge_record(record).findings == ()
 
 
+def test_who_goes_a_way_that_takes_no_time_is_there_after_it_sets_out() -> None:
+    """The lab is next to the ward, so no time passes from what is done there to being here."""
+    next_door = Roads(("dock", "ward", "lab"), {"ground": ((0, 4, FAR), (4, 0, 0), (FAR, 0, 0))})
+    tasks = [Task("t", WARD, {"a": 1}, duration=1), Task("u", LAB, {"a": 1}, after=("t",))]
+    record = recorded(replace(ring(tasks, 1), world=next_door), Faults())
+    ways = [event for event in record.events if event.kind in ("walk", "arrive", "done")]
+    assert [(event.kind, round(event.at, 2), event.task) for event in ways] == [
+        *(("walk", 0.02, 0), ("arrive", 4.02, 0), ("done", 5.02, 0)),
+        *(("walk", 5.02, 1), ("arrive", 5.02, 1), ("done", 5.04, 1)),
+    ]
+    assert [event.place for event in ways if event.kind == "arrive"] == [WARD, LAB]
+    assert judge_record(record).findings == ()
+
+
 def test_what_a_fleet_cannot_have_done_is_found() -> None:
     record = recorded(ring([Task("t", WARD, {"a": 2}, duration=3)]), Faults())
 

@@ -14,11 +14,14 @@ from teamformer.fleet.agent.meeting import Meeting, turn_time, turns
 from teamformer.fleet.agent.membership import Membership
 from teamformer.fleet.agent.planning import FleetPlan
 from teamformer.fleet.bodies.body import Command, Report
+from teamformer.fleet.bodies.journey import Journey
+from teamformer.fleet.bodies.walking import Walked
 from teamformer.fleet.bodies.world import FleetWorld
 from teamformer.fleet.fleet_mission import FleetMission
 from teamformer.fleet.messages import EVERYBODY, Beat, Notice, PlanNote, Word
 from teamformer.fleet.planner import CoordinatedPlanner
 from teamformer.fleet.rehearsal.checking.trace import Trace
+from teamformer.fleet.rehearsal.checking.ways import WayChecker
 from teamformer.fleet.rehearsal.faults import Crash, Cut, Faults, Spell, draw_faults, losses_of
 from teamformer.fleet.rehearsal.records.of_rehearsal import record_of
 from teamformer.fleet.rehearsal.rehearse import judge, play, set_stage
@@ -93,6 +96,24 @@ def test_who_is_stuck_on_a_road_goes_on_from_where_it_was() -> None:
     world.advance(13.0)
     assert world.place(0) == (1, 1.0)
     assert world.robots[0].journey.end == 14.0
+
+
+def test_who_pauses_at_a_place_is_there_and_sets_out_from_there() -> None:
+    """Its shift begins at 10. It breaks down at 3, is back at 12, and 4 later at the ward."""
+    mission = ring([Task("t", WARD, {"a": 1})], 1)
+    late = replace(mission.robots[0], shifts=((10.0, 60.0),))
+    fleet = FleetMission(replace(mission, robots=(late,)))
+    world = FleetWorld(fleet)
+    world.command(0, Command(1, WARD, 0))
+    world.advance(3.0)
+    way = world.robots[0].journey.way
+    assert [*way] == [(0.0, DOCK), (10.0, DOCK), (14.0, WARD)]
+    assert world.place(0) == WayChecker(fleet).place(Walked(0.0, 0, Journey(way)), 3.0) == DOCK
+    world.kill(0)
+    world.advance(12.0)
+    world.revive(0)
+    world.command(0, Command(2, WARD, 0))
+    assert [*world.robots[0].journey.way] == [(12.0, DOCK), (16.0, WARD)]
 
 
 def test_a_delayed_robot_stands_still_in_whole_units_of_time() -> None:
@@ -202,6 +223,27 @@ def test_the_record_of_a_rehearsal_tells_events_that_check_finds_right(tmp_path:
     save_record(record, tmp_path / "record.json")
     assert read_record(tmp_path / "record.json") == record
     assert judge_record(record).findings == ()
+
+
+def test_who_goes_a_way_that_takes_no_time_is_there_after_it_sets_out() -> None:
+    """The lab is next to the ward, so no time passes from what is done there to being here."""
+    next_door = Roads(("dock", "ward", "lab"), {"ground": ((0, 4, FAR), (4, 0, 0), (FAR, 0, 0))})
+    tasks = [Task("t", WARD, {"a": 1}, duration=1), Task("u", LAB, {"a": 1}, after=("t",))]
+    record = recorded(replace(ring(tasks, 1), world=next_door), Faults())
+    ways = [event for event in record.events if event.kind in ("walk", "arrive", "done")]
+    assert [(event.kind, round(event.at, 2), event.task) for event in ways] == [
+        *(("walk", 0.02, 0), ("arrive", 4.02, 0), ("done", 5.02, 0)),
+        *(("walk", 5.02, 1), ("arrive", 5.02, 1), ("done", 5.04, 1)),
+    ]
+    assert [event.place for event in ways if event.kind == "arrive"] == [WARD, LAB]
+    assert judge_record(record).findings == ()
+
+
+def test_who_is_free_again_and_there_at_once_is_seen_to_have_gone() -> None:
+    """It is stuck at the dock until 5, next to the ward, where it serves at that moment."""
+    at_once = Roads(("dock", "ward"), {"ground": ((0, 0), (4, 0))})
+    mission = replace(ring([Task("t", WARD, {"a": 1})], 1), world=at_once)
+    assert ended(mission, Faults(stuck=(Spell(0, 0.0, 5.0),))) == {"t": 5.0}
 
 
 def test_what_a_fleet_cannot_have_done_is_found() -> None:

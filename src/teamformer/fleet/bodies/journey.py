@@ -48,6 +48,8 @@ class Journey:
         if isinstance(world, Grid) or at == len(self.way) - 1 or when <= here.at:
             return here.place
         after = self.way[at + 1]
+        if here.place == after.place:  # it pauses there
+            return here.place
         if isinstance(world, Roads):
             return after.place[0], after.at - when
         return part_of_way(here.place, after.place, (when - here.at) / (after.at - here.at))

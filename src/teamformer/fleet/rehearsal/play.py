@@ -127,6 +127,7 @@ class Rehearsal:
         awake = self._advance()
         for what, who in agenda.happenings.pop(tick, ()):
             awake |= self._happen(what, who)
+        self._note_moves()  # before what agents do then: a way may take no time
         self._touched |= awake
         for sender, receiver, message in agenda.letters.pop(tick, ()):
             if receiver == OPERATOR:

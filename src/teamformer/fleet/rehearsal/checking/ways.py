@@ -29,7 +29,7 @@ class WayChecker:
         if at < 0 or at == len(way) - 1:
             return way[max(0, at)].place
         (begun, (x, y)), (ends, (to_x, to_y)) = way[at : at + 2]
-        if isinstance(self._map, Grid):
+        if isinstance(self._map, Grid) or (x, y) == (to_x, to_y):  # it pauses there
             return x, y
         if isinstance(self._map, Roads):
             return to_x, (ends - when if when > begun else 0.0)

@@ -134,6 +134,8 @@ class _TellerInTime:
         elif walk.journey.end < math.inf and walk.carries == NOBODY:
             task = self._heads_for(robot, way[-1].place)
             self._seen.tell(walk.at, "walk", (robot,), task, until=way[-1].at, way=way)
+            if walk.journey.end <= walk.at:  # the way takes no time
+                self._seen.tell(walk.at, "arrive", (robot,), task, place=way[-1].place)
 
     def _tell_service(self, event: ServiceEvent) -> None:
         """Tell what the simulated world tells, with the numbers of its tasks."""
@@ -161,7 +163,7 @@ class _TellerInTime:
 
 
 def _arrivals(events: Sequence[Event]) -> Iterator[ServiceEvent]:
-    """Yield when robots arrive that do not set out anew before."""
+    """Yield when robots arrive, later than they set out, that do not set out anew before."""
     walks: dict[int, list[Walked]] = {}
     for event in events:
         if isinstance(event, Walked):
@@ -169,6 +171,6 @@ def _arrivals(events: Sequence[Event]) -> Iterator[ServiceEvent]:
     for robot, own in walks.items():
         for walk, after in zip_longest(own, own[1:]):
             at = walk.journey.end
-            is_there = at < math.inf and (after is None or at <= after.at)
+            is_there = walk.at < at < math.inf and (after is None or at <= after.at)
             if is_there and walk.carries == NOBODY:
                 yield ServiceEvent(at, "arrive", (robot,), place=walk.journey.goal)

@@ -78,6 +78,26 @@ def test_collects_no_less_than_any_route(memory: int) -> None:
     assert (max(excess) == 0) == (memory == 5)
 
 
+@pytest.mark.parametrize("memory", [0, 1, 5])
+def test_collects_no_less_where_legs_take_no_time(memory: int) -> None:
+    """Some legs take no time in one direction, some in both, and stops take none."""
+    rng = np.random.default_rng(memory)
+    for _ in range(200):
+        count = int(rng.integers(2, 6))
+        legs = rng.integers(0, 3, (count, count)) * rng.integers(0, 2, (count, count))
+        np.fill_diagonal(legs, 99)
+        nothing, places = np.zeros(count, np.int64), np.arange(count)
+        stops = make_stops(legs, rng.integers(0, 4, count), nothing, nothing, places, memory)
+        first, prizes = rng.integers(0, 3, count), rng.integers(0, 20, count)
+        deadline = int(rng.integers(0, 6))
+        outlook = empty_outlook(stops, deadline)
+        look_ahead(stops, prizes, deadline, outlook)
+        most = collect(stops, outlook, first, deadline, np.zeros(count, np.int64))
+        assert most >= best_route(stops, places, first, prizes, deadline)
+        if memory == 5:
+            assert most == best_route(stops, places, first, prizes, deadline)
+
+
 @pytest.mark.parametrize("losses", [0.0, 0.3])
 def test_no_schedule_is_faster(losses: float) -> None:
     rng, gaps = np.random.default_rng(0), []

@@ -100,40 +100,78 @@ def look_ahead(stops: Stops, prizes: Array, deadline: int, outlook: Outlook) -> 
 
     `prizes` (stops,) are whole numbers, so that sums are exact. Time runs backwards: what is
     known of a stop is handed to all that may come before it, unless a smaller memory is worth as
-    much or the same could be had later.
+    much or the same could be had later. Where stops and legs take no time a route makes several
+    stops at one moment, so these are gone through until nothing is worth more, at most as often as
+    there are stops.
     """
     worth, then = outlook
-    legs, ready, stay, home, bit, carried = stops
-    count, memories = worth.shape[1:]
+    count = worth.shape[1]
+    in_turn = _stops_at_once(stops)
     worth[: deadline + 2] = NOTHING
     for time in range(deadline, -1, -1):
-        for stop in range(count):
-            if time < ready[stop]:
+        for _ in range(in_turn):
+            is_more_before = False
+            for stop in range(count):
+                if time >= stops.ready[stop]:
+                    is_more_before |= _hand_back(stops, prizes, time, stop, deadline, worth, then)
+            if not is_more_before:
+                break
+
+
+@allocating_kernel
+def _stops_at_once(stops: Stops) -> int:
+    """Return how many stops a route may make at one moment: 1, or all if some take no time."""
+    count = len(stops.ready)
+    for stop in range(count):
+        for following in range(count):
+            if stop != following and stops.stay[stop] + stops.legs[stop, following] == 0:
+                return count
+    return 1
+
+
+@allocating_kernel
+def _hand_back(
+    stops: Stops,
+    prizes: Array,
+    time: int,
+    stop: int,
+    deadline: int,
+    worth: Array,
+    then: Array,
+) -> bool:
+    """Hand what is known of a stop at a time to all that may come before it.
+
+    Returns whether some of these are at the same time, and are worth more now.
+    """
+    legs, ready, stay, home, bit, carried = stops
+    count, memories = worth.shape[1:]
+    is_more = False
+    for memory in range(memories):
+        if worth[time + 1, stop, memory] > worth[time, stop, memory]:
+            worth[time, stop, memory] = worth[time + 1, stop, memory]
+            then[time, stop, memory] = then[time + 1, stop, memory]
+    is_last = time + stay[stop] + home[stop] == deadline
+    if is_last and prizes[stop] > worth[time, stop, 0]:
+        worth[time, stop, 0] = prizes[stop]
+        then[time, stop, 0] = END
+    for memory in range(memories):
+        value = worth[time, stop, memory]
+        if value == NOTHING or value == worth[time + 1, stop, memory]:
+            continue
+        if _is_dominated(worth[time, stop], memory, value):
+            continue
+        for before in range(count):
+            at = time - legs[before, stop] - stay[before]
+            if before == stop or at < ready[before]:
                 continue
-            for memory in range(memories):
-                if worth[time + 1, stop, memory] > worth[time, stop, memory]:
-                    worth[time, stop, memory] = worth[time + 1, stop, memory]
-                    then[time, stop, memory] = then[time + 1, stop, memory]
-            is_last = time + stay[stop] + home[stop] == deadline
-            if is_last and prizes[stop] > worth[time, stop, 0]:
-                worth[time, stop, 0] = prizes[stop]
-                then[time, stop, 0] = END
-            for memory in range(memories):
-                value = worth[time, stop, memory]
-                if value == NOTHING or value == worth[time + 1, stop, memory]:
-                    continue
-                if _is_dominated(worth[time, stop], memory, value):
-                    continue
-                for before in range(count):
-                    at = time - legs[before, stop] - stay[before]
-                    if before == stop or at < ready[before]:
-                        continue
-                    if bit[stop, before] >= 0 and memory >> bit[stop, before] & 1:
-                        continue
-                    onward = carried[stop, before, memory]
-                    if value + prizes[before] > worth[at, before, onward]:
-                        worth[at, before, onward] = value + prizes[before]
-                        then[at, before, onward] = stop * memories + memory
+            if bit[stop, before] >= 0 and memory >> bit[stop, before] & 1:
+                continue
+            onward = carried[stop, before, memory]
+            if value + prizes[before] > worth[at, before, onward]:
+                worth[at, before, onward] = value + prizes[before]
+                then[at, before, onward] = stop * memories + memory
+                is_more |= at == time
+    return is_more
 
 
 @allocating_kernel
@@ -165,13 +203,16 @@ def collect(stops: Stops, outlook: Outlook, arrive: Array, deadline: int, visits
             if worth[begin, first, set_] > most:
                 most = worth[begin, first, set_]
                 stop, memory, time = first, set_, begin
-    while stop != END:
+    at_once, before = 0, NOTHING
+    while stop != END and at_once <= len(arrive):  # else it goes round in no time
         visits[stop] += 1
         onward = then[time, stop, memory]
         if onward == END:
             break
         following, memory = onward // memories, onward % memories
+        before = time
         time += stops.stay[stop] + stops.legs[stop, following]
         time = max(time, stops.ready[following])
+        at_once = at_once + 1 if time == before else 0
         stop = following
     return most

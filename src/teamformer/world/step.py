@@ -15,7 +15,6 @@ from teamformer.world.phases.completion import (
     complete_tasks,
     drop_assignments,
     miss_tasks,
-    release_tasks,
 )
 from teamformer.world.phases.ending import judge_status
 from teamformer.world.phases.energy import spend_standing
@@ -23,6 +22,7 @@ from teamformer.world.phases.finding import find_tasks
 from teamformer.world.phases.formation import form_joins, read_decisions, split_teams
 from teamformer.world.phases.losses import lose_robots, return_robots
 from teamformer.world.phases.motion import move_teams, place_teams
+from teamformer.world.phases.task_order import release_tasks
 from teamformer.world.reward import reward_teams
 from teamformer.world.rules.constants import NEVER
 from teamformer.world.state.arrays import RUNNING, world_at

@@ -17,9 +17,9 @@ from teamformer.world.phases.carrying import (
 from teamformer.world.phases.delays import is_in_shift
 from teamformer.world.phases.energy import has_enough
 from teamformer.world.phases.room import count_services, has_room, next_in_queue, take_room
+from teamformer.world.phases.task_order import close_gaps_in_order
 from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.state.arrays import (
-    APPEARED,
     BROKEN_OFF,
     CANCELLED,
     DONE,
@@ -55,7 +55,7 @@ def complete_tasks(world: World, step: int) -> None:
     if len(world.zones) > 0:
         _enter_zones(world, step)
     if world.count.done > done_before:
-        _close_gaps_in_order(world)
+        close_gaps_in_order(world)
         _drop_assignments_to_over(world)
 
 
@@ -139,7 +139,7 @@ def cancel_tasks(world: World, step: int) -> bool:
     if world.count.cancelled == cancelled_before:
         return False
     world.count.news |= CANCELLED
-    _close_gaps_in_order(world)
+    close_gaps_in_order(world)
     _drop_assignments_to_over(world)
     return True
 
@@ -197,7 +197,7 @@ def miss_tasks(world: World, step: int) -> None:
             _miss(world, task, step)
             any_missed = True
     if any_missed:
-        _close_gaps_in_order(world)
+        close_gaps_in_order(world)
         _drop_assignments_to_over(world)
 
 
@@ -359,18 +359,6 @@ def _await_one_less(world: World, task: int, step: int) -> None:
 
 
 @kernel
-def _close_gaps_in_order(world: World) -> None:
-    kept = 0
-    for position in range(world.count.open):
-        task = world.order[position]
-        if world.tasks[task].is_open:
-            world.order[kept] = task
-            world.tasks[task].rank = kept
-            kept += 1
-    world.count.open = kept
-
-
-@kernel
 def _drop_assignments_to_over(world: World) -> None:
     for team in range(world.rules.robots):
         task = world.teams[team].task
@@ -387,37 +375,3 @@ def drop_assignments(world: World) -> None:
         if task != NOBODY and world.tasks[task].server != team:
             world.teams[team].task = NOBODY
             world.teams[team].is_detour = False
-
-
-@kernel
-def release_tasks(world: World, steps_made: int) -> bool:
-    """Make known the tasks that appear now; say whether the order has new ones, at its end."""
-    arrived = 0
-    for task in range(world.rules.tasks):
-        is_due = world.tasks[task].appears == steps_made
-        is_over = world.tasks[task].cancelled <= steps_made
-        if is_due and not is_over and world.tasks[task].missed_at == NOBODY:
-            world.tasks[task].is_open = True
-            for cap in range(world.has.shape[1]):
-                world.demand[cap] += world.needs[task, cap] > 0
-        if world.tasks[task].is_open and _ordered_at(world, task) == steps_made:
-            world.tasks[task].ordered_at = steps_made
-            world.order[world.count.open] = task
-            world.count.open += 1
-            arrived += 1
-    world.count.arrived = arrived
-    if arrived > 0:
-        world.count.news |= APPEARED
-    return arrived > 0
-
-
-@kernel
-def _ordered_at(world: World, task: int) -> int:
-    """Return how many steps are made when a task gets its place in the order.
-
-    Coordinators share out what is known, the paper's allocator what may begin.
-    """
-    appears = world.tasks[task].appears
-    if world.rules.is_coordinated:
-        return appears
-    return NEVER if world.tasks[task].awaits else max(appears, world.tasks[task].opens)

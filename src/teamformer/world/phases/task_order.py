@@ -1,6 +1,7 @@
-"""The shared task order: made at the start and again when tasks appear, alike by every robot.
+"""The shared task order: which tasks are in it, and, without a coordinator, how they are ordered.
 
-It rests only on what everybody knows: the fleet list, the open tasks, who did the others when.
+It is made at the start and again when tasks appear, alike by every robot. It rests only on what
+everybody knows: the fleet list, the open tasks, who did the others when.
 """
 
 from __future__ import annotations
@@ -9,9 +10,56 @@ import numpy as np
 
 from teamformer.base.kernels.jit import allocating_kernel, entry, kernel
 from teamformer.world.phases.motion import travel, travel_between
-from teamformer.world.rules.constants import NOBODY
+from teamformer.world.rules.constants import NEVER, NOBODY
 from teamformer.world.rules.tour import UNLINKED, plan_tour
-from teamformer.world.state.arrays import NEAREST, RUNNING, World, Worlds, world_at
+from teamformer.world.state.arrays import APPEARED, NEAREST, RUNNING, World, Worlds, world_at
+
+
+@kernel
+def release_tasks(world: World, steps_made: int) -> bool:
+    """Make known the tasks that appear now; say whether the order has new ones, at its end."""
+    arrived = 0
+    for task in range(world.rules.tasks):
+        is_due = world.tasks[task].appears == steps_made
+        is_over = world.tasks[task].cancelled <= steps_made
+        if is_due and not is_over and world.tasks[task].missed_at == NOBODY:
+            world.tasks[task].is_open = True
+            for cap in range(world.has.shape[1]):
+                world.demand[cap] += world.needs[task, cap] > 0
+        if world.tasks[task].is_open and _ordered_at(world, task) == steps_made:
+            world.tasks[task].ordered_at = steps_made
+            world.order[world.count.open] = task
+            world.count.open += 1
+            arrived += 1
+    world.count.arrived = arrived
+    if arrived > 0:
+        world.count.news |= APPEARED
+    return arrived > 0
+
+
+@kernel
+def _ordered_at(world: World, task: int) -> int:
+    """Return how many steps are made when a task gets its place in the order.
+
+    Coordinators share out what is known, the paper's allocator what may begin.
+    """
+    appears = world.tasks[task].appears
+    if world.rules.is_coordinated:
+        return appears
+    return NEVER if world.tasks[task].awaits else max(appears, world.tasks[task].opens)
+
+
+@kernel
+def close_gaps_in_order(world: World) -> None:
+    """Take the tasks that are over out of the order."""
+    kept = 0
+    for position in range(world.count.open):
+        task = world.order[position]
+        if world.tasks[task].is_open:
+            world.order[kept] = task
+            world.tasks[task].rank = kept
+            kept += 1
+    world.count.open = kept
 
 
 @entry

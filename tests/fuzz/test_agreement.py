@@ -537,7 +537,7 @@ def test_outputs_of_fleets_agree(number: int, page: Any, tmp_path: Path) -> None
 
 
 async def _watch_to_the_end(session: Any, result: Any) -> None:
-    from teamformer.fleet.observer.watch import STAYS
+    from teamformer.fleet.observer.at_work import STAYS
 
     running = asyncio.create_task(session.run())
     while not result.done() and not session.watch.is_over:

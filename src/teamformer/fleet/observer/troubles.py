@@ -42,7 +42,7 @@ def _late_tasks(watch: Watch, age: float) -> Iterator[Alert]:
     for number, task in watch.open_tasks():
         between = watch.source.tasks[number].between
         due = float("inf") if between is None else between[1] * step
-        begun = min(watch.at_work(task.key).values(), default=float("inf")) * step
+        begun = min(watch.at_work.since(task.key).values(), default=float("inf")) * step
         longest = max(task.duration, watch.source.tasks[number].longest * step)
         ends = begun + longest + SLACK if task.to is None else float("inf")
         do = _who_does(watch, task)

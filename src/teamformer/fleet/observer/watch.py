@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import replace
-from typing import NamedTuple
 
 from msgspec import structs
 
@@ -26,6 +25,7 @@ from teamformer.fleet.messages import (
     Terms,
     Word,
 )
+from teamformer.fleet.observer.at_work import STAYS, HeardAtWork
 from teamformer.mission.model import Task
 from teamformer.mission.parts.grid import Grid, Place
 from teamformer.mission.parts.plane import DECIMALS
@@ -35,24 +35,12 @@ from teamformer.record.snapshots.deeds import Deed, deed_of, deeds_by_step
 from teamformer.record.snapshots.writer import Sighting, SnapshotWriter, fleet_record
 from teamformer.world.rules.constants import NOBODY
 
-STAYS = 3
-"""Steps for which a robot's word that it is at work holds on, if it says something else since."""
-
 HEARD_WITHIN = STAYS
 """Steps, or seconds if these are more, within which is heard of what was done before a mission was
 over."""
 
 ANSWERS = 1.5
 """Seconds that agents have to tell who did a task, after STAYS steps at the earliest."""
-
-
-class _Service(NamedTuple):
-    """What a robot was at work on by its word, in which team; after how many steps it said so."""
-
-    task: int
-    team: int
-    since: int
-    step: int
 
 
 class Watch:
@@ -68,6 +56,7 @@ class Watch:
         self.mission = mission
         self.source = mission.source
         self.words: dict[int, Word] = {}
+        self.at_work = HeardAtWork(self.words)
         self.tasks: dict[int, TaskFact] = {task.key: task for task in mission.tasks}
         self._writer = SnapshotWriter(self.source)
         self.tellers: set[int] = set()  # who has told it what was done before it came
@@ -76,7 +65,6 @@ class Watch:
         self._off: set[int] = set()  # tasks that are called off, and not done as far as is known
         self._told: dict[int, DeedFact] = {}  # who did what and when, by those who did
         self._news: list[int] = []
-        self._served: dict[int, _Service] = {}  # by robot: the last that it said it is at work on
         self._loads: dict[int, LoadFact] = {}  # that were moved, by task
         self._left: dict[int, TaskAt] = {}  # those that have been set down since the last step
         self._carried: set[int] = set()
@@ -114,10 +102,6 @@ class Watch:
             return []
         left = self.tasks.keys() - self._done.keys() - self._off
         return [(self._number[key], task) for key, task in self.tasks.items() if key in left]
-
-    def at_work(self, key: int) -> dict[int, int]:
-        """Return the robots that say they are at work on a task, and in which step they began."""
-        return {r: it.since for r, it in self._served.items() if self._is_serving(r, key)}
 
     def hear(self, message: Message) -> list[TaskFact]:
         """Take in a message; return the operators' tasks in it that were not known."""
@@ -189,9 +173,7 @@ class Watch:
         for _ in range(past - len(rows)):
             self._writer.pause(self.source)
         self._done = dict.fromkeys(self._done, past + 1)
-        self._served = {
-            r: service._replace(since=past, step=past) for r, service in self._served.items()
-        }
+        self.at_work.begin(past)
 
     def step(self) -> Step:
         """Write down what has changed since the last step, and return it.
@@ -266,7 +248,7 @@ class Watch:
     def _served_now(self) -> dict[int, tuple[int, ...]]:
         """Return who was heard at work on tasks that is not told of as done, if they suffice."""
         left = self.tasks.keys() - self._done.keys() | set(self._news)
-        said = {key: self._heard_at_work(key) for key in left}
+        said = {key: self.at_work.team(key, self.made) for key in left}
         is_able = self.mission.covers
         return {
             self._number[key]: robots
@@ -303,11 +285,7 @@ class Watch:
         known = self.words.get(word.robot)
         if known is None or word.version > known.version:
             self.words[word.robot] = word
-            if word.phase == SERVE:
-                now = since = self.made
-                if known is not None and (known.phase, known.goal) == (SERVE, word.goal):
-                    since = self._served[word.robot].since
-                self._served[word.robot] = _Service(word.goal, word.team, since, now)
+            self.at_work.hear(word, known, self.made)
 
     def _note_load(self, load: LoadFact) -> None:
         """Note that a load was set down."""
@@ -388,7 +366,7 @@ class Watch:
         """
         seen = self.made + 2 - self._done[key]
         is_late = seen >= max(STAYS, math.ceil(ANSWERS / self.mission.step))
-        has_left = any(self.words[robot].is_lost for robot in self._heard_at_work(key))
+        has_left = any(self.words[robot].is_lost for robot in self.at_work.team(key, self.made))
         return is_late or has_left or bool(self._deed(key).robots)
 
     def _take_deed(self, deed: DeedFact) -> None:
@@ -399,29 +377,10 @@ class Watch:
 
     def _deed(self, key: int) -> Deed:
         """Return who did a task, as they tell or were heard; nobody if these cannot do it."""
-        robots = self._told[key].robots if key in self._told else self._heard_at_work(key)
+        robots = self._told[key].robots if key in self._told else self.at_work.team(key, self.made)
         if not self.mission.covers(robots, self.tasks[key].needs):
             robots = ()
         return deed_of(self._number[key], self.source.tasks, robots)
-
-    def _heard_at_work(self, key: int) -> tuple[int, ...]:
-        """Return who said last that they are at work on a task, as one team.
-
-        Who has not said so for a while, and says something else now, did not stay to the end.
-        """
-        latest = self.made - STAYS
-        at_work = {
-            robot: service
-            for robot, service in self._served.items()
-            if service.task == key and (service.step >= latest or self._is_serving(robot, key))
-        }
-        last = max(at_work.values(), key=lambda service: service.step, default=None)
-        team = NOBODY if last is None else last.team
-        return tuple(sorted(robot for robot, each in at_work.items() if each.team == team))
-
-    def _is_serving(self, robot: int, key: int) -> bool:
-        word = self.words[robot]
-        return word.phase == SERVE and word.goal == key
 
     def _as_task(self, task: TaskFact, steps: int) -> Task:
         names = {other.name for other in self.source.tasks}

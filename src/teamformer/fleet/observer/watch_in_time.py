@@ -54,7 +54,7 @@ class WatchInTime(Watch):
         self._made = past
         self._under_way = {w.goal for w in self.words.values() if w.phase == SERVE}
         self._done = dict.fromkeys(self._done, past + 1)
-        self._served = {r: it._replace(since=past, step=past) for r, it in self._served.items()}
+        self.at_work.begin(past)
 
     def step(self) -> Step:
         """Write down what has changed in a unit of time; the step is empty."""

@@ -112,6 +112,26 @@ class Faults:
         times += [drain.at for drain in self.drained]
         return max(times)
 
+    def happenings(self) -> Iterator[tuple[float, str, int]]:
+        """Yield when faults of robots begin and end, and what happens then.
+
+        To which robot, or for crashes and drained batteries the number of the fault.
+        """
+        for number, crash in enumerate(self.crashes):
+            yield crash.at, "crash", number
+            if crash.back is not None:
+                yield crash.back, "restart", number
+        for begins, ends, spells in (
+            ("pause", "resume", self.pauses),
+            ("stuck", "free", self.stuck),
+        ):
+            for spell in spells:
+                yield spell.begin, begins, spell.robot
+                if spell.end is not None:
+                    yield spell.end, ends, spell.robot
+        for number, drain in enumerate(self.drained):
+            yield drain.at, "drain", number
+
     @property
     def kinds(self) -> tuple[str, ...]:
         """Name what goes wrong."""

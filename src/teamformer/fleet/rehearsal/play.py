@@ -283,20 +283,8 @@ class Rehearsal:
         faults = self.faults
         for robot in range(self.mission.robots):
             self._wake_at(robot, 1)
-        for number, crash in enumerate(faults.crashes):
-            self._put(crash.at, "crash", number)
-            if crash.back is not None:
-                self._put(crash.back, "restart", number)
-        for what, ending, spells in (
-            ("pause", "resume", faults.pauses),
-            ("stuck", "free", faults.stuck),
-        ):
-            for spell in spells:
-                self._put(spell.begin, what, spell.robot)
-                if spell.end is not None:
-                    self._put(spell.end, ending, spell.robot)
-        for number, drain in enumerate(faults.drained):
-            self._put(drain.at, "drain", number)
+        for at, what, which in faults.happenings():
+            self._put(at, what, which)
         for number, at in enumerate(self._desk.times):
             self._put(at, "order", number)
         for at in self.mission.off_at.values():

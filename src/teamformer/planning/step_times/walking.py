@@ -40,18 +40,7 @@ def walk(
 
     It does what it can do on the way. Leaves in `groups.until` when that is done too.
     """
-    pace, cells, way = (
-        groups.pace[group],
-        way_number(problem, group, task),
-        group * len(plan.order) + task,
-    )
-    rank = pace  # of its speed
-    if len(problem.lengths) > 1:
-        speeds = len(problem.steps) // 2
-        if pace >= speeds:
-            rank -= speeds
-            way += len(plan.order) * len(groups.end)
-        cells = problem.lengths[int(pace >= speeds), cells]
+    rank, way, cells = _way_to(problem, plan, groups, group, task)
     if may_charge(problem.batteries):
         arrives = charge_first(problem, plan, groups, group, task, leave)
         if arrives != NOBODY:  # what it passes on its way round is not looked at
@@ -91,10 +80,28 @@ def walk(
     if here == cells:
         return came
     if passed == 0 and len(problem.lengths) > 1:
-        steps = problem.steps[pace, way_number(problem, group, task)]
+        steps = problem.steps[groups.pace[group], way_number(problem, group, task)]
     else:
         steps = _steps_of(problem, crossings, rank, cells - passed)
     return walked_by(problem, plan, groups, group, task, since, steps)
+
+
+@kernel
+def _way_to(problem: Relaxed, plan: CoalitionPlan, groups: Groups, group: int, task: int) -> Any:
+    """Return the rank of a group's speed, its way to a task in the crossings, and the way's cells.
+
+    Ways of those that fly come after those of all that walk.
+    """
+    rank, way = groups.pace[group], group * len(plan.order) + task
+    cells = way_number(problem, group, task)
+    if len(problem.lengths) > 1:
+        speeds, is_flying = len(problem.steps) // 2, 0
+        if rank >= speeds:
+            rank -= speeds
+            way += len(plan.order) * len(groups.end)
+            is_flying = 1
+        cells = problem.lengths[is_flying, cells]
+    return rank, way, cells
 
 
 @kernel

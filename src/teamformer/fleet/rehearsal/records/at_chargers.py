@@ -66,6 +66,6 @@ class AtChargers:
 
 
 def dry_in(events: Iterable[Event], step: float) -> dict[int, int]:
-    """Return in which step each robot runs dry that does; a step takes so many seconds."""
+    """Return the robots that run dry, and in which step each does; `step` is in seconds."""
     moments = (it for it in events if isinstance(it, OfWorld) and it.kind == "empty")
     return {robot: max(1, math.ceil(it.at / step)) for it in moments for robot in it.robots}

@@ -163,7 +163,7 @@ class _TellerInTime:
 
 
 def _arrivals(events: Sequence[Event]) -> Iterator[ServiceEvent]:
-    """Yield when robots arrive, later than they set out, that do not set out anew before."""
+    """Yield the arrivals of robots that get where they set out to, on ways that take time."""
     walks: dict[int, list[Walked]] = {}
     for event in events:
         if isinstance(event, Walked):

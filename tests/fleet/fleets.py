@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from small_worlds import make, robot, task
@@ -36,6 +37,12 @@ UNDISTURBED = Faults()
 def errand(name: str, x: int, **keys: Any) -> Task:
     """Return a task that needs one `a`, at a place of a corridor."""
     return Task(name, (x, 0), {"a": 1}, **keys)
+
+
+def errands_of_each_kind() -> list[Task]:
+    """Return one for one robot, one for two, and a load."""
+    both = replace(errand("both", 14, duration=3), needs={"a": 2})
+    return [errand("one", 10, duration=2), both, errand("load", 5, to=(12, 0), unload=1)]
 
 
 def recorded(fleet: FleetMission, faults: Faults = UNDISTURBED) -> tuple[Outcome, Record]:

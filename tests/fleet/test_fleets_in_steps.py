@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from fleets import PLANNER, Watched, errand, recorded
+from fleets import PLANNER, Watched, errand, errands_of_each_kind, recorded
 from teamformer.fleet.agent.planning import make_plan
 from teamformer.fleet.bodies.body import Command
 from teamformer.fleet.bodies.world import FleetWorld
@@ -348,9 +348,7 @@ def test_what_is_too_far_for_some_batteries_is_done_by_the_others() -> None:
 
 
 def test_every_promise_is_kept_with_batteries_in_steps_under_schedules_of_faults() -> None:
-    both = replace(errand("both", 14, duration=3), needs={"a": 2})
-    tasks = [errand("one", 10, duration=2), both, errand("load", 5, to=(12, 0), unload=1)]
-    stage = set_stage(charged(tasks, robots=3))
+    stage = set_stage(charged(errands_of_each_kind(), robots=3))
     assert stage.undisturbed.status == "ended"
     for number in range(8):
         verdict = judge(stage, 3, number)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from msgspec import structs
 
-from fleets import PLANNER, Watched, errand, plan_of, recorded
+from fleets import PLANNER, Watched, errand, errands_of_each_kind, plan_of, recorded
 from teamformer.fleet.agent.agent import Agent
 from teamformer.fleet.bodies.body import Command, Report
 from teamformer.fleet.bodies.vda5050.dialect import DIALECTS
@@ -180,9 +180,7 @@ def test_an_onlooker_tells_who_charges() -> None:
 
 
 def test_every_promise_is_kept_with_batteries_under_schedules_of_faults() -> None:
-    both = replace(errand("both", 14, duration=3), needs={"a": 2})
-    tasks = [errand("one", 10, duration=2), both, errand("load", 5, to=(12, 0), unload=1)]
-    stage = set_stage(charged(tasks, robots=3))
+    stage = set_stage(charged(errands_of_each_kind(), robots=3))
     assert stage.undisturbed.status == "ended"
     for number in range(10):
         verdict = judge(stage, 3, number)

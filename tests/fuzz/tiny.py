@@ -13,7 +13,7 @@ import itertools
 import math
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -122,51 +122,64 @@ def _crews(mission: Mission, task: int) -> list[tuple[int, ...]]:
     return [*nobody, *able_crews(mission, task)]
 
 
-def draw_optional(number: int) -> Mission:
-    """Draw a tiny mission in steps with optional tasks."""
+def _draw_tiny(
+    number: int,
+    make: Callable[[np.random.Generator], Mission],
+    is_it: Callable[[Mission], bool],
+) -> Mission:
+    """Draw missions until one is tiny and is what is wanted."""
     rng = np.random.default_rng(number)
     while True:
-        mission = with_optional(random_world(rng, False, False), rng)
+        try:
+            mission = make(rng)
+        except MissionError:  # there is no charger in some part of the map
+            continue
         is_tiny = len(mission.robots) <= ROBOTS and 1 < len(mission.tasks) <= TASKS
-        if is_tiny and any(task.optional for task in mission.tasks):
+        if is_tiny and is_it(mission):
             return mission
+
+
+def _with_durations(rng: np.random.Generator) -> Mission:
+    """Draw a mission in which tasks take some steps."""
+    mission = random_world(rng, False, False)
+    tasks = tuple(replace(task, duration=int(rng.integers(1, 9))) for task in mission.tasks)
+    return replace(mission, tasks=tasks, step_limit=0)
+
+
+def draw_optional(number: int) -> Mission:
+    """Draw a tiny mission in steps with optional tasks."""
+    return _draw_tiny(
+        number,
+        lambda rng: with_optional(random_world(rng, False, False), rng),
+        lambda mission: any(task.optional for task in mission.tasks),
+    )
 
 
 def draw_zones(number: int) -> Mission:
     """Draw a tiny mission in steps with zones, in which tasks take some steps."""
-    rng = np.random.default_rng(number)
-    while True:
-        mission = random_world(rng, False, False)
-        tasks = tuple(replace(task, duration=int(rng.integers(1, 9))) for task in mission.tasks)
-        mission = with_zones(replace(mission, tasks=tasks, step_limit=0), rng)
-        is_tiny = len(mission.robots) <= ROBOTS and 1 < len(mission.tasks) <= TASKS
-        if is_tiny and rooms_of(mission):
-            return mission
+    return _draw_tiny(
+        number,
+        lambda rng: with_zones(_with_durations(rng), rng),
+        lambda mission: bool(rooms_of(mission)),
+    )
 
 
 def draw_docks(number: int) -> Mission:
     """Draw a tiny mission in steps with loads that are taken up or unloaded in zones."""
-    rng = np.random.default_rng(number)
-    while True:
-        mission = random_world(rng, False, False)
-        tasks = tuple(replace(task, duration=int(rng.integers(1, 9))) for task in mission.tasks)
-        mission = with_docks(with_loads(replace(mission, tasks=tasks), rng), rng)
-        is_tiny = len(mission.robots) <= ROBOTS and 1 < len(mission.tasks) <= TASKS
-        if is_tiny and has_loads_at_zones(mission):
-            return mission
+    return _draw_tiny(
+        number,
+        lambda rng: with_docks(with_loads(_with_durations(rng), rng), rng),
+        has_loads_at_zones,
+    )
 
 
 def draw_charging(number: int) -> Mission:
     """Draw a tiny mission in steps with batteries."""
-    rng = np.random.default_rng(number)
-    while True:
-        try:
-            mission = with_batteries(random_world(rng, False, False), rng)
-        except MissionError:  # there is no charger in some part of the map
-            continue
-        is_tiny = len(mission.robots) <= ROBOTS and 1 < len(mission.tasks) <= TASKS
-        if is_tiny and mission.charging:
-            return mission
+    return _draw_tiny(
+        number,
+        lambda rng: with_batteries(random_world(rng, False, False), rng),
+        lambda mission: mission.charging is not None,
+    )
 
 
 DRAWN_IN_STEPS = {

@@ -7,13 +7,9 @@ from typing import Any
 
 import pytest
 
-from clock_promises import path_length
 from teamformer.files.drawn.named_settings import world_of
-from teamformer.methods.coordinators.shared_plan import SharedPlan
-from teamformer.mission.coordination import Known, Plan
 from teamformer.mission.model import Absence, Mission, Robot, Task
 from teamformer.mission.parts.charging import Battery, Charger
-from teamformer.mission.parts.plane import Plane
 from teamformer.mission.parts.zones import Zone
 from teamformer.planning.continuous.continuous_mission import pose_mission
 from teamformer.planning.continuous.rules import PLANNERS, plan_continuous
@@ -22,8 +18,8 @@ from teamformer.record.record import Record
 from teamformer.record.referee import judge
 from teamformer.record.telling.whole import told_of
 from teamformer.trials.continuous_trial import carry_out
-from teamformer.trials.trial import run_trial
 from teamformer.world.continuous.events import Event
+from zone_runs import InThisOrder, on_a_line, run
 
 A, B = Robot("a", (0.0, 0.0), {"a": 1}), Robot("b", (0.0, 0.0), {"b": 1})
 X = Task("x", (4.0, 0.0), {"a": 1}, duration=6.0)
@@ -32,36 +28,11 @@ Z = Task("z", (9.0, 0.0), {"a": 1}, duration=1.0)
 ZONE = Zone("dock", tasks=("x", "y"))
 
 
-class InThisOrder:
-    """Plans that robots do tasks in an order that is given: it is asked once, and keeps to it."""
-
-    heeds: tuple[str, ...] = ()
-
-    def __init__(self, *rows: tuple[int, tuple[int, ...]]) -> None:
-        self._rows = rows
-
-    def update(self, known: Known, plan: Plan | None) -> Plan:
-        """Return the plan, or what is left of it."""
-        if plan is not None:
-            return plan
-        order, coalitions = zip(*self._rows, strict=True)
-        return Plan(order=order, coalitions=coalitions)
-
-
-def mission(*tasks: Task, robots: tuple[Robot, ...] = (A, B), **more: Any) -> Mission:
+def mission(
+    *tasks: Task, robots: tuple[Robot, ...] = (A, B), zones: tuple[Zone, ...] = (ZONE,), **more: Any
+) -> Mission:
     """Return a mission on a line; everybody walks at speed 1."""
-    zones = more.pop("zones", (ZONE,))
-    given = (("a", "b"), robots, tasks)
-    return Mission("m", Plane(40, 10), *given, time="continuous", zones=zones, **more)
-
-
-def run(given: Mission, coordinator: Any = None) -> Record:
-    """Return the record of a mission, which is legal."""
-    record = run_trial(given, coordinator or SharedPlan()).record
-    assert judge(record).findings == ()
-    if record.end.makespan is not None:
-        assert path_length(record.events) == pytest.approx(record.end.makespan, rel=1e-12)
-    return record
+    return on_a_line(tasks, robots, zones, **more)
 
 
 def served(record: Record) -> list[tuple[str, float, float]]:

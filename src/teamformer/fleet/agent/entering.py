@@ -21,8 +21,9 @@ FRESH = 5.0
 """Seconds for which it holds that somebody was heard to follow a plan."""
 
 LEFT_OUT = 10.0
-"""After a plan has left robots out, nobody begins for so many seconds: those left out may
-still begin by the plan before."""
+"""Seconds in which nobody begins after a plan that leaves robots out.
+
+In them these robots may still begin by the plan before."""
 
 
 class ZoneGate:

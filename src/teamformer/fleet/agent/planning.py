@@ -16,8 +16,9 @@ from teamformer.mission.precedence import keep_precedence
 from teamformer.world.rules.constants import NOBODY
 
 IN_TIME = 0.5
-"""A shift has to be so many seconds longer than its task, or others do the task: robots begin a
-little later than planned."""
+"""Seconds by which a shift has to be longer than a task in it, as robots begin late.
+
+If it is not, the task is for others."""
 
 
 @dataclass(frozen=True)

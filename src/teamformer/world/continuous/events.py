@@ -114,7 +114,7 @@ KINDS = {
     ),
     "done": EventKind(
         ("robots", "task", "place"),
-        "a task is done; of fleets perhaps nobody knows by whom",
+        "a task is done; without `robots` nobody knows by whom, in records of fleets",
         may_lack=("robots",),
     ),
     "broken": EventKind(

@@ -182,7 +182,7 @@ class Vda5050Body:
     def _charge(self) -> None:
         """Have the vehicle begin to charge, or stop, unless it was told so and has answered.
 
-        It is told anew if it has failed to, or if it charges no more and was not told to stop.
+        It is told to charge again if that has failed, or if it has stopped by itself.
         """
         is_wanted, stops_by_itself = self._command.charge, self._stops_by_itself()
         if is_wanted and (stops_by_itself or not self._charges):

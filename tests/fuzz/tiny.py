@@ -1,10 +1,10 @@
 """How much better than the planner's a plan of a tiny mission can be, of all that there are.
 
-`python tests/fuzz/tiny.py continuous 2000 1` draws so many missions in continuous time, and gives
-`central` a second for each; with 0 seconds the default plans. `steps` draws missions in steps,
-`optional` such with optional tasks, of which every plan leaves out others, `zones` such with zones,
-which every plan enters in its order, `docks` such with loads at zones, and `charging` such with
-batteries.
+`PYTHONPATH=tests python tests/fuzz/tiny.py continuous 2000 1` draws so many missions in continuous
+time, and gives `central` a second for each; with 0 seconds the default plans. `steps` draws
+missions in steps, `optional` such with optional tasks, of which every plan leaves out others,
+`zones` such with zones, which every plan enters in its order, `docks` such with loads at zones, and
+`charging` such with batteries.
 """
 
 from __future__ import annotations
